@@ -677,9 +677,9 @@ concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(c
   { B::variable(B::value(a)) } -> std::same_as<typename B::tensor>;
 };
 
-/// A backend with a layout of its own for the weights of linear layers: prepare(weight) keeps the weight (out, in) in it beside the tensor,
-/// which must not change afterwards, and says whether all numbers are finite, which are read anyway.
-/// Laws     `linear` of a prepared weight gives the same bits (tests/unit/tensor/module.cpp)
+/// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in, taps): prepare(weight) keeps
+/// the weight in it beside the tensor, which must not change afterwards, and says whether all numbers are finite, which are read anyway.
+/// Laws     `linear` and `conv1d` of a prepared weight give the same bits (tests/unit/tensor/module.cpp)
 /// Models   EigenBackend<S>, XtensorBackend<S>
 template <class B>
 concept PackingBackend = Backend<B> && requires(const typename B::tensor weight) {
@@ -2292,6 +2292,15 @@ void parallel_ranges(Index count, Index cost, const F& f) {
   parallel_for((count + grain - 1) / grain, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
 }
 
+/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the rows in their order.
+/// Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
+template <class F>
+void parallel_columns(Index rows, Index width, const F& f) {
+  const Index pieces = rows * width < 16384 ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
+  const auto begin = [&](Index i) { return i == pieces ? width : width * i / pieces / 16 * 16; };
+  parallel_for(pieces, [&](Index i) { f(begin(i), begin(i + 1)); });
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
@@ -3893,16 +3902,31 @@ M<typename A::inner> to_inner(const M<A>& model) {
 
 namespace detail {
 
+/// Matrices, and what has the axes of a convolution's weight: (out, in, taps), (out, in, taps, 1).
+template <class B, int R>
+inline constexpr bool has_panels = PackingBackend<B>&& R >= 2 && R <= 4;
+
+/// Whether all numbers of the weight are finite.
+template <Backend B, int R>
+requires has_panels<B, R>
+bool pack_weight(const Tensor<B, R>& w) {
+  if constexpr (R == 4)
+    return B::prepare(B::reshape(w.data(), Shape{w.size(0), w.size(1), w.size(2) * w.size(3)}));
+  else
+    return B::prepare(w.data());
+}
+
 struct PrepareWeights {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
-    if constexpr (R == 2 && PackingBackend<B>) B::prepare(t.data());
+    if constexpr (has_panels<B, R>) pack_weight(t);
   }
 };
 
 }  // namespace detail
 
-/// Makes a model ready for inference: weights of linear layers are packed for the backend's kernels. The model must not
+/// Makes a model ready for inference: weights of linear layers and convolutions are packed for the backend's kernels
+/// (and whatever else has two or three axes). The model must not
 /// be changed afterwards. Nothing happens on backends without such a layout.
 template <Module M>
 void prepare(M& model) {
@@ -4953,6 +4977,26 @@ struct Autodiff {
         },
         x, weight, bias == nullptr ? none : *bias, residual == nullptr ? none : *residual);
   }
+  static tensor conv1d(const tensor& x, const Offsets& before, const Offsets& after, const tensor& weight,
+                       const tensor* bias, Index stride, Index padding, Activation act) requires
+      requires(const Value& v) {
+    B::conv1d_weight_vjp(v, before, after, stride, stride, padding, v);
+    B::conv1d_input_vjp(v, before, after, stride, padding, v);
+    B::column_sums(v);
+  }
+  {
+    if (act != Activation::none)
+      return activate(conv1d(x, before, after, weight, bias, stride, padding, Activation::none), act);
+    return record(
+        B::conv1d(x.value, before, after, weight.value, bias == nullptr ? nullptr : &bias->value, stride, padding, act),
+        [x = Operand(weight, x), w = value_for(x, weight), taps = shape(weight)[2], before, after, stride, padding](
+            const Value& g, const Sink& s) {
+          if (s.needs(0)) s.add(0, B::conv1d_input_vjp(w, before, after, stride, padding, g));
+          if (s.needs(1)) s.add(1, B::conv1d_weight_vjp(x.value(), before, after, taps, stride, padding, g));
+          if (s.needs(2)) s.add(2, B::column_sums(g));
+        },
+        x, weight, bias == nullptr ? tensor{} : *bias);
+  }
   static tensor layer_norm(const tensor& x, const tensor& weight, const tensor& bias, double eps) requires
       requires(const Value& v) {
     B::layer_norm_vjp(v, v, eps, v);
@@ -5316,9 +5360,9 @@ struct DenseOps {
     s[axis] = last - first;
     tensor out(s);
     const Index outer = s.count(0, axis), inner = s.count(axis + 1, s.rank()), size = a.shape()[axis];
-    for (Index i = 0; i < outer; ++i) {
-      copy(a.data() + (i * size + first) * inner, (last - first) * inner, out.data() + i * (last - first) * inner);
-    }
+    copy_pieces(
+        outer, (last - first) * inner, [&](Index i) { return a.data() + (i * size + first) * inner; },
+        [&](Index i) { return out.data() + i * (last - first) * inner; });
     return out;
   }
   static tensor concat(std::span<const tensor> list, int axis) {
@@ -5330,7 +5374,9 @@ struct DenseOps {
     Index at = 0;
     for (const tensor& t : list) {
       const Index n = t.shape()[axis] * inner;
-      for (Index i = 0; i < outer; ++i) copy(t.data() + i * n, n, out.data() + i * s[axis] * inner + at);
+      copy_pieces(
+          outer, n, [&](Index i) { return t.data() + i * n; },
+          [&](Index i) { return out.data() + i * s[axis] * inner + at; });
       at += n;
     }
     return out;
@@ -5341,8 +5387,9 @@ struct DenseOps {
     const Index inner = s.count(1, s.rank());
     s[0] = static_cast<Index>(rows.size());
     tensor out(s);
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      copy(a.data() + rows[i] * inner, inner, out.data() + static_cast<Index>(i) * inner);
+    copy_pieces(
+        s[0], inner, [&](Index i) { return a.data() + rows[static_cast<std::size_t>(i)] * inner; },
+        [&](Index i) { return out.data() + i * inner; });
     return out;
   }
   // out[rows[i]] += a[i], starting from n rows of zeros; in the order of i
@@ -5351,19 +5398,27 @@ struct DenseOps {
     const Index inner = s.count(1, s.rank());
     s[0] = n;
     tensor out = full(s, S(0));
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      const S* from = a.data() + static_cast<Index>(i) * inner;
-      S* to = out.data() + rows[i] * inner;
-      for (Index j = 0; j < inner; ++j) to[j] += from[j];
-    }
+    parallel_columns(static_cast<Index>(rows.size()), inner, [&](Index first, Index last) {
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const S* from = a.data() + static_cast<Index>(i) * inner;
+        S* to = out.data() + rows[i] * inner;
+        for (Index j = first; j < last; ++j) to[j] += from[j];
+      }
+    });
     return out;
   }
 
  protected:
   using Strides = std::array<Index, Shape::max_rank>;
 
-  static void copy(const S* from, Index n, S* to) {
-    if (n > 0) std::memcpy(to, from, static_cast<std::size_t>(n) * sizeof(S));
+  /// For i = 0 ... count-1: n numbers of from(i) to to(i).
+  template <class From, class To>
+  static void copy_pieces(Index count, Index n, const From& from, const To& to) {
+    if (n == 0) return;
+    const auto bytes = static_cast<std::size_t>(n) * sizeof(S);
+    parallel_ranges(count, n, [&](Index first, Index last) {
+      for (Index i = first; i < last; ++i) std::memcpy(to(i), from(i), bytes);
+    });
   }
   static Strides strides_of(const Shape& s) {
     Strides stride{};
@@ -5384,26 +5439,67 @@ struct DenseOps {
     }
     return stride;
   }
-  /// Calls f(position in the output, offset in the input) for every element of `s`, the last axis fastest.
-  template <class F>
-  static void for_each(const Shape& s, const Strides& stride, F f) {
-    std::array<Index, Shape::max_rank> at{};
-    Index offset = 0;
-    for (Index i = 0, n = s.count(); i < n; ++i) {
-      f(i, offset);
-      for (int axis = s.rank() - 1; axis >= 0; --axis) {
-        const auto x = static_cast<std::size_t>(axis);
-        offset += stride[x];
-        if (++at[x] < s[axis]) break;
-        offset -= at[x] * stride[x];
-        at[x] = 0;
-      }
-    }
-  }
+  /// An axis of a copy: its size, and how far one step along it goes in the input and in the output.
+  struct Axis {
+    Index size = 1, in = 1, out = 1;
+  };
+  /// out[i_0, i_1, ...] = a's memory at sum i_k stride_k, line by line along the last axis. Where these lines jump through the memory of a, and
+  /// those along another axis do not, some lines are made at once: a line of the cache serves all of them.
   static tensor strided_copy(const tensor& a, const Shape& s, const Strides& stride) {
     tensor out(s);
-    for_each(s, stride, [&, from = a.data(), to = out.data()](Index i, Index offset) { to[i] = from[offset]; });
+    if (s.count() == 0) return out;
+    std::array<Axis, Shape::max_rank> axes;  // from the last to the first, those that are one to the memory joined
+    int count = 0;
+    const auto own = strides_of(s);
+    for (int i = s.rank() - 1; i >= 0; --i) {
+      const auto x = static_cast<std::size_t>(i);
+      if (s[i] == 1) continue;
+      Axis* const before = count == 0 ? nullptr : &axes[static_cast<std::size_t>(count - 1)];
+      if (before != nullptr && stride[x] == before->in * before->size)
+        before->size *= s[i];
+      else
+        axes[static_cast<std::size_t>(count++)] = {s[i], stride[x], own[x]};
+    }
+    const Axis line = axes[0];
+    std::size_t beside = 0;
+    for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) {
+      if (line.in > 1 && axes[i].in == 1) beside = i;
+    }
+    constexpr Index at_once = 8;
+    const Index group = beside == 0 ? 1 : at_once;
+    const auto groups = [&](std::size_t i) { return i == beside ? (axes[i].size + group - 1) / group : axes[i].size; };
+    Index total = 1;
+    for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) total *= groups(i);
+
+    parallel_ranges(total, group * line.size, [&](Index first, Index last) {
+      std::array<Index, Shape::max_rank> at{};
+      Index rest = first;
+      for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) at[i] = rest % groups(i), rest /= groups(i);
+      for (Index g = first; g < last; ++g) {
+        const S* from = a.data();
+        S* to = out.data();
+        for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) {
+          const Index place = i == beside ? at[i] * group : at[i];
+          from += place * axes[i].in, to += place * axes[i].out;
+        }
+        const Index lines = beside == 0 ? 1 : std::min(group, axes[beside].size - at[beside] * group);
+        copy_lines(from, line.in, line.size, to, lines, axes[beside].out);
+        for (std::size_t i = 1; i < static_cast<std::size_t>(count) && ++at[i] == groups(i); ++i) at[i] = 0;
+      }
+    });
     return out;
+  }
+  /// Line l of n numbers:  to[l * pitch + i] = from[l + i * step]. Several lines only where step > 1.
+  static void copy_lines(const S* from, Index step, Index n, S* to, Index lines, Index pitch) {
+    if (step == 1) {
+      std::memcpy(to, from, static_cast<std::size_t>(n) * sizeof(S));
+    } else if (step == 0) {
+      std::fill_n(to, n, *from);
+    } else {
+      for (Index i = 0; i < n; ++i, from += step) {
+        for (Index l = 0; l < lines; ++l) to[l * pitch + i] = from[l];
+      }
+    }
   }
 };
 
@@ -9548,7 +9644,7 @@ struct BatchNorm {
     follow(statistics.running_mean, m, momentum);
     follow(statistics.running_var, v, momentum, n / (n - 1));
     statistics.num_batches_tracked = statistics.num_batches_tracked + 1.0;
-    return centred / sqrt(v + eps) * weight + bias;
+    return centred * (weight / sqrt(v + eps)) + bias;
   }
 
  private:
@@ -9710,12 +9806,11 @@ struct GruLayer {
     const Index n = hidden();
     Tensor<B, 2> h = h0;
     std::vector<Tensor<B, 2>> out;
-    for (const auto& step : x) {
-      if (step.size(0) < h.size(0)) h = slice(h, 0, 0, step.size(0));
-      const auto i = linear(step, weight_ih, &bias_ih), g = linear(h, weight_hh, &bias_hh);
-      auto sigmoid = [](const Tensor<B, 2>& t) { return 1.0 / (exp(-t) + 1.0); };
-      const auto r = sigmoid(slice(i, 1, 0, n) + slice(g, 1, 0, n));
-      const auto z = sigmoid(slice(i, 1, n, 2 * n) + slice(g, 1, n, 2 * n));
+    for (const auto& i : read(x)) {
+      if (i.size(0) < h.size(0)) h = slice(h, 0, 0, i.size(0));
+      const auto g = linear(h, weight_hh, &bias_hh);
+      const auto gates = 1.0 / (exp(-(slice(i, 1, 0, 2 * n) + slice(g, 1, 0, 2 * n))) + 1.0);
+      const auto r = slice(gates, 1, 0, n), z = slice(gates, 1, n, 2 * n);
       const auto candidate = tanh(slice(i, 1, 2 * n, 3 * n) + r * slice(g, 1, 2 * n, 3 * n));
       h = (1.0 - z) * candidate + z * h;
       out.push_back(h);
@@ -9730,6 +9825,24 @@ struct GruLayer {
     const detail::TimeSteps<B> time(x, backwards);
     if (time.steps.empty()) return x.with(Tensor<B, 2>::zeros({0, hidden()}));
     return x.with(time.packed((*this)(time.steps, gather(h0, time.order))));
+  }
+
+ private:
+  /// W_i x + b_i of all gates for each step, by one product of all steps: weights are read once. Not on a tape, where the gradient of each
+  /// step would be one of all rows.
+  std::vector<Tensor<B, 2>> read(const std::vector<Tensor<B, 2>>& x) const {
+    std::vector<Tensor<B, 2>> out;
+    if (AutodiffBackend<B> || x.size() < 2) {
+      for (const auto& step : x) out.push_back(linear(step, weight_ih, &bias_ih));
+      return out;
+    }
+    const auto all = linear(concat(std::span<const Tensor<B, 2>>(x), 0), weight_ih, &bias_ih);
+    Index at = 0;
+    for (const auto& step : x) {
+      out.push_back(slice(all, 0, at, at + step.size(0)));
+      at += step.size(0);
+    }
+    return out;
   }
 };
 
@@ -9988,20 +10101,33 @@ inline Index conv1d_length(Index n, Index kernel, const Conv1dOptions& o) {
 
 ///     y[t] = act(bias + sum_j W[:, :, j] x[t stride + j dilation - padding]),   x = 0 outside of its sequence
 /// x packed (rows, in), weight (out, in, kernel), bias (out) or null -> packed (rows', out). Every sequence is convolved by itself.
-/// Source  PyTorch's Conv1d, which correlates. One product of all windows with all weights.
+/// Source  PyTorch's Conv1d, which correlates. One product of all windows with all weights; a backend with a `conv1d` of its own need not
+///         write the windows down.
 /// Throws  shape_error 201, 204, 205, config_error 101
 template <Backend B>
 Sequences<B> conv1d(const Sequences<B>& x, const Tensor<B, 3>& weight, const Tensor<B, 1>* bias,
                     const Conv1dOptions& o = {}, Activation act = Activation::none) {
   const Index in = weight.size(1), kernel = weight.size(2), outside = x.offsets.rows();
   if (x.width() != in) raise<shape_error>(201, "conv1d: input ", x.rows.shape(), ", weight ", weight.shape());
-  const auto matrix = reshape<2>(permute(weight, {0, 2, 1}), {weight.size(0), kernel * in});
-  if (kernel == 1 && o == Conv1dOptions{}) return x.with(linear(x.rows, matrix, bias, act));
-  PoolVector<Index> lengths, pick;
+  if (bias != nullptr && bias->size(0) != weight.size(0))
+    raise<shape_error>(204, "conv1d: bias ", bias->shape(), " for weight ", weight.shape());
+  if (kernel == 1 && o == Conv1dOptions{})
+    return x.with(linear(x.rows, reshape<2>(weight, {weight.size(0), in}), bias, act));
+  PoolVector<Index> lengths;
+  for (Index s = 0; s < x.count(); ++s) lengths.push_back(conv1d_length(x.offsets.length(s), kernel, o));
+  const Offsets offsets{std::span<const Index>(lengths)};
+  using T = const typename B::tensor*;
+  if constexpr (requires { B::conv1d(x.rows.data(), offsets, offsets, weight.data(), T{}, in, in, act); }) {
+    if (o.dilation == 1) {
+      return {Tensor<B, 2>(B::conv1d(x.rows.data(), x.offsets, offsets, weight.data(),
+                                     bias == nullptr ? nullptr : &bias->data(), o.stride, o.padding, act)),
+              offsets};
+    }
+  }
+  PoolVector<Index> pick;
   for (Index s = 0; s < x.count(); ++s) {
-    const Index n = x.offsets.length(s), after = conv1d_length(n, kernel, o);
-    lengths.push_back(after);
-    for (Index t = 0; t < after; ++t) {
+    const Index n = x.offsets.length(s);
+    for (Index t = 0; t < offsets.length(s); ++t) {
       for (Index j = 0; j < kernel; ++j) {
         const Index at = t * o.stride + j * o.dilation - o.padding;
         pick.push_back(at < 0 || at >= n ? outside : x.offsets.begin(s) + at);
@@ -10009,8 +10135,9 @@ Sequences<B> conv1d(const Sequences<B>& x, const Tensor<B, 3>& weight, const Ten
     }
   }
   const auto padded = o.padding == 0 ? x.rows : concat(0, x.rows, Tensor<B, 2>::zeros({1, in}));
-  const Offsets offsets{std::span<const Index>(lengths)};
-  return {linear(reshape<2>(gather(padded, pick), {offsets.rows(), kernel * in}), matrix, bias, act), offsets};
+  const auto windows = reshape<2>(gather(padded, pick), {offsets.rows(), kernel * in});
+  const auto matrix = reshape<2>(permute(weight, {0, 2, 1}), {weight.size(0), kernel * in});
+  return {linear(windows, matrix, bias, act), offsets};
 }
 
 template <Backend B>
@@ -10623,18 +10750,17 @@ Tensor<B, 2> linear_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, cons
                               const Offsets& q_offsets, const Offsets& k_offsets, Index heads) {
   detail::check_attention(q, k, v, q_offsets, k_offsets, {.heads = heads});
   const Index d = q.size(1), width = d / heads;
+  const auto by_head = [&](const Tensor<B, 2>& rows) {
+    return permute(reshape<3>(rows, {rows.size(0), heads, width}), {1, 0, 2});
+  };
   const auto channels = reshape<2>(softmax(reshape<2>(q, {q.size(0) * heads, width})), {q.size(0), d});
   PoolVector<Tensor<B, 2>> sequences;
   for (Index s = 0; s < q_offsets.count(); ++s) {
     const auto qs = slice(channels, 0, q_offsets.begin(s), q_offsets.end(s));
-    const auto kt = softmax(transpose(slice(k, 0, k_offsets.begin(s), k_offsets.end(s))));  // (width, time)
+    const auto ks = softmax(transpose(slice(k, 0, k_offsets.begin(s), k_offsets.end(s))));  // (d, time)
     const auto vs = slice(v, 0, k_offsets.begin(s), k_offsets.end(s));
-    PoolVector<Tensor<B, 2>> parts;
-    for (Index h = 0; h < heads; ++h) {
-      const auto a = matmul(slice(kt, 0, h * width, (h + 1) * width), slice(vs, 1, h * width, (h + 1) * width));
-      parts.push_back(matmul(slice(qs, 1, h * width, (h + 1) * width), a));
-    }
-    sequences.push_back(concat(std::span<const Tensor<B, 2>>(parts), 1));
+    const auto a = matmul(reshape<3>(ks, {heads, width, k_offsets.length(s)}), by_head(vs));  // (heads, width, width)
+    sequences.push_back(reshape<2>(permute(matmul(by_head(qs), a), {1, 0, 2}), {q_offsets.length(s), d}));
   }
   return sequences.empty() ? q : concat(std::span<const Tensor<B, 2>>(sequences), 0);
 }
@@ -17521,12 +17647,14 @@ struct StylizationBlock {
   StylizationBlock(Index width, Index time_width, Rng auto& rng)
       : emb_layer(time_width, 2 * width, rng), out_layer(width, width, rng), norm(width) {}
 
-  /// h (rows, width), emb (sequences, time width)
-  Tensor<B, 2> operator()(const Tensor<B, 2>& h, const Tensor<B, 2>& emb, const Offsets& offsets) const {
+  /// h and x (rows, width), emb (sequences, time width): x with what is made of h added
+  Tensor<B, 2> operator()(const Tensor<B, 2>& h, const Tensor<B, 2>& emb, const Offsets& offsets,
+                          const Tensor<B, 2>& x) const {
     const Index d = h.size(1);
-    const auto modulation = repeat_for_rows(emb_layer(activate(emb, Activation::silu)), offsets);
-    const auto y = norm(h) * (slice(modulation, 1, 0, d) + 1.0) + slice(modulation, 1, d, 2 * d);
-    return out_layer(activate(y, Activation::silu));
+    const auto modulation = emb_layer(activate(emb, Activation::silu));
+    const auto scale = repeat_for_rows(slice(modulation, 1, 0, d) + 1.0, offsets);
+    const auto shift = repeat_for_rows(slice(modulation, 1, d, 2 * d), offsets);
+    return out_layer(activate(norm(h) * scale + shift, Activation::silu), Activation::none, &x);
   }
 };
 
@@ -17564,7 +17692,7 @@ struct MotionDiffuseAttention {
     const auto q = query(n), k = key(source), v = value(source);
     const auto y = no_eff ? attention(q, k, v, x.offsets, keys, {.heads = heads})
                           : linear_attention(q, k, v, x.offsets, keys, heads);
-    return x.rows + proj_out(y, emb, x.offsets);
+    return proj_out(y, emb, x.offsets, x.rows);
   }
 };
 
@@ -17578,7 +17706,7 @@ struct MotionDiffuseFeedForward {
     return motionlang::fields("linear1", &M::linear1, "linear2", &M::linear2, "proj_out", &M::proj_out);
   }
   Tensor<B, 2> operator()(const Sequences<B>& x, const Tensor<B, 2>& emb) const {
-    return x.rows + proj_out(linear2(linear1(x.rows, Activation::gelu)), emb, x.offsets);
+    return proj_out(linear2(linear1(x.rows, Activation::gelu)), emb, x.offsets, x.rows);
   }
 };
 
@@ -34144,11 +34272,19 @@ struct KernelOps {
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
-  /// Packs a weight (out, in) once; `linear` then uses the packed form. For inference: the weight must not change
-  /// afterwards. Returns whether all its numbers are finite: they are read anyway.
+  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed form. For inference:
+  /// the weight must not change afterwards. Returns whether all its numbers are finite: they are read anyway.
   static bool prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
+
+  /// nn/conv1d.hpp, without dilation. The sequences of x lie in it by `before`, those of the result by `after`.
+  static Dense<S> conv1d(const Dense<S>& x, const Offsets& before, const Offsets& after, const Dense<S>& weight,
+                         const Dense<S>* bias, Index stride, Index padding, Activation act);
+  static Dense<S> conv1d_weight_vjp(const Dense<S>& x, const Offsets& before, const Offsets& after, Index taps,
+                                    Index stride, Index padding, const Dense<S>& dy);
+  static Dense<S> conv1d_input_vjp(const Dense<S>& weight, const Offsets& before, const Offsets& after, Index stride,
+                                   Index padding, const Dense<S>& dy);
 
   static Dense<S> activate(const Dense<S>& x, Activation act, const Dropout& drop = {});
   static Dense<S> activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act, const Dropout& drop = {});
@@ -34231,9 +34367,10 @@ struct Panels {
 /// the place is known, for the cache: they may be gone.
 template <class S>
 struct PreparedPanels {
-  explicit PreparedPanels(Panels<S> p) : panels(std::move(p)) {}
+  PreparedPanels(Panels<S> p, Index t) : panels(std::move(p)), taps(t) {}
 
   Panels<S> panels;
+  Index taps;  // of a convolution's weight
   mutable std::atomic<const std::byte*> next{nullptr};
   mutable std::atomic<Index> next_bytes{0};
 };
@@ -34246,15 +34383,19 @@ Precision precision_of() {
   return std::is_same_v<S, float> ? product_precision() : Precision::fp32;
 }
 
+/// Room for a matrix, packed.
+template <class S>
+Panels<S> panels_for(Index k, Index n, Precision precision) {
+  Panels<S> p{k, n, precision == Precision::bf16 ? nullptr : &kernels<S>(), {}};
+  p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
+  return p;
+}
 /// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite`, for a
 /// transposed B (stride_k is 1), becomes false if a number is not.
 template <class S>
-Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride_n,
-                      Precision precision = Precision::fp32, std::atomic<bool>* finite = nullptr) {
-  const Kernels<S>& kernel = kernels<S>();
-  const bool bf16 = precision == Precision::bf16;
-  Panels<S> p{k, n, bf16 ? nullptr : &kernel, {}};
-  p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
+void pack_into(Panels<S>& p, const S* b, Index stride_k, Index stride_n, std::atomic<bool>* finite = nullptr) {
+  const Index k = p.k, n = p.n;
+  const bool bf16 = p.kernels == nullptr;
   // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B. A column is both, but only
   // as transposed is it looked at.
   const bool as_it_lies = stride_n == 1 && finite == nullptr;
@@ -34273,27 +34414,62 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
   if constexpr (std::is_same_v<S, float>) {
     if (bf16) {
       pack(*current_bf16_kernels(), static_cast<std::uint16_t*>(p.memory.data()));
-      return p;
+      return;
     }
   }
-  pack(kernel, static_cast<S*>(p.memory.data()));
+  pack(*p.kernels, static_cast<S*>(p.memory.data()));
+}
+template <class S>
+Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride_n,
+                      Precision precision = Precision::fp32, std::atomic<bool>* finite = nullptr) {
+  auto p = panels_for<S>(k, n, precision);
+  pack_into(p, b, stride_k, stride_n, finite);
   return p;
 }
 
-/// Calls block(r0, r1, j0, j1, scratch) for parts of a product of so many rows and panels.
-template <class S, class F>
-void for_blocks(Index rows, Index panels, Index rows_at_once, bool small, Index scratch_count, const F& block) {
-  const Index threads = small ? 1 : parallel_width(), blocks = threads == 1 ? 1 : parts(rows, rows_at_once);
+/// Whether a product of m x k and k x n is split.
+inline bool worth_threads(Index m, Index n, Index k) { return m * n * k >= 100'000; }
+
+/// The kernels whose panels are wanted of weights; none: bfloat16.
+template <class S>
+const Kernels<S>* wanted_kernels() {
+  return precision_of<S>() == Precision::bf16 ? nullptr : &kernels<S>();
+}
+/// What was prepared of a weight, if it is what is wanted now.
+template <class S>
+const PreparedPanels<S>* prepared_panels(const Dense<S>& weight, Index n, Index k, Index taps) {
+  const auto* p = static_cast<const PreparedPanels<S>*>(weight.attached());
+  const bool fits = p != nullptr && p->panels.kernels == wanted_kernels<S>() && p->panels.n == n && p->panels.k == k &&
+                    p->taps == taps;
+  return fits ? p : nullptr;
+}
+/// The weight (out, in, taps) of a convolution as the matrix (out, taps in) that windows of rows are multiplied with.
+template <class S>
+Dense<S> window_matrix(const Dense<S>& weight) {
+  const std::array axes{0, 2, 1};
+  return DenseOps<S>::permute(weight, axes).reshaped(Shape{weight.shape()[0], weight.shape()[1] * weight.shape()[2]});
+}
+
+/// Scratch of products with such panels.
+template <class S>
+Scratch<S> gemm_scratch(const Panels<S>& p) {
+  if constexpr (std::is_same_v<S, float>) {
+    if (p.kernels == nullptr) return Scratch<S>(current_bf16_kernels()->gemm_scratch(p.k));
+  }
+  return Scratch<S>(kernels<S>().gemm_scratch(p.k));
+}
+/// Calls block(r0, r1, j0, j1) for parts of a product of so many rows and panels.
+template <class F>
+void for_blocks(Index rows, Index panels, Index rows_at_once, bool split, const F& block) {
+  const Index threads = split ? parallel_width() : 1, blocks = threads == 1 ? 1 : parts(rows, rows_at_once);
   // As many for every thread; fewer rows than fill a block are shared as long as each thread has some tiles of them.
   const Index row_parts = blocks > threads                       ? parts(blocks, threads) * threads
                           : rows >= threads * (rows_at_once / 4) ? threads
                                                                  : blocks;
   const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(threads, row_parts));
-  const Scratch<S> scratch(scratch_count);
   parallel_for(row_parts * panel_parts, [&](Index task) {
     const Index r = task / panel_parts, j = task % panel_parts;
-    block(rows * r / row_parts, rows * (r + 1) / row_parts, panels * j / panel_parts, panels * (j + 1) / panel_parts,
-          scratch.mine());
+    block(rows * r / row_parts, rows * (r + 1) / row_parts, panels * j / panel_parts, panels * (j + 1) / panel_parts);
   });
 }
 
@@ -34303,28 +34479,96 @@ struct NothingBehind {
 };
 /// g with the right-hand side `p`; then behind(r0, r1, c0, c1) for every thread's blocks of rows and columns, by that thread.
 template <class S, class F = NothingBehind>
-void run_gemm(Gemm<S> g, const Panels<S>& p, const F& behind = {}) {
+void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F& behind = {}) {
   if (g.m == 0 || g.n == 0) return;
-  const bool small = g.m * g.n * g.k < 100'000;
+  const bool split = worth_threads(g.m, g.n, g.k);
   const Index width = p.width();
+  const auto run = [&](Index rows_at_once, const auto& multiply) {
+    for_blocks(g.m, p.count(), rows_at_once, split, [&](Index r0, Index r1, Index j0, Index j1) {
+      multiply(r0, r1, j0, j1);
+      behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
+    });
+  };
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) {
       const Bf16Kernels& kernel = *current_bf16_kernels();
-      for_blocks<S>(g.m, p.count(), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
-                    [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
-                      kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch);
-                      behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
-                    });
+      run(kernel.gemm_rows(g.k), [&](Index r0, Index r1, Index j0, Index j1) {
+        kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch.mine());
+      });
       return;
     }
   }
   const Kernels<S>& kernel = kernels<S>();
   g.panels = p.data();
-  for_blocks<S>(g.m, p.count(), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
-                [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
-                  kernel.gemm_block(g, r0, r1, j0, j1, scratch);
-                  behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
-                });
+  run(kernel.gemm_rows(g.k),
+      [&](Index r0, Index r1, Index j0, Index j1) { kernel.gemm_block(g, r0, r1, j0, j1, scratch.mine()); });
+}
+
+/// How many of `count` products of m x k and k x n are made by one thread each: as long as there is one for every thread. The rest is made by
+/// all of them, one after the other.
+inline Index products_apart(Index count, Index m, Index n, Index k) {
+  return worth_threads(count * m, n, k) ? count - count % parallel_width() : 0;
+}
+/// product(i) for 0 ... count-1.
+template <class F>
+void for_products(Index count, Index apart, const F& product) {
+  parallel_for(apart, product);
+  for (Index i = apart; i < count; ++i) product(i);
+}
+
+/// Packed sequences with rows of zeros at both ends of each. The windows of such a sequence lie in memory as the rows of a matrix do, but
+/// overlap.
+template <class S>
+struct WithMargins {
+  const Offsets& inside;
+  Index margin, width;
+  Dense<S> rows;
+
+  WithMargins(const Dense<S>& x, const Offsets& o, Index m) : inside(o), margin(m), width(x.shape()[1]), rows(x) {
+    if (margin == 0) return;
+    rows = Dense<S>(Shape{inside.rows() + 2 * margin * inside.count(), width});
+    parallel_ranges(inside.count(), inside.longest() * width, [&](Index first, Index last) {
+      for (Index s = first; s < last; ++s) {
+        S* to = std::fill_n(rows.data() + at(s), margin * width, S(0));
+        to = std::copy_n(x.data() + inside.begin(s) * width, inside.length(s) * width, to);
+        std::fill_n(to, margin * width, S(0));
+      }
+    });
+  }
+  /// Place among all numbers where sequence s begins, with its margin.
+  Index at(Index s) const { return (inside.begin(s) + 2 * margin * s) * width; }
+};
+
+/// f(place of a window's first number, its row among all windows) for every window of `size` numbers; those of a sequence by one thread.
+template <class S, class F>
+void for_windows(const WithMargins<S>& margins, const Offsets& windows, Index stride, Index size, const F& f) {
+  parallel_ranges(windows.count(), windows.longest() * size, [&](Index first, Index last) {
+    for (Index s = first; s < last; ++s) {
+      for (Index t = 0; t < windows.length(s); ++t) f(margins.at(s) + t * stride * margins.width, windows.begin(s) + t);
+    }
+  });
+}
+
+/// Windows of x times a matrix (taps in, n), sequence by sequence.
+template <class S>
+Dense<S> convolve(const Dense<S>& x, const Offsets& before, const Offsets& after, const Panels<S>& matrix,
+                  const S* bias, Index stride, Index padding, Activation act) {
+  const WithMargins<S> margins(x, before, padding);
+  Dense<S> y(Shape{after.rows(), matrix.n});
+  const Scratch<S> scratch = gemm_scratch(matrix);
+  for_products(after.count(), products_apart(after.count(), after.longest(), matrix.n, matrix.k), [&](Index s) {
+    run_gemm(Gemm<S>{.m = after.length(s),
+                     .n = matrix.n,
+                     .k = matrix.k,
+                     .a = margins.rows.data() + margins.at(s),
+                     .lda = stride * margins.width,
+                     .c = y.data() + after.begin(s) * matrix.n,
+                     .ldc = matrix.n,
+                     .bias = bias,
+                     .act = act},
+             matrix, scratch);
+  });
+  return y;
 }
 
 template <class S>
@@ -34370,7 +34614,8 @@ Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bi
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto panels = pack_panels(x.data(), k, m, Index{1}, k);
   Dense<S> z(Shape{n, m}), y(Shape{m, n});
-  run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .c = z.data(), .ldc = m}, panels);
+  run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .c = z.data(), .ldc = m}, panels,
+           gemm_scratch(panels));
   const Transposed<S> t{
       .z = z.data(), .bias = bias, .residual = residual, .rows = m, .width = n, .act = act, .y = y.data()};
   constexpr Index columns = 64;
@@ -34412,9 +34657,14 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
   s[r - 2] = m;
   s[r - 1] = n;
   Dense<S> out(s);
-  for (Index i = 0; i < s.count(0, r - 2); ++i) {
-    const auto panels = detail::pack_panels(b.data() + i * k * n, k, n, transpose_b ? 1 : n, transpose_b ? k : 1,
-                                            detail::precision_of<S>());
+  const Index count = s.count(0, r - 2), apart = detail::products_apart(count, m, n, k);
+  PoolVector<detail::Panels<S>> rooms;  // one for every thread that packs
+  for (int i = 0; i < (apart > 0 ? parallel_width() : 1); ++i)
+    rooms.push_back(detail::panels_for<S>(k, n, detail::precision_of<S>()));
+  const auto scratch = detail::gemm_scratch(rooms[0]);
+  detail::for_products(count, apart, [&](Index i) {
+    auto& panels = rooms[rooms.size() == 1 ? 0 : static_cast<std::size_t>(thread_number())];
+    detail::pack_into(panels, b.data() + i * k * n, transpose_b ? 1 : n, transpose_b ? k : 1);
     detail::run_gemm(detail::Gemm<S>{.m = m,
                                      .n = n,
                                      .k = k,
@@ -34423,8 +34673,8 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
                                      .a_transposed = transpose_a,
                                      .c = out.data() + i * m * n,
                                      .ldc = n},
-                     panels);
-  }
+                     panels, scratch);
+  });
   return out;
 }
 
@@ -34435,11 +34685,13 @@ Index KernelOps<S>::rows_in_cache() {
 
 template <Scalar S>
 bool KernelOps<S>::prepare(const Dense<S>& weight) {
-  const Index n = weight.shape()[0], k = weight.shape()[1];
+  const Index taps = weight.shape().rank() == 3 ? weight.shape()[2] : 1;
+  const Dense<S> matrix = taps > 1 ? detail::window_matrix(weight) : weight;
+  const Index n = weight.shape()[0], k = taps * weight.shape()[1];
   std::atomic<bool> finite{true};
   auto& before = thread_object<std::weak_ptr<const detail::PreparedPanels<S>>>();
   const auto prepared = std::make_shared<const detail::PreparedPanels<S>>(
-      detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>(), &finite));
+      detail::pack_panels(matrix.data(), k, n, Index{1}, k, detail::precision_of<S>(), &finite), taps);
   if (const auto last = before.lock()) {
     last->next_bytes = prepared->panels.bytes();
     last->next = static_cast<const std::byte*>(prepared->panels.memory.data());
@@ -34453,13 +34705,11 @@ template <Scalar S>
 Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                               const Dense<S>* residual, const Dropout& drop) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
-  const auto* prepared = static_cast<const detail::PreparedPanels<S>*>(weight.attached());
+  const auto* prepared = detail::prepared_panels(weight, n, k, 1);
   const auto* ready = prepared == nullptr ? nullptr : &prepared->panels;
   // The kernel applies the nonlinearity after everything, and knows no dropout.
   const bool last = drop.p == 0 && (residual == nullptr || act == Activation::none);
   detail::Panels<S> packed;
-  const Precision precision = detail::precision_of<S>();
-  const detail::Kernels<S>* wanted = precision == Precision::bf16 ? nullptr : &detail::kernels<S>();
   Dense<S> y;
   const auto finish = [&](Index first, Index count) {
     const detail::Kernels<S>& kernel = detail::kernels<S>();
@@ -34473,14 +34723,15 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
     if (c1 - c0 == n) return detail::pieces_of(r0 * n, r1 * n, finish);
     for (Index r = r0; r < r1; ++r) finish(r * n + c0, c1 - c0);
   };
-  if (ready == nullptr || ready->kernels != wanted || ready->n != n || ready->k != k) {
-    if (wanted != nullptr && m > 0 && m * (n + k) < n * k) {  // x and y are smaller than the weight
+  if (ready == nullptr) {
+    if (detail::wanted_kernels<S>() != nullptr && m > 0 &&
+        m * (n + k) < n * k) {  // x and y are smaller than the weight
       y = detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
                                    residual == nullptr || !last ? nullptr : residual->data());
       behind(0, m, 0, n);
       return y;
     }
-    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, precision);
+    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>());
     ready = &packed;
   }
   y = Dense<S>(Shape{m, n});
@@ -34498,8 +34749,63 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
                       .act = act,
                       .after = ready == &packed ? nullptr : prepared->next.load(std::memory_order_relaxed),
                       .after_bytes = ready == &packed ? 0 : prepared->next_bytes.load(std::memory_order_relaxed)},
-      *ready, behind);
+      *ready, detail::gemm_scratch(*ready), behind);
   return y;
+}
+
+template <Scalar S>
+Dense<S> KernelOps<S>::conv1d(const Dense<S>& x, const Offsets& before, const Offsets& after, const Dense<S>& weight,
+                              const Dense<S>* bias, Index stride, Index padding, Activation act) {
+  const Index n = weight.shape()[0], taps = weight.shape()[2], k = taps * weight.shape()[1];
+  const auto* prepared = detail::prepared_panels(weight, n, k, taps);
+  detail::Panels<S> packed;
+  if (prepared == nullptr)
+    packed = detail::pack_panels(detail::window_matrix(weight).data(), k, n, Index{1}, k, detail::precision_of<S>());
+  return detail::convolve(x, before, after, prepared == nullptr ? packed : prepared->panels,
+                          bias == nullptr ? nullptr : bias->data(), stride, padding, act);
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::conv1d_weight_vjp(const Dense<S>& x, const Offsets& before, const Offsets& after, Index taps,
+                                         Index stride, Index padding, const Dense<S>& dy) {
+  const Index n = dy.shape()[1], in = x.shape()[1];
+  const detail::WithMargins<S> margins(x, before, padding);
+  Dense<S> windows(Shape{after.rows(), taps * in});
+  detail::for_windows(margins, after, stride, taps * in, [&](Index from, Index row) {
+    std::copy_n(margins.rows.data() + from, taps * in, windows.data() + row * taps * in);
+  });
+  const std::array axes{0, 2, 1};
+  return DenseOps<S>::permute(matmul(dy, windows, true, false).reshaped(Shape{n, taps, in}), axes);
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::conv1d_input_vjp(const Dense<S>& weight, const Offsets& before, const Offsets& after,
+                                        Index stride, Index padding, const Dense<S>& dy) {
+  const Index n = weight.shape()[0], in = weight.shape()[1], taps = weight.shape()[2];
+  if (stride == 1 && padding < taps) {  // a convolution, too, with its taps in the opposite order
+    const std::array axes{1, 2, 0};
+    Dense<S> turned = DenseOps<S>::permute(weight, axes);  // (in, taps, out)
+    parallel_ranges(in, taps * n, [&](Index first, Index last) {
+      for (Index i = first; i < last; ++i) {
+        S* rows = turned.data() + i * taps * n;
+        for (Index j = 0; 2 * j + 1 < taps; ++j)
+          std::swap_ranges(rows + j * n, rows + (j + 1) * n, rows + (taps - 1 - j) * n);
+      }
+    });
+    const auto panels =
+        detail::pack_panels(std::as_const(turned).data(), taps * n, in, Index{1}, taps * n, detail::precision_of<S>());
+    return detail::convolve<S>(dy, after, before, panels, nullptr, 1, taps - 1 - padding, Activation::none);
+  }
+  const Dense<S> windows = matmul(dy, detail::window_matrix(weight), false, false);
+  detail::WithMargins<S> margins(Dense<S>::full(Shape{before.rows(), in}, S(0)), before, padding);
+  detail::for_windows(margins, after, stride, taps * in, [&](Index to, Index row) {
+    const S* from = windows.data() + row * taps * in;
+    for (Index i = 0; i < taps * in; ++i) margins.rows.data()[to + i] += from[i];
+  });
+  Dense<S> dx(Shape{before.rows(), in});
+  for (Index s = 0; s < before.count(); ++s) {
+    std::copy_n(std::as_const(margins.rows).data() + margins.at(s) + padding * in, before.length(s) * in,
+                dx.data() + before.begin(s) * in);
+  }
+  return dx;
 }
 
 template <Scalar S>
@@ -34547,10 +34853,8 @@ std::array<Dense<S>, 3> KernelOps<S>::layer_norm_vjp(const Dense<S>& x, const De
   parallel_ranges(rows, t.width, [&](Index a, Index b) {
     detail::kernels<S>().layer_norm_rows_vjp(t, dy.data(), dx.data(), moments.data(), a, b);
   });
-  const Index columns = std::max<Index>(64, detail::parts(t.width, parallel_width()));
-  parallel_for(detail::parts(t.width, columns), [&](Index i) {
-    detail::kernels<S>().layer_norm_columns_vjp(t, dy.data(), moments.data(), dweight.data(), dbias.data(), rows,
-                                                i * columns, std::min(t.width, (i + 1) * columns));
+  parallel_columns(rows, t.width, [&](Index a, Index b) {
+    detail::kernels<S>().layer_norm_columns_vjp(t, dy.data(), moments.data(), dweight.data(), dbias.data(), rows, a, b);
   });
   return {std::move(dx), std::move(dweight), std::move(dbias)};
 }
@@ -34574,12 +34878,10 @@ Dense<S> KernelOps<S>::dropout(const Dense<S>& x, const Dropout& d) {
 }
 template <Scalar S>
 Dense<S> KernelOps<S>::column_sums(const Dense<S>& x) {
-  const Index rows = x.shape()[0], width = x.shape()[1],
-              columns = std::max<Index>(64, detail::parts(width, parallel_width()));
+  const Index rows = x.shape()[0], width = x.shape()[1];
   Dense<S> y(Shape{width});
-  parallel_for(detail::parts(width, columns), [&](Index i) {
-    detail::kernels<S>().column_sums(x.data(), rows, width, i * columns, std::min(width, (i + 1) * columns), y.data());
-  });
+  parallel_columns(rows, width,
+                   [&](Index a, Index b) { detail::kernels<S>().column_sums(x.data(), rows, width, a, b, y.data()); });
   return y;
 }
 

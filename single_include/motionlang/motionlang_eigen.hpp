@@ -36,11 +36,19 @@ struct KernelOps {
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
-  /// Packs a weight (out, in) once; `linear` then uses the packed form. For inference: the weight must not change
-  /// afterwards. Returns whether all its numbers are finite: they are read anyway.
+  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed form. For inference:
+  /// the weight must not change afterwards. Returns whether all its numbers are finite: they are read anyway.
   static bool prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
+
+  /// nn/conv1d.hpp, without dilation. The sequences of x lie in it by `before`, those of the result by `after`.
+  static Dense<S> conv1d(const Dense<S>& x, const Offsets& before, const Offsets& after, const Dense<S>& weight,
+                         const Dense<S>* bias, Index stride, Index padding, Activation act);
+  static Dense<S> conv1d_weight_vjp(const Dense<S>& x, const Offsets& before, const Offsets& after, Index taps,
+                                    Index stride, Index padding, const Dense<S>& dy);
+  static Dense<S> conv1d_input_vjp(const Dense<S>& weight, const Offsets& before, const Offsets& after, Index stride,
+                                   Index padding, const Dense<S>& dy);
 
   static Dense<S> activate(const Dense<S>& x, Activation act, const Dropout& drop = {});
   static Dense<S> activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act, const Dropout& drop = {});
@@ -5067,7 +5075,9 @@ auto eigen_map(S* data, Index n) {
 template <class S, class F>
 Dense<S> eigen_unary(Dense<S> a, F f) {
   Dense<S> out = a.unique() ? a : Dense<S>(a.shape());
-  eigen_map(out.data(), a.count()) = f(eigen_map(std::as_const(a).data(), a.count()));
+  parallel_ranges(a.count(), 1, [&](Index first, Index last) {
+    eigen_map(out.data() + first, last - first) = f(eigen_map(std::as_const(a).data() + first, last - first));
+  });
   return out;
 }
 
@@ -5077,13 +5087,27 @@ Dense<S> eigen_reduce(const Dense<S>& a, int axis, S start, Whole whole, Fold fo
   const Index outer = a.shape().count(0, axis), n = a.shape()[axis],
               inner = a.shape().count(axis + 1, a.shape().rank());
   Dense<S> out = Dense<S>::full(a.shape().without(axis), start);
-  for (Index i = 0; i < outer && n > 0; ++i) {
-    if (inner == 1) {
-      out.data()[i] = whole(eigen_map(a.data() + i * n, n));
-    } else {
-      auto row = eigen_map(out.data() + i * inner, inner);
-      for (Index l = 0; l < n; ++l) fold(row, eigen_map(a.data() + (i * n + l) * inner, inner));
-    }
+  if (n == 0) return out;
+  const auto fold_columns = [&](Index i, Index first, Index last) {
+    auto row = eigen_map(out.data() + i * inner + first, last - first);
+    for (Index l = 0; l < n; ++l) fold(row, eigen_map(a.data() + (i * n + l) * inner + first, last - first));
+  };
+  if (outer == 1) {
+    parallel_columns(n, inner, [&](Index first, Index last) {
+      if (inner != 1)
+        fold_columns(0, first, last);
+      else
+        out.data()[0] = whole(eigen_map(a.data(), n));
+    });
+  } else {
+    parallel_ranges(outer, n * inner, [&](Index first, Index last) {
+      for (Index i = first; i < last; ++i) {
+        if (inner != 1)
+          fold_columns(i, 0, inner);
+        else
+          out.data()[i] = whole(eigen_map(a.data() + i * n, n));
+      }
+    });
   }
   return out;
 }

@@ -669,9 +669,9 @@ concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(c
   { B::variable(B::value(a)) } -> std::same_as<typename B::tensor>;
 };
 
-/// A backend with a layout of its own for the weights of linear layers: prepare(weight) keeps the weight (out, in) in it beside the tensor,
-/// which must not change afterwards, and says whether all numbers are finite, which are read anyway.
-/// Laws     `linear` of a prepared weight gives the same bits (tests/unit/tensor/module.cpp)
+/// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in, taps): prepare(weight) keeps
+/// the weight in it beside the tensor, which must not change afterwards, and says whether all numbers are finite, which are read anyway.
+/// Laws     `linear` and `conv1d` of a prepared weight give the same bits (tests/unit/tensor/module.cpp)
 /// Models   EigenBackend<S>, XtensorBackend<S>
 template <class B>
 concept PackingBackend = Backend<B> && requires(const typename B::tensor weight) {

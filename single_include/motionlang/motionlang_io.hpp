@@ -1364,22 +1364,22 @@ class TensorStore {
 namespace detail {
 /// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the file again.
 /// Whether all its numbers are finite.
-template <PackingBackend B>
-bool pack_loaded(const Tensor<B, 2>& weight) {
-  const bool finite = B::prepare(weight.data());
+template <PackingBackend B, int R>
+bool pack_loaded(const Tensor<B, R>& weight) {
+  const bool finite = pack_weight(weight);
   MappedFile::forget_if_mapped(std::as_bytes(weight.span()));
   return finite;
 }
 
 /// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a place for it.
-template <PackingBackend B>
-void put_aside(Tensor<B, 2>& weight) {
+template <PackingBackend B, int R>
+void put_aside(Tensor<B, R>& weight) {
   const auto bytes = std::as_bytes(weight.span());
   if (MappedFile::that_holds(bytes) != nullptr || !weight.data().unique()) return;
   const auto aside = MappedFile::put_aside(bytes);
   if (aside == nullptr) return;
   const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
-  weight = Tensor<B, 2>(typename B::tensor(numbers, weight.shape(), aside));
+  weight = Tensor<B, R>(typename B::tensor(numbers, weight.shape(), aside));
   BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
 }
 
@@ -1407,7 +1407,7 @@ struct PrepareLoaded {
   void operator()(const std::string&, Tensor<B, R>& t) const {
     if (at++ * shares / count != share) return;
     bool good = true;
-    if constexpr (R == 2 && PackingBackend<B>)
+    if constexpr (has_panels<B, R>)
       good = pack_loaded(t);
     else if (finite != nullptr)
       good = all_finite(t.span());
@@ -1419,7 +1419,7 @@ struct PrepareLoaded {
 struct PrepareLoadedOnce {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
-    if constexpr (R == 2 && PackingBackend<B>) {
+    if constexpr (has_panels<B, R>) {
       put_aside(t);
       if (MappedFile::that_holds(std::as_bytes(t.span())) != nullptr) pack_loaded(t);
     }

@@ -29,8 +29,9 @@
 #define MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP
 /// What all backends over Dense storage share: making tensors, and moving numbers without calculating.
 
-#include <array>    // strides
-#include <cstring>  // memcpy, memset
+#include <algorithm>  // fill, min
+#include <array>      // strides
+#include <cstring>    // memcpy
 
 #ifndef MOTIONLANG_HAS_BACKEND_DENSE_HPP  // <motionlang/backend/dense.hpp>
 #define MOTIONLANG_HAS_BACKEND_DENSE_HPP
@@ -39,7 +40,6 @@
 /// A handle to a shared buffer plus a shape. Copying shares memory; whoever wants to write asks `unique()` first.
 /// Always contiguous: reshaping and taking leading rows are views, everything else copies.
 
-#include <algorithm>  // copy, fill
 #include <span>       // values
 
 #ifndef MOTIONLANG_HAS_CORE_BUFFER_POOL_HPP  // <motionlang/core/buffer_pool.hpp>
@@ -991,9 +991,9 @@ concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(c
   { B::variable(B::value(a)) } -> std::same_as<typename B::tensor>;
 };
 
-/// A backend with a layout of its own for the weights of linear layers: prepare(weight) keeps the weight (out, in) in it beside the tensor,
-/// which must not change afterwards, and says whether all numbers are finite, which are read anyway.
-/// Laws     `linear` of a prepared weight gives the same bits (tests/unit/tensor/module.cpp)
+/// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in, taps): prepare(weight) keeps
+/// the weight in it beside the tensor, which must not change afterwards, and says whether all numbers are finite, which are read anyway.
+/// Laws     `linear` and `conv1d` of a prepared weight give the same bits (tests/unit/tensor/module.cpp)
 /// Models   EigenBackend<S>, XtensorBackend<S>
 template <class B>
 concept PackingBackend = Backend<B> && requires(const typename B::tensor weight) {
@@ -1085,6 +1085,215 @@ class Dense {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
+#define MOTIONLANG_HAS_CORE_PARALLEL_HPP
+/// A small pool of threads and `parallel_for`.
+///
+/// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
+/// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
+/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each (on few cores)
+/// while an idle program costs nothing.
+
+#include <condition_variable>  // sleeping workers
+#include <exception>           // exception_ptr: errors in tasks reach the caller
+#include <mutex>               // sleeping workers
+#include <system_error>        // no more threads
+#include <thread>              // workers
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+class ThreadPool {
+ public:
+  static ThreadPool& instance() {
+    static ThreadPool pool;
+    return pool;
+  }
+
+  int size() const { return workers_ + 1; }
+  /// Threads that `run` uses when it is called here: a task runs its own tasks alone.
+  int width() const { return inside_ ? 1 : size(); }
+  /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
+  static int number() { return number_; }
+
+  void resize(int threads) {
+    stop();
+    shares_.reset(new Share[static_cast<std::size_t>(threads)]);
+    threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
+    stopping_ = false;
+    for (int i = 1; i < threads; ++i) {
+      threads_[static_cast<std::size_t>(workers_)] = std::thread(start, this, i, round_.load());
+      ++workers_;
+    }
+  }
+
+  /// Runs task(context, i) for i = 0 ... count-1 on all threads and returns when all are done.
+  void run(Index count, void (*task)(const void*, Index), const void* context) {
+    if (count == 1 || workers_ == 0 || inside_) {
+      for (Index i = 0; i < count; ++i) task(context, i);
+      return;
+    }
+    std::scoped_lock only_one_caller(caller_);
+    task_ = task;
+    context_ = context;
+    for (int t = 0; t < size(); ++t) {
+      share(t).next.store(count * t / size(), std::memory_order_relaxed);
+      share(t).end = count * (t + 1) / size();
+    }
+    pending_.store(workers_, std::memory_order_relaxed);
+    {
+      std::scoped_lock lock(sleep_);
+      round_.fetch_add(1, std::memory_order_release);
+    }
+    if (asleep_.load() > 0) wake_.notify_all();
+    take_tasks();
+    for (int spins = 0; pending_.load(std::memory_order_acquire) != 0; ++spins) pause(spins);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  }
+
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+ private:
+  static constexpr int spins_before_sleep = 20000;
+
+  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike, one after the
+  /// other, find them in the caches of the same thread.
+  struct alignas(64) Share {
+    std::atomic<Index> next{0};
+    Index end = 0;
+  };
+
+  Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
+
+  ThreadPool() {
+    const auto start = [&] { resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256)); };
+    const auto no_more = [](const std::system_error&) { return true; };  // those threads that began will do
+    guard<std::system_error>(start, no_more);
+  }
+  ~ThreadPool() { stop(); }
+
+  static void pause(int spins) {
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#endif
+    if (spins % 1024 == 1023) std::this_thread::yield();  // more threads than cores: let the others finish
+  }
+
+  void stop() {
+    {
+      std::scoped_lock lock(sleep_);
+      stopping_ = true;
+      round_.fetch_add(1);
+    }
+    wake_.notify_all();
+    for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
+  }
+
+  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of std::thread's, which a
+  /// program and a shared library, each with its own copy of this pool and of `inside_`, have in common.
+  static void start(ThreadPool* pool, int number, unsigned seen) {
+    number_ = number;
+    pool->work(seen);
+  }
+  void work(unsigned seen) {
+    inside_ = true;
+    for (;;) {
+      int spins = 0;
+      while (round_.load(std::memory_order_acquire) == seen && ++spins < spins_before_sleep) pause(spins);
+      if (round_.load(std::memory_order_acquire) == seen) {
+        std::unique_lock lock(sleep_);
+        ++asleep_;
+        wake_.wait(lock, [&] { return round_.load() != seen; });
+        --asleep_;
+      }
+      ++seen;
+      if (stopping_) return;
+      take_tasks();
+      pending_.fetch_sub(1, std::memory_order_release);
+    }
+  }
+
+  void take_tasks() {
+    const bool outer = std::exchange(inside_, true);
+    for (int t = 0; t < size(); ++t) take_tasks(share((number_ + t) % size()));
+    inside_ = outer;
+  }
+  void take_tasks(Share& from) {
+    const auto stop_with_it = [&] {
+      std::scoped_lock lock(sleep_);
+      if (!failure_) failure_ = std::current_exception();
+      for (int t = 0; t < size(); ++t) share(t).next.store(share(t).end, std::memory_order_relaxed);
+      return true;
+    };
+    while (from.next.load(std::memory_order_relaxed) < from.end) {
+      const Index i = from.next.fetch_add(1, std::memory_order_relaxed);
+      if (i >= from.end) return;
+      guard_all([&] { task_(context_, i); }, stop_with_it);
+    }
+  }
+
+  inline static thread_local int number_ = 0;
+  inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
+  std::unique_ptr<Share[]> shares_;  // one for every thread
+  std::unique_ptr<std::thread[]> threads_;
+  int workers_ = 0;  // threads that run
+  std::mutex caller_, sleep_;
+  std::condition_variable wake_;
+  std::atomic<unsigned> round_{0};
+  std::atomic<int> pending_{0}, asleep_{0};
+  std::atomic<bool> stopping_{false};
+  void (*task_)(const void*, Index) = nullptr;
+  const void* context_ = nullptr;
+  std::exception_ptr failure_;
+};
+
+}  // namespace detail
+
+/// Threads that `parallel_for` uses, the caller included. As many as the machine has unless set.
+inline int thread_count() { return detail::ThreadPool::instance().size(); }
+
+/// Threads that `parallel_for` uses here: one inside a task.
+inline int parallel_width() { return detail::ThreadPool::instance().width(); }
+
+/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at once.
+inline int thread_number() { return detail::ThreadPool::number(); }
+
+/// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
+inline void set_thread_count(int threads) {
+  if (threads < 1 || threads > 1024) raise<config_error>(101, "set_thread_count: ", threads, " is not in 1 ... 1024");
+  detail::ThreadPool::instance().resize(threads);
+}
+
+/// Calls f(i) for i = 0 ... count-1, in any order, on all threads. f must not depend on the order. Exceptions reach the
+/// caller (the first one). Inside a task it runs serially.
+template <class F>
+void parallel_for(Index count, const F& f) {
+  if (count <= 0) return;
+  detail::ThreadPool::instance().run(
+      count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
+}
+
+/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
+template <class F>
+void parallel_ranges(Index count, Index cost, const F& f) {
+  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
+  parallel_for((count + grain - 1) / grain, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
+}
+
+/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the rows in their order.
+/// Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
+template <class F>
+void parallel_columns(Index rows, Index width, const F& f) {
+  const Index pieces = rows * width < 16384 ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
+  const auto begin = [&](Index i) { return i == pieces ? width : width * i / pieces / 16 * 16; };
+  parallel_for(pieces, [&](Index i) { f(begin(i), begin(i + 1)); });
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 template <Scalar S>
@@ -1121,9 +1330,9 @@ struct DenseOps {
     s[axis] = last - first;
     tensor out(s);
     const Index outer = s.count(0, axis), inner = s.count(axis + 1, s.rank()), size = a.shape()[axis];
-    for (Index i = 0; i < outer; ++i) {
-      copy(a.data() + (i * size + first) * inner, (last - first) * inner, out.data() + i * (last - first) * inner);
-    }
+    copy_pieces(
+        outer, (last - first) * inner, [&](Index i) { return a.data() + (i * size + first) * inner; },
+        [&](Index i) { return out.data() + i * (last - first) * inner; });
     return out;
   }
   static tensor concat(std::span<const tensor> list, int axis) {
@@ -1135,7 +1344,9 @@ struct DenseOps {
     Index at = 0;
     for (const tensor& t : list) {
       const Index n = t.shape()[axis] * inner;
-      for (Index i = 0; i < outer; ++i) copy(t.data() + i * n, n, out.data() + i * s[axis] * inner + at);
+      copy_pieces(
+          outer, n, [&](Index i) { return t.data() + i * n; },
+          [&](Index i) { return out.data() + i * s[axis] * inner + at; });
       at += n;
     }
     return out;
@@ -1146,8 +1357,9 @@ struct DenseOps {
     const Index inner = s.count(1, s.rank());
     s[0] = static_cast<Index>(rows.size());
     tensor out(s);
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      copy(a.data() + rows[i] * inner, inner, out.data() + static_cast<Index>(i) * inner);
+    copy_pieces(
+        s[0], inner, [&](Index i) { return a.data() + rows[static_cast<std::size_t>(i)] * inner; },
+        [&](Index i) { return out.data() + i * inner; });
     return out;
   }
   // out[rows[i]] += a[i], starting from n rows of zeros; in the order of i
@@ -1156,19 +1368,27 @@ struct DenseOps {
     const Index inner = s.count(1, s.rank());
     s[0] = n;
     tensor out = full(s, S(0));
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      const S* from = a.data() + static_cast<Index>(i) * inner;
-      S* to = out.data() + rows[i] * inner;
-      for (Index j = 0; j < inner; ++j) to[j] += from[j];
-    }
+    parallel_columns(static_cast<Index>(rows.size()), inner, [&](Index first, Index last) {
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const S* from = a.data() + static_cast<Index>(i) * inner;
+        S* to = out.data() + rows[i] * inner;
+        for (Index j = first; j < last; ++j) to[j] += from[j];
+      }
+    });
     return out;
   }
 
  protected:
   using Strides = std::array<Index, Shape::max_rank>;
 
-  static void copy(const S* from, Index n, S* to) {
-    if (n > 0) std::memcpy(to, from, static_cast<std::size_t>(n) * sizeof(S));
+  /// For i = 0 ... count-1: n numbers of from(i) to to(i).
+  template <class From, class To>
+  static void copy_pieces(Index count, Index n, const From& from, const To& to) {
+    if (n == 0) return;
+    const auto bytes = static_cast<std::size_t>(n) * sizeof(S);
+    parallel_ranges(count, n, [&](Index first, Index last) {
+      for (Index i = first; i < last; ++i) std::memcpy(to(i), from(i), bytes);
+    });
   }
   static Strides strides_of(const Shape& s) {
     Strides stride{};
@@ -1189,26 +1409,67 @@ struct DenseOps {
     }
     return stride;
   }
-  /// Calls f(position in the output, offset in the input) for every element of `s`, the last axis fastest.
-  template <class F>
-  static void for_each(const Shape& s, const Strides& stride, F f) {
-    std::array<Index, Shape::max_rank> at{};
-    Index offset = 0;
-    for (Index i = 0, n = s.count(); i < n; ++i) {
-      f(i, offset);
-      for (int axis = s.rank() - 1; axis >= 0; --axis) {
-        const auto x = static_cast<std::size_t>(axis);
-        offset += stride[x];
-        if (++at[x] < s[axis]) break;
-        offset -= at[x] * stride[x];
-        at[x] = 0;
-      }
-    }
-  }
+  /// An axis of a copy: its size, and how far one step along it goes in the input and in the output.
+  struct Axis {
+    Index size = 1, in = 1, out = 1;
+  };
+  /// out[i_0, i_1, ...] = a's memory at sum i_k stride_k, line by line along the last axis. Where these lines jump through the memory of a, and
+  /// those along another axis do not, some lines are made at once: a line of the cache serves all of them.
   static tensor strided_copy(const tensor& a, const Shape& s, const Strides& stride) {
     tensor out(s);
-    for_each(s, stride, [&, from = a.data(), to = out.data()](Index i, Index offset) { to[i] = from[offset]; });
+    if (s.count() == 0) return out;
+    std::array<Axis, Shape::max_rank> axes;  // from the last to the first, those that are one to the memory joined
+    int count = 0;
+    const auto own = strides_of(s);
+    for (int i = s.rank() - 1; i >= 0; --i) {
+      const auto x = static_cast<std::size_t>(i);
+      if (s[i] == 1) continue;
+      Axis* const before = count == 0 ? nullptr : &axes[static_cast<std::size_t>(count - 1)];
+      if (before != nullptr && stride[x] == before->in * before->size)
+        before->size *= s[i];
+      else
+        axes[static_cast<std::size_t>(count++)] = {s[i], stride[x], own[x]};
+    }
+    const Axis line = axes[0];
+    std::size_t beside = 0;
+    for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) {
+      if (line.in > 1 && axes[i].in == 1) beside = i;
+    }
+    constexpr Index at_once = 8;
+    const Index group = beside == 0 ? 1 : at_once;
+    const auto groups = [&](std::size_t i) { return i == beside ? (axes[i].size + group - 1) / group : axes[i].size; };
+    Index total = 1;
+    for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) total *= groups(i);
+
+    parallel_ranges(total, group * line.size, [&](Index first, Index last) {
+      std::array<Index, Shape::max_rank> at{};
+      Index rest = first;
+      for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) at[i] = rest % groups(i), rest /= groups(i);
+      for (Index g = first; g < last; ++g) {
+        const S* from = a.data();
+        S* to = out.data();
+        for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) {
+          const Index place = i == beside ? at[i] * group : at[i];
+          from += place * axes[i].in, to += place * axes[i].out;
+        }
+        const Index lines = beside == 0 ? 1 : std::min(group, axes[beside].size - at[beside] * group);
+        copy_lines(from, line.in, line.size, to, lines, axes[beside].out);
+        for (std::size_t i = 1; i < static_cast<std::size_t>(count) && ++at[i] == groups(i); ++i) at[i] = 0;
+      }
+    });
     return out;
+  }
+  /// Line l of n numbers:  to[l * pitch + i] = from[l + i * step]. Several lines only where step > 1.
+  static void copy_lines(const S* from, Index step, Index n, S* to, Index lines, Index pitch) {
+    if (step == 1) {
+      std::memcpy(to, from, static_cast<std::size_t>(n) * sizeof(S));
+    } else if (step == 0) {
+      std::fill_n(to, n, *from);
+    } else {
+      for (Index i = 0; i < n; ++i, from += step) {
+        for (Index l = 0; l < lines; ++l) to[l * pitch + i] = from[l];
+      }
+    }
   }
 };
 
@@ -2391,11 +2652,19 @@ struct KernelOps {
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
-  /// Packs a weight (out, in) once; `linear` then uses the packed form. For inference: the weight must not change
-  /// afterwards. Returns whether all its numbers are finite: they are read anyway.
+  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed form. For inference:
+  /// the weight must not change afterwards. Returns whether all its numbers are finite: they are read anyway.
   static bool prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
+
+  /// nn/conv1d.hpp, without dilation. The sequences of x lie in it by `before`, those of the result by `after`.
+  static Dense<S> conv1d(const Dense<S>& x, const Offsets& before, const Offsets& after, const Dense<S>& weight,
+                         const Dense<S>* bias, Index stride, Index padding, Activation act);
+  static Dense<S> conv1d_weight_vjp(const Dense<S>& x, const Offsets& before, const Offsets& after, Index taps,
+                                    Index stride, Index padding, const Dense<S>& dy);
+  static Dense<S> conv1d_input_vjp(const Dense<S>& weight, const Offsets& before, const Offsets& after, Index stride,
+                                   Index padding, const Dense<S>& dy);
 
   static Dense<S> activate(const Dense<S>& x, Activation act, const Dropout& drop = {});
   static Dense<S> activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act, const Dropout& drop = {});
@@ -7356,206 +7625,6 @@ inline const Bf16Kernels*& current_bf16_kernels() {
 }  // namespace motionlang::inline MOTIONLANG_ABI::detail
 #endif
 
-#ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
-#define MOTIONLANG_HAS_CORE_PARALLEL_HPP
-/// A small pool of threads and `parallel_for`.
-///
-/// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
-/// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
-/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each (on few cores)
-/// while an idle program costs nothing.
-
-#include <condition_variable>  // sleeping workers
-#include <exception>           // exception_ptr: errors in tasks reach the caller
-#include <mutex>               // sleeping workers
-#include <system_error>        // no more threads
-#include <thread>              // workers
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-namespace detail {
-
-class ThreadPool {
- public:
-  static ThreadPool& instance() {
-    static ThreadPool pool;
-    return pool;
-  }
-
-  int size() const { return workers_ + 1; }
-  /// Threads that `run` uses when it is called here: a task runs its own tasks alone.
-  int width() const { return inside_ ? 1 : size(); }
-  /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
-  static int number() { return number_; }
-
-  void resize(int threads) {
-    stop();
-    shares_.reset(new Share[static_cast<std::size_t>(threads)]);
-    threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
-    stopping_ = false;
-    for (int i = 1; i < threads; ++i) {
-      threads_[static_cast<std::size_t>(workers_)] = std::thread(start, this, i, round_.load());
-      ++workers_;
-    }
-  }
-
-  /// Runs task(context, i) for i = 0 ... count-1 on all threads and returns when all are done.
-  void run(Index count, void (*task)(const void*, Index), const void* context) {
-    if (count == 1 || workers_ == 0 || inside_) {
-      for (Index i = 0; i < count; ++i) task(context, i);
-      return;
-    }
-    std::scoped_lock only_one_caller(caller_);
-    task_ = task;
-    context_ = context;
-    for (int t = 0; t < size(); ++t) {
-      share(t).next.store(count * t / size(), std::memory_order_relaxed);
-      share(t).end = count * (t + 1) / size();
-    }
-    pending_.store(workers_, std::memory_order_relaxed);
-    {
-      std::scoped_lock lock(sleep_);
-      round_.fetch_add(1, std::memory_order_release);
-    }
-    if (asleep_.load() > 0) wake_.notify_all();
-    take_tasks();
-    for (int spins = 0; pending_.load(std::memory_order_acquire) != 0; ++spins) pause(spins);
-    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
-  }
-
-  ThreadPool(const ThreadPool&) = delete;
-  ThreadPool& operator=(const ThreadPool&) = delete;
-
- private:
-  static constexpr int spins_before_sleep = 20000;
-
-  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike, one after the
-  /// other, find them in the caches of the same thread.
-  struct alignas(64) Share {
-    std::atomic<Index> next{0};
-    Index end = 0;
-  };
-
-  Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
-
-  ThreadPool() {
-    const auto start = [&] { resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256)); };
-    const auto no_more = [](const std::system_error&) { return true; };  // those threads that began will do
-    guard<std::system_error>(start, no_more);
-  }
-  ~ThreadPool() { stop(); }
-
-  static void pause(int spins) {
-#if defined(__x86_64__) || defined(__i386__)
-    __builtin_ia32_pause();
-#endif
-    if (spins % 1024 == 1023) std::this_thread::yield();  // more threads than cores: let the others finish
-  }
-
-  void stop() {
-    {
-      std::scoped_lock lock(sleep_);
-      stopping_ = true;
-      round_.fetch_add(1);
-    }
-    wake_.notify_all();
-    for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
-  }
-
-  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of std::thread's, which a
-  /// program and a shared library, each with its own copy of this pool and of `inside_`, have in common.
-  static void start(ThreadPool* pool, int number, unsigned seen) {
-    number_ = number;
-    pool->work(seen);
-  }
-  void work(unsigned seen) {
-    inside_ = true;
-    for (;;) {
-      int spins = 0;
-      while (round_.load(std::memory_order_acquire) == seen && ++spins < spins_before_sleep) pause(spins);
-      if (round_.load(std::memory_order_acquire) == seen) {
-        std::unique_lock lock(sleep_);
-        ++asleep_;
-        wake_.wait(lock, [&] { return round_.load() != seen; });
-        --asleep_;
-      }
-      ++seen;
-      if (stopping_) return;
-      take_tasks();
-      pending_.fetch_sub(1, std::memory_order_release);
-    }
-  }
-
-  void take_tasks() {
-    const bool outer = std::exchange(inside_, true);
-    for (int t = 0; t < size(); ++t) take_tasks(share((number_ + t) % size()));
-    inside_ = outer;
-  }
-  void take_tasks(Share& from) {
-    const auto stop_with_it = [&] {
-      std::scoped_lock lock(sleep_);
-      if (!failure_) failure_ = std::current_exception();
-      for (int t = 0; t < size(); ++t) share(t).next.store(share(t).end, std::memory_order_relaxed);
-      return true;
-    };
-    while (from.next.load(std::memory_order_relaxed) < from.end) {
-      const Index i = from.next.fetch_add(1, std::memory_order_relaxed);
-      if (i >= from.end) return;
-      guard_all([&] { task_(context_, i); }, stop_with_it);
-    }
-  }
-
-  inline static thread_local int number_ = 0;
-  inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
-  std::unique_ptr<Share[]> shares_;  // one for every thread
-  std::unique_ptr<std::thread[]> threads_;
-  int workers_ = 0;  // threads that run
-  std::mutex caller_, sleep_;
-  std::condition_variable wake_;
-  std::atomic<unsigned> round_{0};
-  std::atomic<int> pending_{0}, asleep_{0};
-  std::atomic<bool> stopping_{false};
-  void (*task_)(const void*, Index) = nullptr;
-  const void* context_ = nullptr;
-  std::exception_ptr failure_;
-};
-
-}  // namespace detail
-
-/// Threads that `parallel_for` uses, the caller included. As many as the machine has unless set.
-inline int thread_count() { return detail::ThreadPool::instance().size(); }
-
-/// Threads that `parallel_for` uses here: one inside a task.
-inline int parallel_width() { return detail::ThreadPool::instance().width(); }
-
-/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at once.
-inline int thread_number() { return detail::ThreadPool::number(); }
-
-/// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
-inline void set_thread_count(int threads) {
-  if (threads < 1 || threads > 1024) raise<config_error>(101, "set_thread_count: ", threads, " is not in 1 ... 1024");
-  detail::ThreadPool::instance().resize(threads);
-}
-
-/// Calls f(i) for i = 0 ... count-1, in any order, on all threads. f must not depend on the order. Exceptions reach the
-/// caller (the first one). Inside a task it runs serially.
-template <class F>
-void parallel_for(Index count, const F& f) {
-  if (count <= 0) return;
-  detail::ThreadPool::instance().run(
-      count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
-}
-
-/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
-template <class F>
-void parallel_ranges(Index count, Index cost, const F& f) {
-  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
-  parallel_for((count + grain - 1) / grain, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
 #ifndef MOTIONLANG_HAS_CORE_PRECISION_HPP  // <motionlang/core/precision.hpp>
 #define MOTIONLANG_HAS_CORE_PRECISION_HPP
 /// How exactly products of matrices are computed.
@@ -7628,9 +7697,10 @@ struct Panels {
 /// the place is known, for the cache: they may be gone.
 template <class S>
 struct PreparedPanels {
-  explicit PreparedPanels(Panels<S> p) : panels(std::move(p)) {}
+  PreparedPanels(Panels<S> p, Index t) : panels(std::move(p)), taps(t) {}
 
   Panels<S> panels;
+  Index taps;  // of a convolution's weight
   mutable std::atomic<const std::byte*> next{nullptr};
   mutable std::atomic<Index> next_bytes{0};
 };
@@ -7643,15 +7713,19 @@ Precision precision_of() {
   return std::is_same_v<S, float> ? product_precision() : Precision::fp32;
 }
 
+/// Room for a matrix, packed.
+template <class S>
+Panels<S> panels_for(Index k, Index n, Precision precision) {
+  Panels<S> p{k, n, precision == Precision::bf16 ? nullptr : &kernels<S>(), {}};
+  p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
+  return p;
+}
 /// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite`, for a
 /// transposed B (stride_k is 1), becomes false if a number is not.
 template <class S>
-Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride_n,
-                      Precision precision = Precision::fp32, std::atomic<bool>* finite = nullptr) {
-  const Kernels<S>& kernel = kernels<S>();
-  const bool bf16 = precision == Precision::bf16;
-  Panels<S> p{k, n, bf16 ? nullptr : &kernel, {}};
-  p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
+void pack_into(Panels<S>& p, const S* b, Index stride_k, Index stride_n, std::atomic<bool>* finite = nullptr) {
+  const Index k = p.k, n = p.n;
+  const bool bf16 = p.kernels == nullptr;
   // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B. A column is both, but only
   // as transposed is it looked at.
   const bool as_it_lies = stride_n == 1 && finite == nullptr;
@@ -7670,27 +7744,62 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
   if constexpr (std::is_same_v<S, float>) {
     if (bf16) {
       pack(*current_bf16_kernels(), static_cast<std::uint16_t*>(p.memory.data()));
-      return p;
+      return;
     }
   }
-  pack(kernel, static_cast<S*>(p.memory.data()));
+  pack(*p.kernels, static_cast<S*>(p.memory.data()));
+}
+template <class S>
+Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride_n,
+                      Precision precision = Precision::fp32, std::atomic<bool>* finite = nullptr) {
+  auto p = panels_for<S>(k, n, precision);
+  pack_into(p, b, stride_k, stride_n, finite);
   return p;
 }
 
-/// Calls block(r0, r1, j0, j1, scratch) for parts of a product of so many rows and panels.
-template <class S, class F>
-void for_blocks(Index rows, Index panels, Index rows_at_once, bool small, Index scratch_count, const F& block) {
-  const Index threads = small ? 1 : parallel_width(), blocks = threads == 1 ? 1 : parts(rows, rows_at_once);
+/// Whether a product of m x k and k x n is split.
+inline bool worth_threads(Index m, Index n, Index k) { return m * n * k >= 100'000; }
+
+/// The kernels whose panels are wanted of weights; none: bfloat16.
+template <class S>
+const Kernels<S>* wanted_kernels() {
+  return precision_of<S>() == Precision::bf16 ? nullptr : &kernels<S>();
+}
+/// What was prepared of a weight, if it is what is wanted now.
+template <class S>
+const PreparedPanels<S>* prepared_panels(const Dense<S>& weight, Index n, Index k, Index taps) {
+  const auto* p = static_cast<const PreparedPanels<S>*>(weight.attached());
+  const bool fits = p != nullptr && p->panels.kernels == wanted_kernels<S>() && p->panels.n == n && p->panels.k == k &&
+                    p->taps == taps;
+  return fits ? p : nullptr;
+}
+/// The weight (out, in, taps) of a convolution as the matrix (out, taps in) that windows of rows are multiplied with.
+template <class S>
+Dense<S> window_matrix(const Dense<S>& weight) {
+  const std::array axes{0, 2, 1};
+  return DenseOps<S>::permute(weight, axes).reshaped(Shape{weight.shape()[0], weight.shape()[1] * weight.shape()[2]});
+}
+
+/// Scratch of products with such panels.
+template <class S>
+Scratch<S> gemm_scratch(const Panels<S>& p) {
+  if constexpr (std::is_same_v<S, float>) {
+    if (p.kernels == nullptr) return Scratch<S>(current_bf16_kernels()->gemm_scratch(p.k));
+  }
+  return Scratch<S>(kernels<S>().gemm_scratch(p.k));
+}
+/// Calls block(r0, r1, j0, j1) for parts of a product of so many rows and panels.
+template <class F>
+void for_blocks(Index rows, Index panels, Index rows_at_once, bool split, const F& block) {
+  const Index threads = split ? parallel_width() : 1, blocks = threads == 1 ? 1 : parts(rows, rows_at_once);
   // As many for every thread; fewer rows than fill a block are shared as long as each thread has some tiles of them.
   const Index row_parts = blocks > threads                       ? parts(blocks, threads) * threads
                           : rows >= threads * (rows_at_once / 4) ? threads
                                                                  : blocks;
   const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(threads, row_parts));
-  const Scratch<S> scratch(scratch_count);
   parallel_for(row_parts * panel_parts, [&](Index task) {
     const Index r = task / panel_parts, j = task % panel_parts;
-    block(rows * r / row_parts, rows * (r + 1) / row_parts, panels * j / panel_parts, panels * (j + 1) / panel_parts,
-          scratch.mine());
+    block(rows * r / row_parts, rows * (r + 1) / row_parts, panels * j / panel_parts, panels * (j + 1) / panel_parts);
   });
 }
 
@@ -7700,28 +7809,96 @@ struct NothingBehind {
 };
 /// g with the right-hand side `p`; then behind(r0, r1, c0, c1) for every thread's blocks of rows and columns, by that thread.
 template <class S, class F = NothingBehind>
-void run_gemm(Gemm<S> g, const Panels<S>& p, const F& behind = {}) {
+void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F& behind = {}) {
   if (g.m == 0 || g.n == 0) return;
-  const bool small = g.m * g.n * g.k < 100'000;
+  const bool split = worth_threads(g.m, g.n, g.k);
   const Index width = p.width();
+  const auto run = [&](Index rows_at_once, const auto& multiply) {
+    for_blocks(g.m, p.count(), rows_at_once, split, [&](Index r0, Index r1, Index j0, Index j1) {
+      multiply(r0, r1, j0, j1);
+      behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
+    });
+  };
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) {
       const Bf16Kernels& kernel = *current_bf16_kernels();
-      for_blocks<S>(g.m, p.count(), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
-                    [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
-                      kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch);
-                      behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
-                    });
+      run(kernel.gemm_rows(g.k), [&](Index r0, Index r1, Index j0, Index j1) {
+        kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch.mine());
+      });
       return;
     }
   }
   const Kernels<S>& kernel = kernels<S>();
   g.panels = p.data();
-  for_blocks<S>(g.m, p.count(), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
-                [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
-                  kernel.gemm_block(g, r0, r1, j0, j1, scratch);
-                  behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
-                });
+  run(kernel.gemm_rows(g.k),
+      [&](Index r0, Index r1, Index j0, Index j1) { kernel.gemm_block(g, r0, r1, j0, j1, scratch.mine()); });
+}
+
+/// How many of `count` products of m x k and k x n are made by one thread each: as long as there is one for every thread. The rest is made by
+/// all of them, one after the other.
+inline Index products_apart(Index count, Index m, Index n, Index k) {
+  return worth_threads(count * m, n, k) ? count - count % parallel_width() : 0;
+}
+/// product(i) for 0 ... count-1.
+template <class F>
+void for_products(Index count, Index apart, const F& product) {
+  parallel_for(apart, product);
+  for (Index i = apart; i < count; ++i) product(i);
+}
+
+/// Packed sequences with rows of zeros at both ends of each. The windows of such a sequence lie in memory as the rows of a matrix do, but
+/// overlap.
+template <class S>
+struct WithMargins {
+  const Offsets& inside;
+  Index margin, width;
+  Dense<S> rows;
+
+  WithMargins(const Dense<S>& x, const Offsets& o, Index m) : inside(o), margin(m), width(x.shape()[1]), rows(x) {
+    if (margin == 0) return;
+    rows = Dense<S>(Shape{inside.rows() + 2 * margin * inside.count(), width});
+    parallel_ranges(inside.count(), inside.longest() * width, [&](Index first, Index last) {
+      for (Index s = first; s < last; ++s) {
+        S* to = std::fill_n(rows.data() + at(s), margin * width, S(0));
+        to = std::copy_n(x.data() + inside.begin(s) * width, inside.length(s) * width, to);
+        std::fill_n(to, margin * width, S(0));
+      }
+    });
+  }
+  /// Place among all numbers where sequence s begins, with its margin.
+  Index at(Index s) const { return (inside.begin(s) + 2 * margin * s) * width; }
+};
+
+/// f(place of a window's first number, its row among all windows) for every window of `size` numbers; those of a sequence by one thread.
+template <class S, class F>
+void for_windows(const WithMargins<S>& margins, const Offsets& windows, Index stride, Index size, const F& f) {
+  parallel_ranges(windows.count(), windows.longest() * size, [&](Index first, Index last) {
+    for (Index s = first; s < last; ++s) {
+      for (Index t = 0; t < windows.length(s); ++t) f(margins.at(s) + t * stride * margins.width, windows.begin(s) + t);
+    }
+  });
+}
+
+/// Windows of x times a matrix (taps in, n), sequence by sequence.
+template <class S>
+Dense<S> convolve(const Dense<S>& x, const Offsets& before, const Offsets& after, const Panels<S>& matrix,
+                  const S* bias, Index stride, Index padding, Activation act) {
+  const WithMargins<S> margins(x, before, padding);
+  Dense<S> y(Shape{after.rows(), matrix.n});
+  const Scratch<S> scratch = gemm_scratch(matrix);
+  for_products(after.count(), products_apart(after.count(), after.longest(), matrix.n, matrix.k), [&](Index s) {
+    run_gemm(Gemm<S>{.m = after.length(s),
+                     .n = matrix.n,
+                     .k = matrix.k,
+                     .a = margins.rows.data() + margins.at(s),
+                     .lda = stride * margins.width,
+                     .c = y.data() + after.begin(s) * matrix.n,
+                     .ldc = matrix.n,
+                     .bias = bias,
+                     .act = act},
+             matrix, scratch);
+  });
+  return y;
 }
 
 template <class S>
@@ -7767,7 +7944,8 @@ Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bi
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto panels = pack_panels(x.data(), k, m, Index{1}, k);
   Dense<S> z(Shape{n, m}), y(Shape{m, n});
-  run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .c = z.data(), .ldc = m}, panels);
+  run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .c = z.data(), .ldc = m}, panels,
+           gemm_scratch(panels));
   const Transposed<S> t{
       .z = z.data(), .bias = bias, .residual = residual, .rows = m, .width = n, .act = act, .y = y.data()};
   constexpr Index columns = 64;
@@ -7809,9 +7987,14 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
   s[r - 2] = m;
   s[r - 1] = n;
   Dense<S> out(s);
-  for (Index i = 0; i < s.count(0, r - 2); ++i) {
-    const auto panels = detail::pack_panels(b.data() + i * k * n, k, n, transpose_b ? 1 : n, transpose_b ? k : 1,
-                                            detail::precision_of<S>());
+  const Index count = s.count(0, r - 2), apart = detail::products_apart(count, m, n, k);
+  PoolVector<detail::Panels<S>> rooms;  // one for every thread that packs
+  for (int i = 0; i < (apart > 0 ? parallel_width() : 1); ++i)
+    rooms.push_back(detail::panels_for<S>(k, n, detail::precision_of<S>()));
+  const auto scratch = detail::gemm_scratch(rooms[0]);
+  detail::for_products(count, apart, [&](Index i) {
+    auto& panels = rooms[rooms.size() == 1 ? 0 : static_cast<std::size_t>(thread_number())];
+    detail::pack_into(panels, b.data() + i * k * n, transpose_b ? 1 : n, transpose_b ? k : 1);
     detail::run_gemm(detail::Gemm<S>{.m = m,
                                      .n = n,
                                      .k = k,
@@ -7820,8 +8003,8 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
                                      .a_transposed = transpose_a,
                                      .c = out.data() + i * m * n,
                                      .ldc = n},
-                     panels);
-  }
+                     panels, scratch);
+  });
   return out;
 }
 
@@ -7832,11 +8015,13 @@ Index KernelOps<S>::rows_in_cache() {
 
 template <Scalar S>
 bool KernelOps<S>::prepare(const Dense<S>& weight) {
-  const Index n = weight.shape()[0], k = weight.shape()[1];
+  const Index taps = weight.shape().rank() == 3 ? weight.shape()[2] : 1;
+  const Dense<S> matrix = taps > 1 ? detail::window_matrix(weight) : weight;
+  const Index n = weight.shape()[0], k = taps * weight.shape()[1];
   std::atomic<bool> finite{true};
   auto& before = thread_object<std::weak_ptr<const detail::PreparedPanels<S>>>();
   const auto prepared = std::make_shared<const detail::PreparedPanels<S>>(
-      detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>(), &finite));
+      detail::pack_panels(matrix.data(), k, n, Index{1}, k, detail::precision_of<S>(), &finite), taps);
   if (const auto last = before.lock()) {
     last->next_bytes = prepared->panels.bytes();
     last->next = static_cast<const std::byte*>(prepared->panels.memory.data());
@@ -7850,13 +8035,11 @@ template <Scalar S>
 Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                               const Dense<S>* residual, const Dropout& drop) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
-  const auto* prepared = static_cast<const detail::PreparedPanels<S>*>(weight.attached());
+  const auto* prepared = detail::prepared_panels(weight, n, k, 1);
   const auto* ready = prepared == nullptr ? nullptr : &prepared->panels;
   // The kernel applies the nonlinearity after everything, and knows no dropout.
   const bool last = drop.p == 0 && (residual == nullptr || act == Activation::none);
   detail::Panels<S> packed;
-  const Precision precision = detail::precision_of<S>();
-  const detail::Kernels<S>* wanted = precision == Precision::bf16 ? nullptr : &detail::kernels<S>();
   Dense<S> y;
   const auto finish = [&](Index first, Index count) {
     const detail::Kernels<S>& kernel = detail::kernels<S>();
@@ -7870,14 +8053,15 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
     if (c1 - c0 == n) return detail::pieces_of(r0 * n, r1 * n, finish);
     for (Index r = r0; r < r1; ++r) finish(r * n + c0, c1 - c0);
   };
-  if (ready == nullptr || ready->kernels != wanted || ready->n != n || ready->k != k) {
-    if (wanted != nullptr && m > 0 && m * (n + k) < n * k) {  // x and y are smaller than the weight
+  if (ready == nullptr) {
+    if (detail::wanted_kernels<S>() != nullptr && m > 0 &&
+        m * (n + k) < n * k) {  // x and y are smaller than the weight
       y = detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
                                    residual == nullptr || !last ? nullptr : residual->data());
       behind(0, m, 0, n);
       return y;
     }
-    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, precision);
+    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>());
     ready = &packed;
   }
   y = Dense<S>(Shape{m, n});
@@ -7895,8 +8079,63 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
                       .act = act,
                       .after = ready == &packed ? nullptr : prepared->next.load(std::memory_order_relaxed),
                       .after_bytes = ready == &packed ? 0 : prepared->next_bytes.load(std::memory_order_relaxed)},
-      *ready, behind);
+      *ready, detail::gemm_scratch(*ready), behind);
   return y;
+}
+
+template <Scalar S>
+Dense<S> KernelOps<S>::conv1d(const Dense<S>& x, const Offsets& before, const Offsets& after, const Dense<S>& weight,
+                              const Dense<S>* bias, Index stride, Index padding, Activation act) {
+  const Index n = weight.shape()[0], taps = weight.shape()[2], k = taps * weight.shape()[1];
+  const auto* prepared = detail::prepared_panels(weight, n, k, taps);
+  detail::Panels<S> packed;
+  if (prepared == nullptr)
+    packed = detail::pack_panels(detail::window_matrix(weight).data(), k, n, Index{1}, k, detail::precision_of<S>());
+  return detail::convolve(x, before, after, prepared == nullptr ? packed : prepared->panels,
+                          bias == nullptr ? nullptr : bias->data(), stride, padding, act);
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::conv1d_weight_vjp(const Dense<S>& x, const Offsets& before, const Offsets& after, Index taps,
+                                         Index stride, Index padding, const Dense<S>& dy) {
+  const Index n = dy.shape()[1], in = x.shape()[1];
+  const detail::WithMargins<S> margins(x, before, padding);
+  Dense<S> windows(Shape{after.rows(), taps * in});
+  detail::for_windows(margins, after, stride, taps * in, [&](Index from, Index row) {
+    std::copy_n(margins.rows.data() + from, taps * in, windows.data() + row * taps * in);
+  });
+  const std::array axes{0, 2, 1};
+  return DenseOps<S>::permute(matmul(dy, windows, true, false).reshaped(Shape{n, taps, in}), axes);
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::conv1d_input_vjp(const Dense<S>& weight, const Offsets& before, const Offsets& after,
+                                        Index stride, Index padding, const Dense<S>& dy) {
+  const Index n = weight.shape()[0], in = weight.shape()[1], taps = weight.shape()[2];
+  if (stride == 1 && padding < taps) {  // a convolution, too, with its taps in the opposite order
+    const std::array axes{1, 2, 0};
+    Dense<S> turned = DenseOps<S>::permute(weight, axes);  // (in, taps, out)
+    parallel_ranges(in, taps * n, [&](Index first, Index last) {
+      for (Index i = first; i < last; ++i) {
+        S* rows = turned.data() + i * taps * n;
+        for (Index j = 0; 2 * j + 1 < taps; ++j)
+          std::swap_ranges(rows + j * n, rows + (j + 1) * n, rows + (taps - 1 - j) * n);
+      }
+    });
+    const auto panels =
+        detail::pack_panels(std::as_const(turned).data(), taps * n, in, Index{1}, taps * n, detail::precision_of<S>());
+    return detail::convolve<S>(dy, after, before, panels, nullptr, 1, taps - 1 - padding, Activation::none);
+  }
+  const Dense<S> windows = matmul(dy, detail::window_matrix(weight), false, false);
+  detail::WithMargins<S> margins(Dense<S>::full(Shape{before.rows(), in}, S(0)), before, padding);
+  detail::for_windows(margins, after, stride, taps * in, [&](Index to, Index row) {
+    const S* from = windows.data() + row * taps * in;
+    for (Index i = 0; i < taps * in; ++i) margins.rows.data()[to + i] += from[i];
+  });
+  Dense<S> dx(Shape{before.rows(), in});
+  for (Index s = 0; s < before.count(); ++s) {
+    std::copy_n(std::as_const(margins.rows).data() + margins.at(s) + padding * in, before.length(s) * in,
+                dx.data() + before.begin(s) * in);
+  }
+  return dx;
 }
 
 template <Scalar S>
@@ -7944,10 +8183,8 @@ std::array<Dense<S>, 3> KernelOps<S>::layer_norm_vjp(const Dense<S>& x, const De
   parallel_ranges(rows, t.width, [&](Index a, Index b) {
     detail::kernels<S>().layer_norm_rows_vjp(t, dy.data(), dx.data(), moments.data(), a, b);
   });
-  const Index columns = std::max<Index>(64, detail::parts(t.width, parallel_width()));
-  parallel_for(detail::parts(t.width, columns), [&](Index i) {
-    detail::kernels<S>().layer_norm_columns_vjp(t, dy.data(), moments.data(), dweight.data(), dbias.data(), rows,
-                                                i * columns, std::min(t.width, (i + 1) * columns));
+  parallel_columns(rows, t.width, [&](Index a, Index b) {
+    detail::kernels<S>().layer_norm_columns_vjp(t, dy.data(), moments.data(), dweight.data(), dbias.data(), rows, a, b);
   });
   return {std::move(dx), std::move(dweight), std::move(dbias)};
 }
@@ -7971,12 +8208,10 @@ Dense<S> KernelOps<S>::dropout(const Dense<S>& x, const Dropout& d) {
 }
 template <Scalar S>
 Dense<S> KernelOps<S>::column_sums(const Dense<S>& x) {
-  const Index rows = x.shape()[0], width = x.shape()[1],
-              columns = std::max<Index>(64, detail::parts(width, parallel_width()));
+  const Index rows = x.shape()[0], width = x.shape()[1];
   Dense<S> y(Shape{width});
-  parallel_for(detail::parts(width, columns), [&](Index i) {
-    detail::kernels<S>().column_sums(x.data(), rows, width, i * columns, std::min(width, (i + 1) * columns), y.data());
-  });
+  parallel_columns(rows, width,
+                   [&](Index a, Index b) { detail::kernels<S>().column_sums(x.data(), rows, width, a, b, y.data()); });
   return y;
 }
 
@@ -9520,206 +9755,6 @@ auto encoded_text(const D& denoiser, TextFeatures<B> text) {
 #define MOTIONLANG_HAS_NN_POSITIONAL_ENCODING_HPP
 /// Sinusoidal positions.
 
-#ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
-#define MOTIONLANG_HAS_CORE_PARALLEL_HPP
-/// A small pool of threads and `parallel_for`.
-///
-/// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
-/// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
-/// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each (on few cores)
-/// while an idle program costs nothing.
-
-#include <condition_variable>  // sleeping workers
-#include <exception>           // exception_ptr: errors in tasks reach the caller
-#include <mutex>               // sleeping workers
-#include <system_error>        // no more threads
-#include <thread>              // workers
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-namespace detail {
-
-class ThreadPool {
- public:
-  static ThreadPool& instance() {
-    static ThreadPool pool;
-    return pool;
-  }
-
-  int size() const { return workers_ + 1; }
-  /// Threads that `run` uses when it is called here: a task runs its own tasks alone.
-  int width() const { return inside_ ? 1 : size(); }
-  /// 0 for a thread that called `run`, 1 ... size-1 for the workers.
-  static int number() { return number_; }
-
-  void resize(int threads) {
-    stop();
-    shares_.reset(new Share[static_cast<std::size_t>(threads)]);
-    threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
-    stopping_ = false;
-    for (int i = 1; i < threads; ++i) {
-      threads_[static_cast<std::size_t>(workers_)] = std::thread(start, this, i, round_.load());
-      ++workers_;
-    }
-  }
-
-  /// Runs task(context, i) for i = 0 ... count-1 on all threads and returns when all are done.
-  void run(Index count, void (*task)(const void*, Index), const void* context) {
-    if (count == 1 || workers_ == 0 || inside_) {
-      for (Index i = 0; i < count; ++i) task(context, i);
-      return;
-    }
-    std::scoped_lock only_one_caller(caller_);
-    task_ = task;
-    context_ = context;
-    for (int t = 0; t < size(); ++t) {
-      share(t).next.store(count * t / size(), std::memory_order_relaxed);
-      share(t).end = count * (t + 1) / size();
-    }
-    pending_.store(workers_, std::memory_order_relaxed);
-    {
-      std::scoped_lock lock(sleep_);
-      round_.fetch_add(1, std::memory_order_release);
-    }
-    if (asleep_.load() > 0) wake_.notify_all();
-    take_tasks();
-    for (int spins = 0; pending_.load(std::memory_order_acquire) != 0; ++spins) pause(spins);
-    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
-  }
-
-  ThreadPool(const ThreadPool&) = delete;
-  ThreadPool& operator=(const ThreadPool&) = delete;
-
- private:
-  static constexpr int spins_before_sleep = 20000;
-
-  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike, one after the
-  /// other, find them in the caches of the same thread.
-  struct alignas(64) Share {
-    std::atomic<Index> next{0};
-    Index end = 0;
-  };
-
-  Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
-
-  ThreadPool() {
-    const auto start = [&] { resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256)); };
-    const auto no_more = [](const std::system_error&) { return true; };  // those threads that began will do
-    guard<std::system_error>(start, no_more);
-  }
-  ~ThreadPool() { stop(); }
-
-  static void pause(int spins) {
-#if defined(__x86_64__) || defined(__i386__)
-    __builtin_ia32_pause();
-#endif
-    if (spins % 1024 == 1023) std::this_thread::yield();  // more threads than cores: let the others finish
-  }
-
-  void stop() {
-    {
-      std::scoped_lock lock(sleep_);
-      stopping_ = true;
-      round_.fetch_add(1);
-    }
-    wake_.notify_all();
-    for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
-  }
-
-  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of std::thread's, which a
-  /// program and a shared library, each with its own copy of this pool and of `inside_`, have in common.
-  static void start(ThreadPool* pool, int number, unsigned seen) {
-    number_ = number;
-    pool->work(seen);
-  }
-  void work(unsigned seen) {
-    inside_ = true;
-    for (;;) {
-      int spins = 0;
-      while (round_.load(std::memory_order_acquire) == seen && ++spins < spins_before_sleep) pause(spins);
-      if (round_.load(std::memory_order_acquire) == seen) {
-        std::unique_lock lock(sleep_);
-        ++asleep_;
-        wake_.wait(lock, [&] { return round_.load() != seen; });
-        --asleep_;
-      }
-      ++seen;
-      if (stopping_) return;
-      take_tasks();
-      pending_.fetch_sub(1, std::memory_order_release);
-    }
-  }
-
-  void take_tasks() {
-    const bool outer = std::exchange(inside_, true);
-    for (int t = 0; t < size(); ++t) take_tasks(share((number_ + t) % size()));
-    inside_ = outer;
-  }
-  void take_tasks(Share& from) {
-    const auto stop_with_it = [&] {
-      std::scoped_lock lock(sleep_);
-      if (!failure_) failure_ = std::current_exception();
-      for (int t = 0; t < size(); ++t) share(t).next.store(share(t).end, std::memory_order_relaxed);
-      return true;
-    };
-    while (from.next.load(std::memory_order_relaxed) < from.end) {
-      const Index i = from.next.fetch_add(1, std::memory_order_relaxed);
-      if (i >= from.end) return;
-      guard_all([&] { task_(context_, i); }, stop_with_it);
-    }
-  }
-
-  inline static thread_local int number_ = 0;
-  inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
-  std::unique_ptr<Share[]> shares_;  // one for every thread
-  std::unique_ptr<std::thread[]> threads_;
-  int workers_ = 0;  // threads that run
-  std::mutex caller_, sleep_;
-  std::condition_variable wake_;
-  std::atomic<unsigned> round_{0};
-  std::atomic<int> pending_{0}, asleep_{0};
-  std::atomic<bool> stopping_{false};
-  void (*task_)(const void*, Index) = nullptr;
-  const void* context_ = nullptr;
-  std::exception_ptr failure_;
-};
-
-}  // namespace detail
-
-/// Threads that `parallel_for` uses, the caller included. As many as the machine has unless set.
-inline int thread_count() { return detail::ThreadPool::instance().size(); }
-
-/// Threads that `parallel_for` uses here: one inside a task.
-inline int parallel_width() { return detail::ThreadPool::instance().width(); }
-
-/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at once.
-inline int thread_number() { return detail::ThreadPool::number(); }
-
-/// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
-inline void set_thread_count(int threads) {
-  if (threads < 1 || threads > 1024) raise<config_error>(101, "set_thread_count: ", threads, " is not in 1 ... 1024");
-  detail::ThreadPool::instance().resize(threads);
-}
-
-/// Calls f(i) for i = 0 ... count-1, in any order, on all threads. f must not depend on the order. Exceptions reach the
-/// caller (the first one). Inside a task it runs serially.
-template <class F>
-void parallel_for(Index count, const F& f) {
-  if (count <= 0) return;
-  detail::ThreadPool::instance().run(
-      count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
-}
-
-/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
-template <class F>
-void parallel_ranges(Index count, Index cost, const F& f) {
-  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
-  parallel_for((count + grain - 1) / grain, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
 namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     pe[p, 2i] = sin(p w_i),   pe[p, 2i + 1] = cos(p w_i),   w_i = exp(-2i ln(10000) / width)
@@ -10000,16 +10035,31 @@ M<typename A::inner> to_inner(const M<A>& model) {
 
 namespace detail {
 
+/// Matrices, and what has the axes of a convolution's weight: (out, in, taps), (out, in, taps, 1).
+template <class B, int R>
+inline constexpr bool has_panels = PackingBackend<B>&& R >= 2 && R <= 4;
+
+/// Whether all numbers of the weight are finite.
+template <Backend B, int R>
+requires has_panels<B, R>
+bool pack_weight(const Tensor<B, R>& w) {
+  if constexpr (R == 4)
+    return B::prepare(B::reshape(w.data(), Shape{w.size(0), w.size(1), w.size(2) * w.size(3)}));
+  else
+    return B::prepare(w.data());
+}
+
 struct PrepareWeights {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
-    if constexpr (R == 2 && PackingBackend<B>) B::prepare(t.data());
+    if constexpr (has_panels<B, R>) pack_weight(t);
   }
 };
 
 }  // namespace detail
 
-/// Makes a model ready for inference: weights of linear layers are packed for the backend's kernels. The model must not
+/// Makes a model ready for inference: weights of linear layers and convolutions are packed for the backend's kernels
+/// (and whatever else has two or three axes). The model must not
 /// be changed afterwards. Nothing happens on backends without such a layout.
 template <Module M>
 void prepare(M& model) {
@@ -13390,22 +13440,22 @@ class TensorStore {
 namespace detail {
 /// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the file again.
 /// Whether all its numbers are finite.
-template <PackingBackend B>
-bool pack_loaded(const Tensor<B, 2>& weight) {
-  const bool finite = B::prepare(weight.data());
+template <PackingBackend B, int R>
+bool pack_loaded(const Tensor<B, R>& weight) {
+  const bool finite = pack_weight(weight);
   MappedFile::forget_if_mapped(std::as_bytes(weight.span()));
   return finite;
 }
 
 /// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a place for it.
-template <PackingBackend B>
-void put_aside(Tensor<B, 2>& weight) {
+template <PackingBackend B, int R>
+void put_aside(Tensor<B, R>& weight) {
   const auto bytes = std::as_bytes(weight.span());
   if (MappedFile::that_holds(bytes) != nullptr || !weight.data().unique()) return;
   const auto aside = MappedFile::put_aside(bytes);
   if (aside == nullptr) return;
   const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
-  weight = Tensor<B, 2>(typename B::tensor(numbers, weight.shape(), aside));
+  weight = Tensor<B, R>(typename B::tensor(numbers, weight.shape(), aside));
   BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
 }
 
@@ -13433,7 +13483,7 @@ struct PrepareLoaded {
   void operator()(const std::string&, Tensor<B, R>& t) const {
     if (at++ * shares / count != share) return;
     bool good = true;
-    if constexpr (R == 2 && PackingBackend<B>)
+    if constexpr (has_panels<B, R>)
       good = pack_loaded(t);
     else if (finite != nullptr)
       good = all_finite(t.span());
@@ -13445,7 +13495,7 @@ struct PrepareLoaded {
 struct PrepareLoadedOnce {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
-    if constexpr (R == 2 && PackingBackend<B>) {
+    if constexpr (has_panels<B, R>) {
       put_aside(t);
       if (MappedFile::that_holds(std::as_bytes(t.span())) != nullptr) pack_loaded(t);
     }

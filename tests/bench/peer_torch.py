@@ -410,12 +410,222 @@ def train_tmr():
         report("train_tmr", "B=32 T=200 dropout 0.1", name, tmr_training(batch_first), 12)
 
 
+class Stylization(nn.Module):
+    def __init__(self):
+        super().__init__()
+        self.emb, self.norm, self.out = nn.Linear(2048, 1024), nn.LayerNorm(512), nn.Linear(512, 512)
+
+    def forward(self, h, emb):
+        scale, shift = self.emb(F.silu(emb))[:, None].chunk(2, 2)
+        return self.out(F.silu(self.norm(h) * (1 + scale) + shift))
+
+
+class EfficientAttention(nn.Module):
+    """MotionDiffuse's, to the motion itself or to the text."""
+
+    def __init__(self, source=512):
+        super().__init__()
+        self.norm, self.source_norm, self.style = nn.LayerNorm(512), nn.LayerNorm(source), Stylization()
+        self.query, self.key, self.value = nn.Linear(512, 512), nn.Linear(source, 512), nn.Linear(source, 512)
+
+    def forward(self, x, text, emb):
+        n, heads = self.norm(x), (x.shape[0], -1, 8, 64)
+        source = n if text is None else self.source_norm(text)
+        q, k = F.softmax(self.query(n).view(heads), 3), F.softmax(self.key(source).view(heads), 1)
+        a = torch.einsum("bnhd,bnhl->bhdl", k, self.value(source).view(heads))
+        return x + self.style(torch.einsum("bnhd,bhdl->bnhl", q, a).reshape(x.shape), emb)
+
+
+class MotionDiffuse(nn.Module):
+    def __init__(self):
+        super().__init__()
+        self.time = nn.Sequential(nn.Linear(512, 2048), nn.SiLU(), nn.Linear(2048, 2048))
+        self.embed, self.read, self.positions = nn.Linear(263, 512), nn.Linear(512, 263), nn.Parameter(torch.randn(196, 512))
+        self.own, self.cross = (nn.ModuleList(EfficientAttention(w) for _ in range(8)) for w in (512, 256))
+        self.feed = nn.ModuleList(nn.Sequential(nn.Linear(512, 1024), nn.GELU(), nn.Linear(1024, 512)) for _ in range(8))
+        self.style = nn.ModuleList(Stylization() for _ in range(8))
+
+    def forward(self, x, t, sentence, words):
+        angles = t[:, None] * torch.exp(-9.21034 * torch.arange(256) / 256)
+        emb, h = self.time(torch.cat([angles.cos(), angles.sin()], 1)) + sentence, self.embed(x) + self.positions
+        for own, cross, feed, style in zip(self.own, self.cross, self.feed, self.style):
+            h = cross(own(h, None, emb), words, emb)
+            h = h + style(feed(h), emb)
+        return self.read(h)
+
+
+def motiondiffuse():
+    model = MotionDiffuse().eval()
+    with inference():
+        for b in (1, 8):
+            x, t, sentence, words = torch.randn(b, 196, 263), torch.full((b,), 50.0), torch.randn(b, 2048), torch.randn(b, 77, 256)
+            report("motiondiffuse", f"B={b} T=196", "torch", lambda: model(x, t, sentence, words), 3)
+
+
+class BiGru(nn.Module):
+    """From rows to the common space of motions and texts (Guo et al.)."""
+
+    def __init__(self, width, hidden):
+        super().__init__()
+        self.embed, self.gru = nn.Linear(width, hidden), nn.GRU(hidden, hidden, batch_first=True, bidirectional=True)
+        self.start = nn.Parameter(torch.randn(2, 1, hidden))
+        self.out = nn.Sequential(nn.Linear(2 * hidden, hidden), nn.LayerNorm(hidden), nn.LeakyReLU(0.2), nn.Linear(hidden, 512))
+
+    def forward(self, x):
+        lengths = torch.full((x.shape[0],), x.shape[1])
+        rows = nn.utils.rnn.pack_padded_sequence(self.embed(x), lengths, batch_first=True)
+        return self.out(torch.cat(tuple(self.gru(rows, self.start.expand(-1, x.shape[0], -1).contiguous())[1]), 1))
+
+
+def guo_evaluator():
+    slope = nn.LeakyReLU(0.2)
+    movements = nn.Sequential(nn.Conv1d(259, 512, 4, 2, 1), slope, nn.Conv1d(512, 512, 4, 2, 1), slope).eval()
+    out, motions, texts, tags = nn.Linear(512, 512), BiGru(512, 1024).eval(), BiGru(300, 512).eval(), nn.Linear(15, 300)
+    x, words, kinds = torch.randn(32, 196, 259), torch.randn(32, 12, 300), torch.randn(32, 12, 15)
+    with inference():
+        report("guo_evaluator", "32 motions T=196", "torch", lambda: motions(out(movements(x.transpose(1, 2)).transpose(1, 2))), 3)
+        report("guo_evaluator", "32 texts T=12", "torch", lambda: texts(words + tags(kinds)), 3)
+
+
+class Tokenizer(nn.Module):
+    """TM2T's."""
+
+    class Residual(nn.Module):
+        def __init__(self):
+            super().__init__()
+            self.model = nn.Sequential(nn.Conv1d(1024, 1024, 3, 1, 1), nn.LeakyReLU(0.2), nn.Conv1d(1024, 1024, 3, 1, 1))
+
+        def forward(self, x):
+            return x + self.model(x)
+
+    def __init__(self):
+        super().__init__()
+        halve, same = (4, 2, 1), (3, 1, 1)
+        self.encoder = nn.Sequential(*(m for width in (259, 1024) for m in (nn.Conv1d(width, 1024, *halve), nn.LeakyReLU(0.2), self.Residual())))
+        self.decoder = nn.Sequential(*(self.Residual() for _ in range(3)),
+                                     *(m for width in (1024, 263) for m in (nn.Upsample(scale_factor=2), nn.Conv1d(1024, width, *same), nn.LeakyReLU(0.2))),
+                                     nn.Conv1d(263, 263, *same))
+        self.codes = nn.Embedding(1024, 1024)
+
+    def nearest(self, z):
+        rows, e = z.transpose(1, 2).reshape(-1, 1024), self.codes.weight
+        return torch.argmin(rows.square().sum(1, keepdim=True) + e.square().sum(1) - 2 * rows @ e.t(), 1)
+
+    def loss(self, x):
+        z = self.encoder(x[:, :259])
+        e = self.codes(self.nearest(z)).view(x.shape[0], -1, 1024).transpose(1, 2)
+        return F.mse_loss(self.decoder(z + (e - z).detach()), x) + F.mse_loss(e, z.detach()) + F.mse_loss(z, e.detach())
+
+
+def tm2t_tokenizer():
+    model = Tokenizer().eval()
+    with inference():
+        for b in (1, 32):
+            x, z = torch.randn(b, 259, 196), torch.randn(b, 1024, 49)
+            report("tm2t_tokenizer", f"B={b} T=196 to tokens", "torch", lambda: model.nearest(model.encoder(x)), 3)
+            report("tm2t_tokenizer", f"B={b} T=196 from tokens", "torch", lambda: model.decoder(z), 3)
+
+
+def training(work, config, model, loss):
+    adam = torch.optim.AdamW(model.parameters(), 1e-4)
+
+    def step():
+        adam.zero_grad(set_to_none=True)
+        with precision():
+            value = loss()
+        value.backward()
+        adam.step()
+
+    report(work, config, "torch", step, 8)
+
+
+def train_tokenizer():
+    model, x = Tokenizer().train(), torch.randn(32, 263, 64)
+    training("train_tokenizer", "B=32 T=64", model, lambda: model.loss(x))
+
+
+class Writer(nn.Module):
+    """TM2T's, from words to motion tokens."""
+
+    def __init__(self):
+        super().__init__()
+        self.embed, self.read = nn.Linear(300, 512), nn.GRU(512, 512, batch_first=True, bidirectional=True)
+        self.begin, self.tokens, self.gru = nn.Linear(1024, 1024), nn.Embedding(1027, 1024), nn.GRUCell(1024, 1024)
+        self.query, self.key, self.value = nn.Linear(1024, 1024), nn.Linear(1024, 1024, bias=False), nn.Linear(1024, 1024)
+        self.mix, self.norm = nn.Linear(2048, 1024), nn.LayerNorm(1024)
+
+    def forward(self, words):
+        rows, ends = self.read(self.embed(words))
+        keys, values, h = self.key(rows).transpose(1, 2), self.value(rows), self.begin(torch.cat(tuple(ends), 1))
+        last = torch.full((words.shape[0],), 1024)
+        for _ in range(49):
+            a = F.softmax(self.query(h)[:, None] @ keys / 32, 2) @ values
+            h = self.gru(F.leaky_relu(self.norm(self.mix(torch.cat([a[:, 0], self.tokens(last)], 1))), 0.2), h)
+            last = (h @ self.tokens.weight.t()).argmax(1)
+        return last
+
+
+def tm2t_write():
+    model = Writer().eval()
+    with inference():
+        for b in (1, 32):
+            words = torch.randn(b, 12, 300)
+            report("tm2t_write", f"B={b} 49 tokens", "torch", lambda: model(words), 3)
+
+
+class StGcnBlock(nn.Module):
+    def __init__(self, width, out, stride, residual):
+        super().__init__()
+        self.graph, self.time = nn.Conv2d(width, 3 * out, 1), nn.Conv2d(out, out, (9, 1), (stride, 1), (4, 0))
+        self.before, self.after = nn.BatchNorm2d(out), nn.BatchNorm2d(out)
+        self.past = None
+        if residual:
+            same = width == out and stride == 1
+            self.past = nn.Identity() if same else nn.Sequential(nn.Conv2d(width, out, 1, (stride, 1)), nn.BatchNorm2d(out))
+
+    def forward(self, x, edges):
+        parts = self.graph(x).unflatten(1, (3, -1))
+        mixed = torch.einsum("nkctv,kvw->nctw", parts, edges).contiguous()
+        y = self.after(self.time(F.relu(self.before(mixed))))
+        return F.relu(y if self.past is None else y + self.past(x))
+
+
+class StGcn(nn.Module):
+    def __init__(self):
+        super().__init__()
+        widths, strides = [6] + [64] * 4 + [128] * 3 + [256] * 3, [1, 1, 1, 1, 2, 1, 1, 2, 1, 1]
+        self.blocks = nn.ModuleList(StGcnBlock(widths[i], widths[i + 1], strides[i], i > 0) for i in range(10))
+        self.edges, self.norm, self.read = nn.Parameter(torch.rand(10, 3, 24, 24)), nn.BatchNorm1d(144), nn.Linear(256, 40)
+
+    def forward(self, x):
+        n, frames, _ = x.shape
+        x = self.norm(x.transpose(1, 2)).view(n, 24, 6, frames).permute(0, 2, 3, 1)
+        for block, edges in zip(self.blocks, self.edges):
+            x = block(x, edges)
+        return self.read(x.mean((2, 3)))
+
+
+def stgcn():
+    model = StGcn().eval()
+    with inference():
+        for b in (1, 32):
+            x = torch.randn(b, 60, 144)
+            report("stgcn", f"B={b} T=60", "torch", lambda: model(x), 3)
+
+
+def train_stgcn():
+    model, x = StGcn().train(), torch.randn(16, 60, 144)
+    training("train_stgcn", "B=16 T=60", model, lambda: model(x).square().mean())
+
+
 WORKS = {"train_mdm_memory": lambda: memory_of_training("train_mdm_memory", "B=16 T=200 dropout 0.1", mdm_training),
          "train_tmr_memory": lambda: memory_of_training("train_tmr_memory", "B=32 T=200 dropout 0.1", tmr_training),
          "settings": lambda: mdm_step((1,), 1), "mdm_step": mdm_step, "mdm_ragged": mdm_ragged, "train_mdm": train_mdm, "fk": fk, "smpl": smpl,
          "distilbert": distilbert, "clip_text": clip_text, "search": search, "search_faiss": search_faiss,
          "tmr_encoder": tmr_encoder, "temos_decoder": lambda: decoder("temos_decoder", 263, 6, 200),
-         "actor_decoder": lambda: decoder("actor_decoder", 150, 8, 60), "train_tmr": train_tmr, "start": start}
+         "actor_decoder": lambda: decoder("actor_decoder", 150, 8, 60), "train_tmr": train_tmr, "start": start,
+         "motiondiffuse": motiondiffuse, "guo_evaluator": guo_evaluator, "tm2t_tokenizer": tm2t_tokenizer, "train_tokenizer": train_tokenizer,
+         "tm2t_write": tm2t_write, "stgcn": stgcn, "train_stgcn": train_stgcn}
 
 if __name__ == "__main__":
     if ARGUMENTS[1:2] == ["first_step"]:

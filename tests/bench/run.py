@@ -22,11 +22,13 @@ ONNX_FOLDER = pathlib.Path(os.environ.get("ONNX_FOLDER", pathlib.Path.home() / "
 PROGRAM = {"product": "products", "product_gelu": "products", "product_batched": "products", "xtensor": "xtensor",
            "tmr_encoder": "vae", "temos_decoder": "vae", "actor_decoder": "vae", "train_tmr": "vae", "train_tmr_memory": "vae",
            "distilbert": "text", "clip_text": "text", "fk": "kinematics", "smpl": "body", "search": "search", "search_bf16": "search",
+           **dict.fromkeys(("motiondiffuse", "guo_evaluator", "tm2t_tokenizer", "train_tokenizer", "tm2t_write", "stgcn", "train_stgcn"), "networks"),
            "start": "generate", "stmc_full": "generate", "stmc_bundled": "generate"}
 # What a peer needs, and where a work has another name there.
 PACKAGE = {"torch": "Debian: python3-torch libopenblas0-openmp", "faiss": "Debian: python3-faiss",
            "onnx": f"npm install --ignore-scripts --prefix {ONNX_FOLDER} onnxruntime-node (and torch, which writes the models)",
-           "native": "target bench_products_native"}
+           "onednn": "Debian: libdnnl-dev, before CMake; target bench_products_onednn", "native": "target bench_products_native"}
+PINNED = {"OMP_PROC_BIND": "close", "OMP_PLACES": "cores"}
 WORK_OF_PEER = {("search", "faiss"): "search_faiss", ("search_bf16", "faiss"): "search_faiss", ("search_bf16", "torch"): "search"}
 
 
@@ -60,6 +62,8 @@ if HAS_AMX:
 TABLE = [
     *peaks("product", "fp32", ">= 0.90", ">= 0.95"), *PRODUCTS_BF16,
     Row("product", "", "native"), Row("product", "median", "native", ">= 0.97"),
+    Row("product", "", "onednn"), Row("product", "median", "onednn"), Row("product", "", "onednn", "", "bf16", kernels="avx512_bf16" if HAS_AMX else ""),
+    Row("product_gelu", "", "onednn"), Row("product_batched", "", "onednn"),
     *peaks("product_gelu", "fp32", ">= 0.88", ""), *peaks("product_batched", "fp32", "", ""),
     Row("xtensor", "", "eigen", "<= 1.03"),
     Row("mdm_step", "B=1", "torch", "<= 0.76"), Row("mdm_step", "B=3", "torch", "<= 0.82"), Row("mdm_step", "B=8", "torch", "<= 0.74"),
@@ -77,6 +81,9 @@ TABLE = [
     Row("actor_decoder", "B=1 ", "torch", "<= 0.35"), Row("actor_decoder", "B=32", "torch", "<= 0.56"),
     Row("train_mdm", "", "torch", "<= 0.62"), Row("train_tmr", "", "torch", "<= 0.45"),
     Row("train_mdm_memory", "", "torch", "<= 0.45"), Row("train_tmr_memory", "", "torch", "<= 0.45"),
+    Row("motiondiffuse", "", "torch", "<= 1"), Row("guo_evaluator", "", "torch", "<= 1"), Row("tm2t_tokenizer", "", "torch", "<= 1"),
+    Row("tm2t_write", "", "torch", "<= 1"), Row("stgcn", "", "torch", "<= 1"), Row("train_tokenizer", "", "torch", "<= 1"),
+    Row("train_stgcn", "", "torch", "<= 1"),
     Row("fk", "", "torch", "<= 0.015"), Row("smpl", "B=200", "torch", "<= 0.08"), Row("smpl", "B=1", "torch"),
     Row("search", "1 query", "torch", "<= 0.85"), Row("search", "1000 queries", "torch", "<= 0.60"),
     Row("search", "1000 queries", "faiss", "<= 0.84"),
@@ -133,7 +140,7 @@ class Programs:
         command = [self.bench / f"bench_{PROGRAM.get(work, 'denoiser')}", self.threads, *self.arguments(precision), work]
         return run(command, {"MOTIONLANG_KERNELS": kernels} if kernels else None)
 
-    def peer(self, name, work, precision):
+    def peer(self, name, work, precision, kernels=""):
         work = WORK_OF_PEER.get((work, name), work)
         if name in ("torch", "faiss"):
             command = [PYTHON, "-W", "ignore", HERE / "peer_torch.py", self.threads, *self.arguments(precision), work]
@@ -141,12 +148,15 @@ class Programs:
         if name == "onnx":
             ONNX_FOLDER.mkdir(parents=True, exist_ok=True)
             return fastest(run([PYTHON, "-W", "ignore", HERE / "peer_onnx.py", self.threads, work], {"ONNX_FOLDER": str(ONNX_FOLDER)}))
-        return fastest(run([self.bench / f"bench_products_{name}", self.threads, *self.arguments(precision), work]))
+        environment = dict(PINNED) if name == "onednn" else {}
+        if name == "onednn" and kernels:  # as far as our kernels may go
+            environment["DNNL_MAX_CPU_ISA"] = kernels.upper().replace("AVX512_", "AVX512_CORE_")
+        return fastest(run([self.bench / f"bench_products_{name}", self.threads, *self.arguments(precision), work], environment))
 
     def look_for(self, peers):
         checks = {"torch": [PYTHON, "-c", "import torch"], "faiss": [PYTHON, "-c", "import torch, faiss"],
                   "onnx": ["node", "-e", f"require({json.dumps(str(ONNX_FOLDER / 'node_modules/onnxruntime-node'))})"],
-                  "native": ["test", "-x", self.bench / "bench_products_native"]}
+                  **{name: ["test", "-x", self.bench / f"bench_products_{name}"] for name in ("native", "onednn")}}
         for name in peers & checks.keys():
             try:
                 run(checks[name])
@@ -154,7 +164,7 @@ class Programs:
                 self.missing[name] = PACKAGE[name]
 
     def tune_torch(self):
-        base = {"LD_LIBRARY_PATH": OPENBLAS, "OMP_PROC_BIND": "close", "OMP_PLACES": "cores"}
+        base = {"LD_LIBRARY_PATH": OPENBLAS, **PINNED}
         candidates = [{**base, "OPENBLAS_CORETYPE": core, "ATEN_CPU_CAPABILITY": vectors}
                       for core, vectors in (("Haswell", "avx2"), ("Zen", "avx2"), ("SkylakeX", "avx512"))]
 
@@ -194,7 +204,7 @@ def one_round(programs, table, note):
             theirs = {config: m for (config, variant), m in all_of_it.items() if variant == "eigen"}
         elif row.peer:
             precision = row.peer_precision or row.precision
-            theirs = once(peers, (row.peer, row.work, precision), lambda: programs.peer(row.peer, row.work, precision))
+            theirs = once(peers, (row.peer, row.work, precision, row.kernels), lambda: programs.peer(row.peer, row.work, precision, row.kernels))
         wanted = "" if row.config == "median" else row.config
         results[row] = {}
         for config, m in mine.items():
@@ -207,7 +217,7 @@ def one_round(programs, table, note):
                     results[row][config] = (m.gflops / m.peak, m.gflops, m.peak)
             elif config in theirs:
                 peer = theirs[config].value
-                share = row.bar.startswith(">") or row.peer == "native"
+                share = row.bar.startswith(">") or row.peer in ("native", "onednn")
                 results[row][config] = (peer / m.value if share else m.value / peer, m.value, peer)
     return results
 

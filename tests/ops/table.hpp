@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <motionlang/core/rng.hpp>
+#include <motionlang/nn/conv1d.hpp>
 #include <motionlang/tensor/fused.hpp>
 
 namespace table {
@@ -165,6 +166,22 @@ std::vector<Row<B>> rows() {
                    const auto residual = as<B, 2>(x[3]);
                    return ml::linear(as<B, 2>(x[0]), as<B, 2>(x[1]), &bias, act, &residual, drop).data();
                  }});
+  }
+  for (const ml::Conv1dOptions o : {ml::Conv1dOptions{}, ml::Conv1dOptions{.padding = 1},
+                                    ml::Conv1dOptions{.stride = 2, .padding = 1}, ml::Conv1dOptions{.stride = 3},
+                                    ml::Conv1dOptions{.padding = 4}, ml::Conv1dOptions{.padding = 2, .dilation = 2}}) {
+    for (Index taps : {1, 3, 4}) {
+      r.push_back({"conv1d " + std::to_string(taps) + " taps, stride " + std::to_string(o.stride) + ", padding " +
+                       std::to_string(o.padding) + ", dilation " + std::to_string(o.dilation),
+                   {{25, 6}, {7, 6, taps}, {7}},
+                   [=](In x) {
+                     const auto bias = as<B, 1>(x[2]);
+                     const ml::Sequences<B> motion(as<B, 2>(x[0]), ml::Offsets{7, 12, 6});
+                     return ml::conv1d(motion, as<B, 3>(x[1]), &bias, o, Activation::silu).rows.data();
+                   },
+                   Domain::real,
+                   /*grows=*/false});
+    }
   }
   for (Index width : {1, 16, 45}) {
     if (width > 1) {

@@ -352,6 +352,26 @@ struct Autodiff {
         },
         x, weight, bias == nullptr ? none : *bias, residual == nullptr ? none : *residual);
   }
+  static tensor conv1d(const tensor& x, const Offsets& before, const Offsets& after, const tensor& weight,
+                       const tensor* bias, Index stride, Index padding, Activation act) requires
+      requires(const Value& v) {
+    B::conv1d_weight_vjp(v, before, after, stride, stride, padding, v);
+    B::conv1d_input_vjp(v, before, after, stride, padding, v);
+    B::column_sums(v);
+  }
+  {
+    if (act != Activation::none)
+      return activate(conv1d(x, before, after, weight, bias, stride, padding, Activation::none), act);
+    return record(
+        B::conv1d(x.value, before, after, weight.value, bias == nullptr ? nullptr : &bias->value, stride, padding, act),
+        [x = Operand(weight, x), w = value_for(x, weight), taps = shape(weight)[2], before, after, stride, padding](
+            const Value& g, const Sink& s) {
+          if (s.needs(0)) s.add(0, B::conv1d_input_vjp(w, before, after, stride, padding, g));
+          if (s.needs(1)) s.add(1, B::conv1d_weight_vjp(x.value(), before, after, taps, stride, padding, g));
+          if (s.needs(2)) s.add(2, B::column_sums(g));
+        },
+        x, weight, bias == nullptr ? tensor{} : *bias);
+  }
   static tensor layer_norm(const tensor& x, const tensor& weight, const tensor& bias, double eps) requires
       requires(const Value& v) {
     B::layer_norm_vjp(v, v, eps, v);

@@ -2,10 +2,12 @@
 /// What all backends over Dense storage share: making tensors, and moving numbers without calculating.
 #pragma once
 
-#include <array>    // strides
-#include <cstring>  // memcpy, memset
+#include <algorithm>  // fill, min
+#include <array>      // strides
+#include <cstring>    // memcpy
 
 #include <motionlang/backend/dense.hpp>
+#include <motionlang/core/parallel.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -43,9 +45,9 @@ struct DenseOps {
     s[axis] = last - first;
     tensor out(s);
     const Index outer = s.count(0, axis), inner = s.count(axis + 1, s.rank()), size = a.shape()[axis];
-    for (Index i = 0; i < outer; ++i) {
-      copy(a.data() + (i * size + first) * inner, (last - first) * inner, out.data() + i * (last - first) * inner);
-    }
+    copy_pieces(
+        outer, (last - first) * inner, [&](Index i) { return a.data() + (i * size + first) * inner; },
+        [&](Index i) { return out.data() + i * (last - first) * inner; });
     return out;
   }
   static tensor concat(std::span<const tensor> list, int axis) {
@@ -57,7 +59,9 @@ struct DenseOps {
     Index at = 0;
     for (const tensor& t : list) {
       const Index n = t.shape()[axis] * inner;
-      for (Index i = 0; i < outer; ++i) copy(t.data() + i * n, n, out.data() + i * s[axis] * inner + at);
+      copy_pieces(
+          outer, n, [&](Index i) { return t.data() + i * n; },
+          [&](Index i) { return out.data() + i * s[axis] * inner + at; });
       at += n;
     }
     return out;
@@ -68,8 +72,9 @@ struct DenseOps {
     const Index inner = s.count(1, s.rank());
     s[0] = static_cast<Index>(rows.size());
     tensor out(s);
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      copy(a.data() + rows[i] * inner, inner, out.data() + static_cast<Index>(i) * inner);
+    copy_pieces(
+        s[0], inner, [&](Index i) { return a.data() + rows[static_cast<std::size_t>(i)] * inner; },
+        [&](Index i) { return out.data() + i * inner; });
     return out;
   }
   // out[rows[i]] += a[i], starting from n rows of zeros; in the order of i
@@ -78,19 +83,27 @@ struct DenseOps {
     const Index inner = s.count(1, s.rank());
     s[0] = n;
     tensor out = full(s, S(0));
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      const S* from = a.data() + static_cast<Index>(i) * inner;
-      S* to = out.data() + rows[i] * inner;
-      for (Index j = 0; j < inner; ++j) to[j] += from[j];
-    }
+    parallel_columns(static_cast<Index>(rows.size()), inner, [&](Index first, Index last) {
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const S* from = a.data() + static_cast<Index>(i) * inner;
+        S* to = out.data() + rows[i] * inner;
+        for (Index j = first; j < last; ++j) to[j] += from[j];
+      }
+    });
     return out;
   }
 
  protected:
   using Strides = std::array<Index, Shape::max_rank>;
 
-  static void copy(const S* from, Index n, S* to) {
-    if (n > 0) std::memcpy(to, from, static_cast<std::size_t>(n) * sizeof(S));
+  /// For i = 0 ... count-1: n numbers of from(i) to to(i).
+  template <class From, class To>
+  static void copy_pieces(Index count, Index n, const From& from, const To& to) {
+    if (n == 0) return;
+    const auto bytes = static_cast<std::size_t>(n) * sizeof(S);
+    parallel_ranges(count, n, [&](Index first, Index last) {
+      for (Index i = first; i < last; ++i) std::memcpy(to(i), from(i), bytes);
+    });
   }
   static Strides strides_of(const Shape& s) {
     Strides stride{};
@@ -111,26 +124,67 @@ struct DenseOps {
     }
     return stride;
   }
-  /// Calls f(position in the output, offset in the input) for every element of `s`, the last axis fastest.
-  template <class F>
-  static void for_each(const Shape& s, const Strides& stride, F f) {
-    std::array<Index, Shape::max_rank> at{};
-    Index offset = 0;
-    for (Index i = 0, n = s.count(); i < n; ++i) {
-      f(i, offset);
-      for (int axis = s.rank() - 1; axis >= 0; --axis) {
-        const auto x = static_cast<std::size_t>(axis);
-        offset += stride[x];
-        if (++at[x] < s[axis]) break;
-        offset -= at[x] * stride[x];
-        at[x] = 0;
-      }
-    }
-  }
+  /// An axis of a copy: its size, and how far one step along it goes in the input and in the output.
+  struct Axis {
+    Index size = 1, in = 1, out = 1;
+  };
+  /// out[i_0, i_1, ...] = a's memory at sum i_k stride_k, line by line along the last axis. Where these lines jump through the memory of a, and
+  /// those along another axis do not, some lines are made at once: a line of the cache serves all of them.
   static tensor strided_copy(const tensor& a, const Shape& s, const Strides& stride) {
     tensor out(s);
-    for_each(s, stride, [&, from = a.data(), to = out.data()](Index i, Index offset) { to[i] = from[offset]; });
+    if (s.count() == 0) return out;
+    std::array<Axis, Shape::max_rank> axes;  // from the last to the first, those that are one to the memory joined
+    int count = 0;
+    const auto own = strides_of(s);
+    for (int i = s.rank() - 1; i >= 0; --i) {
+      const auto x = static_cast<std::size_t>(i);
+      if (s[i] == 1) continue;
+      Axis* const before = count == 0 ? nullptr : &axes[static_cast<std::size_t>(count - 1)];
+      if (before != nullptr && stride[x] == before->in * before->size)
+        before->size *= s[i];
+      else
+        axes[static_cast<std::size_t>(count++)] = {s[i], stride[x], own[x]};
+    }
+    const Axis line = axes[0];
+    std::size_t beside = 0;
+    for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) {
+      if (line.in > 1 && axes[i].in == 1) beside = i;
+    }
+    constexpr Index at_once = 8;
+    const Index group = beside == 0 ? 1 : at_once;
+    const auto groups = [&](std::size_t i) { return i == beside ? (axes[i].size + group - 1) / group : axes[i].size; };
+    Index total = 1;
+    for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) total *= groups(i);
+
+    parallel_ranges(total, group * line.size, [&](Index first, Index last) {
+      std::array<Index, Shape::max_rank> at{};
+      Index rest = first;
+      for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) at[i] = rest % groups(i), rest /= groups(i);
+      for (Index g = first; g < last; ++g) {
+        const S* from = a.data();
+        S* to = out.data();
+        for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) {
+          const Index place = i == beside ? at[i] * group : at[i];
+          from += place * axes[i].in, to += place * axes[i].out;
+        }
+        const Index lines = beside == 0 ? 1 : std::min(group, axes[beside].size - at[beside] * group);
+        copy_lines(from, line.in, line.size, to, lines, axes[beside].out);
+        for (std::size_t i = 1; i < static_cast<std::size_t>(count) && ++at[i] == groups(i); ++i) at[i] = 0;
+      }
+    });
     return out;
+  }
+  /// Line l of n numbers:  to[l * pitch + i] = from[l + i * step]. Several lines only where step > 1.
+  static void copy_lines(const S* from, Index step, Index n, S* to, Index lines, Index pitch) {
+    if (step == 1) {
+      std::memcpy(to, from, static_cast<std::size_t>(n) * sizeof(S));
+    } else if (step == 0) {
+      std::fill_n(to, n, *from);
+    } else {
+      for (Index i = 0; i < n; ++i, from += step) {
+        for (Index l = 0; l < lines; ++l) to[l * pitch + i] = from[l];
+      }
+    }
   }
 };
 

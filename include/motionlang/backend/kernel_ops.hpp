@@ -23,11 +23,19 @@ struct KernelOps {
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
-  /// Packs a weight (out, in) once; `linear` then uses the packed form. For inference: the weight must not change
-  /// afterwards. Returns whether all its numbers are finite: they are read anyway.
+  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed form. For inference:
+  /// the weight must not change afterwards. Returns whether all its numbers are finite: they are read anyway.
   static bool prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
+
+  /// nn/conv1d.hpp, without dilation. The sequences of x lie in it by `before`, those of the result by `after`.
+  static Dense<S> conv1d(const Dense<S>& x, const Offsets& before, const Offsets& after, const Dense<S>& weight,
+                         const Dense<S>* bias, Index stride, Index padding, Activation act);
+  static Dense<S> conv1d_weight_vjp(const Dense<S>& x, const Offsets& before, const Offsets& after, Index taps,
+                                    Index stride, Index padding, const Dense<S>& dy);
+  static Dense<S> conv1d_input_vjp(const Dense<S>& weight, const Offsets& before, const Offsets& after, Index stride,
+                                   Index padding, const Dense<S>& dy);
 
   static Dense<S> activate(const Dense<S>& x, Activation act, const Dropout& drop = {});
   static Dense<S> activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act, const Dropout& drop = {});

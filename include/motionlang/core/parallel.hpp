@@ -202,4 +202,13 @@ void parallel_ranges(Index count, Index cost, const F& f) {
   parallel_for((count + grain - 1) / grain, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
 }
 
+/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the rows in their order.
+/// Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
+template <class F>
+void parallel_columns(Index rows, Index width, const F& f) {
+  const Index pieces = rows * width < 16384 ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
+  const auto begin = [&](Index i) { return i == pieces ? width : width * i / pieces / 16 * 16; };
+  parallel_for(pieces, [&](Index i) { f(begin(i), begin(i + 1)); });
+}
+
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -39,12 +39,14 @@ struct StylizationBlock {
   StylizationBlock(Index width, Index time_width, Rng auto& rng)
       : emb_layer(time_width, 2 * width, rng), out_layer(width, width, rng), norm(width) {}
 
-  /// h (rows, width), emb (sequences, time width)
-  Tensor<B, 2> operator()(const Tensor<B, 2>& h, const Tensor<B, 2>& emb, const Offsets& offsets) const {
+  /// h and x (rows, width), emb (sequences, time width): x with what is made of h added
+  Tensor<B, 2> operator()(const Tensor<B, 2>& h, const Tensor<B, 2>& emb, const Offsets& offsets,
+                          const Tensor<B, 2>& x) const {
     const Index d = h.size(1);
-    const auto modulation = repeat_for_rows(emb_layer(activate(emb, Activation::silu)), offsets);
-    const auto y = norm(h) * (slice(modulation, 1, 0, d) + 1.0) + slice(modulation, 1, d, 2 * d);
-    return out_layer(activate(y, Activation::silu));
+    const auto modulation = emb_layer(activate(emb, Activation::silu));
+    const auto scale = repeat_for_rows(slice(modulation, 1, 0, d) + 1.0, offsets);
+    const auto shift = repeat_for_rows(slice(modulation, 1, d, 2 * d), offsets);
+    return out_layer(activate(norm(h) * scale + shift, Activation::silu), Activation::none, &x);
   }
 };
 
@@ -82,7 +84,7 @@ struct MotionDiffuseAttention {
     const auto q = query(n), k = key(source), v = value(source);
     const auto y = no_eff ? attention(q, k, v, x.offsets, keys, {.heads = heads})
                           : linear_attention(q, k, v, x.offsets, keys, heads);
-    return x.rows + proj_out(y, emb, x.offsets);
+    return proj_out(y, emb, x.offsets, x.rows);
   }
 };
 
@@ -96,7 +98,7 @@ struct MotionDiffuseFeedForward {
     return motionlang::fields("linear1", &M::linear1, "linear2", &M::linear2, "proj_out", &M::proj_out);
   }
   Tensor<B, 2> operator()(const Sequences<B>& x, const Tensor<B, 2>& emb) const {
-    return x.rows + proj_out(linear2(linear1(x.rows, Activation::gelu)), emb, x.offsets);
+    return proj_out(linear2(linear1(x.rows, Activation::gelu)), emb, x.offsets, x.rows);
   }
 };
 

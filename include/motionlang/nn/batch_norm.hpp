@@ -61,7 +61,7 @@ struct BatchNorm {
     follow(statistics.running_mean, m, momentum);
     follow(statistics.running_var, v, momentum, n / (n - 1));
     statistics.num_batches_tracked = statistics.num_batches_tracked + 1.0;
-    return centred / sqrt(v + eps) * weight + bias;
+    return centred * (weight / sqrt(v + eps)) + bias;
   }
 
  private:

@@ -75,12 +75,11 @@ struct GruLayer {
     const Index n = hidden();
     Tensor<B, 2> h = h0;
     std::vector<Tensor<B, 2>> out;
-    for (const auto& step : x) {
-      if (step.size(0) < h.size(0)) h = slice(h, 0, 0, step.size(0));
-      const auto i = linear(step, weight_ih, &bias_ih), g = linear(h, weight_hh, &bias_hh);
-      auto sigmoid = [](const Tensor<B, 2>& t) { return 1.0 / (exp(-t) + 1.0); };
-      const auto r = sigmoid(slice(i, 1, 0, n) + slice(g, 1, 0, n));
-      const auto z = sigmoid(slice(i, 1, n, 2 * n) + slice(g, 1, n, 2 * n));
+    for (const auto& i : read(x)) {
+      if (i.size(0) < h.size(0)) h = slice(h, 0, 0, i.size(0));
+      const auto g = linear(h, weight_hh, &bias_hh);
+      const auto gates = 1.0 / (exp(-(slice(i, 1, 0, 2 * n) + slice(g, 1, 0, 2 * n))) + 1.0);
+      const auto r = slice(gates, 1, 0, n), z = slice(gates, 1, n, 2 * n);
       const auto candidate = tanh(slice(i, 1, 2 * n, 3 * n) + r * slice(g, 1, 2 * n, 3 * n));
       h = (1.0 - z) * candidate + z * h;
       out.push_back(h);
@@ -95,6 +94,24 @@ struct GruLayer {
     const detail::TimeSteps<B> time(x, backwards);
     if (time.steps.empty()) return x.with(Tensor<B, 2>::zeros({0, hidden()}));
     return x.with(time.packed((*this)(time.steps, gather(h0, time.order))));
+  }
+
+ private:
+  /// W_i x + b_i of all gates for each step, by one product of all steps: weights are read once. Not on a tape, where the gradient of each
+  /// step would be one of all rows.
+  std::vector<Tensor<B, 2>> read(const std::vector<Tensor<B, 2>>& x) const {
+    std::vector<Tensor<B, 2>> out;
+    if (AutodiffBackend<B> || x.size() < 2) {
+      for (const auto& step : x) out.push_back(linear(step, weight_ih, &bias_ih));
+      return out;
+    }
+    const auto all = linear(concat(std::span<const Tensor<B, 2>>(x), 0), weight_ih, &bias_ih);
+    Index at = 0;
+    for (const auto& step : x) {
+      out.push_back(slice(all, 0, at, at + step.size(0)));
+      at += step.size(0);
+    }
+    return out;
   }
 };
 

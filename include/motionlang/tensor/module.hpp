@@ -96,16 +96,31 @@ M<typename A::inner> to_inner(const M<A>& model) {
 
 namespace detail {
 
+/// Matrices, and what has the axes of a convolution's weight: (out, in, taps), (out, in, taps, 1).
+template <class B, int R>
+inline constexpr bool has_panels = PackingBackend<B>&& R >= 2 && R <= 4;
+
+/// Whether all numbers of the weight are finite.
+template <Backend B, int R>
+requires has_panels<B, R>
+bool pack_weight(const Tensor<B, R>& w) {
+  if constexpr (R == 4)
+    return B::prepare(B::reshape(w.data(), Shape{w.size(0), w.size(1), w.size(2) * w.size(3)}));
+  else
+    return B::prepare(w.data());
+}
+
 struct PrepareWeights {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
-    if constexpr (R == 2 && PackingBackend<B>) B::prepare(t.data());
+    if constexpr (has_panels<B, R>) pack_weight(t);
   }
 };
 
 }  // namespace detail
 
-/// Makes a model ready for inference: weights of linear layers are packed for the backend's kernels. The model must not
+/// Makes a model ready for inference: weights of linear layers and convolutions are packed for the backend's kernels
+/// (and whatever else has two or three axes). The model must not
 /// be changed afterwards. Nothing happens on backends without such a layout.
 template <Module M>
 void prepare(M& model) {

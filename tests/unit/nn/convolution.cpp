@@ -72,6 +72,8 @@ TEST_CASE("conv1d: strides, padding and dilation, as a plain loop has them; each
   CHECK_ERROR(conv(ml::Sequences<B>(Matrix::zeros({3, 3}), Offsets{3})), "[motionlang.shape.205]");
   CHECK_ERROR(conv(ml::Sequences<B>(Matrix::zeros({9, 2}), Offsets{9})), "[motionlang.shape.201]");
   CHECK_ERROR(ml::conv1d_length(9, 3, {.stride = 0}), "[motionlang.config.101]");
+  const auto short_bias = ml::Tensor<B, 1>::zeros({4});
+  CHECK_ERROR(ml::conv1d(x, conv.weight, &short_bias), "[motionlang.shape.204]");
 }
 
 TEST_CASE("conv1d: gradients are central differences") {

@@ -29,7 +29,9 @@ auto eigen_map(S* data, Index n) {
 template <class S, class F>
 Dense<S> eigen_unary(Dense<S> a, F f) {
   Dense<S> out = a.unique() ? a : Dense<S>(a.shape());
-  eigen_map(out.data(), a.count()) = f(eigen_map(std::as_const(a).data(), a.count()));
+  parallel_ranges(a.count(), 1, [&](Index first, Index last) {
+    eigen_map(out.data() + first, last - first) = f(eigen_map(std::as_const(a).data() + first, last - first));
+  });
   return out;
 }
 
@@ -39,13 +41,27 @@ Dense<S> eigen_reduce(const Dense<S>& a, int axis, S start, Whole whole, Fold fo
   const Index outer = a.shape().count(0, axis), n = a.shape()[axis],
               inner = a.shape().count(axis + 1, a.shape().rank());
   Dense<S> out = Dense<S>::full(a.shape().without(axis), start);
-  for (Index i = 0; i < outer && n > 0; ++i) {
-    if (inner == 1) {
-      out.data()[i] = whole(eigen_map(a.data() + i * n, n));
-    } else {
-      auto row = eigen_map(out.data() + i * inner, inner);
-      for (Index l = 0; l < n; ++l) fold(row, eigen_map(a.data() + (i * n + l) * inner, inner));
-    }
+  if (n == 0) return out;
+  const auto fold_columns = [&](Index i, Index first, Index last) {
+    auto row = eigen_map(out.data() + i * inner + first, last - first);
+    for (Index l = 0; l < n; ++l) fold(row, eigen_map(a.data() + (i * n + l) * inner + first, last - first));
+  };
+  if (outer == 1) {
+    parallel_columns(n, inner, [&](Index first, Index last) {
+      if (inner != 1)
+        fold_columns(0, first, last);
+      else
+        out.data()[0] = whole(eigen_map(a.data(), n));
+    });
+  } else {
+    parallel_ranges(outer, n * inner, [&](Index first, Index last) {
+      for (Index i = first; i < last; ++i) {
+        if (inner != 1)
+          fold_columns(i, 0, inner);
+        else
+          out.data()[i] = whole(eigen_map(a.data() + i * n, n));
+      }
+    });
   }
   return out;
 }

@@ -4,10 +4,13 @@
 /// Work is split over rows or columns of the result only, never over a summed index.
 #pragma once
 
-#include <atomic>   // a finding of several threads, the weight prepared next
-#include <memory>   // shared_ptr
-#include <utility>  // move
+#include <algorithm>  // copy, fill, swap, min
+#include <array>      // axes, several gradients
+#include <atomic>     // a finding of several threads, the weight prepared next
+#include <memory>     // shared_ptr
+#include <utility>    // move
 
+#include <motionlang/backend/dense_ops.hpp>
 #include <motionlang/backend/detail/kernels.hpp>
 #include <motionlang/backend/kernel_ops.hpp>
 #include <motionlang/core/parallel.hpp>
@@ -56,9 +59,10 @@ struct Panels {
 /// the place is known, for the cache: they may be gone.
 template <class S>
 struct PreparedPanels {
-  explicit PreparedPanels(Panels<S> p) : panels(std::move(p)) {}
+  PreparedPanels(Panels<S> p, Index t) : panels(std::move(p)), taps(t) {}
 
   Panels<S> panels;
+  Index taps;  // of a convolution's weight
   mutable std::atomic<const std::byte*> next{nullptr};
   mutable std::atomic<Index> next_bytes{0};
 };
@@ -71,15 +75,19 @@ Precision precision_of() {
   return std::is_same_v<S, float> ? product_precision() : Precision::fp32;
 }
 
+/// Room for a matrix, packed.
+template <class S>
+Panels<S> panels_for(Index k, Index n, Precision precision) {
+  Panels<S> p{k, n, precision == Precision::bf16 ? nullptr : &kernels<S>(), {}};
+  p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
+  return p;
+}
 /// Element (k, n) of the packed matrix is b[k * stride_k + n * stride_n]; one stride is 1. `finite`, for a
 /// transposed B (stride_k is 1), becomes false if a number is not.
 template <class S>
-Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride_n,
-                      Precision precision = Precision::fp32, std::atomic<bool>* finite = nullptr) {
-  const Kernels<S>& kernel = kernels<S>();
-  const bool bf16 = precision == Precision::bf16;
-  Panels<S> p{k, n, bf16 ? nullptr : &kernel, {}};
-  p.memory = BufferHandle(static_cast<std::size_t>(p.bytes()));
+void pack_into(Panels<S>& p, const S* b, Index stride_k, Index stride_n, std::atomic<bool>* finite = nullptr) {
+  const Index k = p.k, n = p.n;
+  const bool bf16 = p.kernels == nullptr;
   // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B. A column is both, but only
   // as transposed is it looked at.
   const bool as_it_lies = stride_n == 1 && finite == nullptr;
@@ -98,27 +106,62 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
   if constexpr (std::is_same_v<S, float>) {
     if (bf16) {
       pack(*current_bf16_kernels(), static_cast<std::uint16_t*>(p.memory.data()));
-      return p;
+      return;
     }
   }
-  pack(kernel, static_cast<S*>(p.memory.data()));
+  pack(*p.kernels, static_cast<S*>(p.memory.data()));
+}
+template <class S>
+Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride_n,
+                      Precision precision = Precision::fp32, std::atomic<bool>* finite = nullptr) {
+  auto p = panels_for<S>(k, n, precision);
+  pack_into(p, b, stride_k, stride_n, finite);
   return p;
 }
 
-/// Calls block(r0, r1, j0, j1, scratch) for parts of a product of so many rows and panels.
-template <class S, class F>
-void for_blocks(Index rows, Index panels, Index rows_at_once, bool small, Index scratch_count, const F& block) {
-  const Index threads = small ? 1 : parallel_width(), blocks = threads == 1 ? 1 : parts(rows, rows_at_once);
+/// Whether a product of m x k and k x n is split.
+inline bool worth_threads(Index m, Index n, Index k) { return m * n * k >= 100'000; }
+
+/// The kernels whose panels are wanted of weights; none: bfloat16.
+template <class S>
+const Kernels<S>* wanted_kernels() {
+  return precision_of<S>() == Precision::bf16 ? nullptr : &kernels<S>();
+}
+/// What was prepared of a weight, if it is what is wanted now.
+template <class S>
+const PreparedPanels<S>* prepared_panels(const Dense<S>& weight, Index n, Index k, Index taps) {
+  const auto* p = static_cast<const PreparedPanels<S>*>(weight.attached());
+  const bool fits = p != nullptr && p->panels.kernels == wanted_kernels<S>() && p->panels.n == n && p->panels.k == k &&
+                    p->taps == taps;
+  return fits ? p : nullptr;
+}
+/// The weight (out, in, taps) of a convolution as the matrix (out, taps in) that windows of rows are multiplied with.
+template <class S>
+Dense<S> window_matrix(const Dense<S>& weight) {
+  const std::array axes{0, 2, 1};
+  return DenseOps<S>::permute(weight, axes).reshaped(Shape{weight.shape()[0], weight.shape()[1] * weight.shape()[2]});
+}
+
+/// Scratch of products with such panels.
+template <class S>
+Scratch<S> gemm_scratch(const Panels<S>& p) {
+  if constexpr (std::is_same_v<S, float>) {
+    if (p.kernels == nullptr) return Scratch<S>(current_bf16_kernels()->gemm_scratch(p.k));
+  }
+  return Scratch<S>(kernels<S>().gemm_scratch(p.k));
+}
+/// Calls block(r0, r1, j0, j1) for parts of a product of so many rows and panels.
+template <class F>
+void for_blocks(Index rows, Index panels, Index rows_at_once, bool split, const F& block) {
+  const Index threads = split ? parallel_width() : 1, blocks = threads == 1 ? 1 : parts(rows, rows_at_once);
   // As many for every thread; fewer rows than fill a block are shared as long as each thread has some tiles of them.
   const Index row_parts = blocks > threads                       ? parts(blocks, threads) * threads
                           : rows >= threads * (rows_at_once / 4) ? threads
                                                                  : blocks;
   const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(threads, row_parts));
-  const Scratch<S> scratch(scratch_count);
   parallel_for(row_parts * panel_parts, [&](Index task) {
     const Index r = task / panel_parts, j = task % panel_parts;
-    block(rows * r / row_parts, rows * (r + 1) / row_parts, panels * j / panel_parts, panels * (j + 1) / panel_parts,
-          scratch.mine());
+    block(rows * r / row_parts, rows * (r + 1) / row_parts, panels * j / panel_parts, panels * (j + 1) / panel_parts);
   });
 }
 
@@ -128,28 +171,96 @@ struct NothingBehind {
 };
 /// g with the right-hand side `p`; then behind(r0, r1, c0, c1) for every thread's blocks of rows and columns, by that thread.
 template <class S, class F = NothingBehind>
-void run_gemm(Gemm<S> g, const Panels<S>& p, const F& behind = {}) {
+void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F& behind = {}) {
   if (g.m == 0 || g.n == 0) return;
-  const bool small = g.m * g.n * g.k < 100'000;
+  const bool split = worth_threads(g.m, g.n, g.k);
   const Index width = p.width();
+  const auto run = [&](Index rows_at_once, const auto& multiply) {
+    for_blocks(g.m, p.count(), rows_at_once, split, [&](Index r0, Index r1, Index j0, Index j1) {
+      multiply(r0, r1, j0, j1);
+      behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
+    });
+  };
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) {
       const Bf16Kernels& kernel = *current_bf16_kernels();
-      for_blocks<S>(g.m, p.count(), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
-                    [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
-                      kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch);
-                      behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
-                    });
+      run(kernel.gemm_rows(g.k), [&](Index r0, Index r1, Index j0, Index j1) {
+        kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch.mine());
+      });
       return;
     }
   }
   const Kernels<S>& kernel = kernels<S>();
   g.panels = p.data();
-  for_blocks<S>(g.m, p.count(), kernel.gemm_rows(g.k), small, kernel.gemm_scratch(g.k),
-                [&](Index r0, Index r1, Index j0, Index j1, S* scratch) {
-                  kernel.gemm_block(g, r0, r1, j0, j1, scratch);
-                  behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
-                });
+  run(kernel.gemm_rows(g.k),
+      [&](Index r0, Index r1, Index j0, Index j1) { kernel.gemm_block(g, r0, r1, j0, j1, scratch.mine()); });
+}
+
+/// How many of `count` products of m x k and k x n are made by one thread each: as long as there is one for every thread. The rest is made by
+/// all of them, one after the other.
+inline Index products_apart(Index count, Index m, Index n, Index k) {
+  return worth_threads(count * m, n, k) ? count - count % parallel_width() : 0;
+}
+/// product(i) for 0 ... count-1.
+template <class F>
+void for_products(Index count, Index apart, const F& product) {
+  parallel_for(apart, product);
+  for (Index i = apart; i < count; ++i) product(i);
+}
+
+/// Packed sequences with rows of zeros at both ends of each. The windows of such a sequence lie in memory as the rows of a matrix do, but
+/// overlap.
+template <class S>
+struct WithMargins {
+  const Offsets& inside;
+  Index margin, width;
+  Dense<S> rows;
+
+  WithMargins(const Dense<S>& x, const Offsets& o, Index m) : inside(o), margin(m), width(x.shape()[1]), rows(x) {
+    if (margin == 0) return;
+    rows = Dense<S>(Shape{inside.rows() + 2 * margin * inside.count(), width});
+    parallel_ranges(inside.count(), inside.longest() * width, [&](Index first, Index last) {
+      for (Index s = first; s < last; ++s) {
+        S* to = std::fill_n(rows.data() + at(s), margin * width, S(0));
+        to = std::copy_n(x.data() + inside.begin(s) * width, inside.length(s) * width, to);
+        std::fill_n(to, margin * width, S(0));
+      }
+    });
+  }
+  /// Place among all numbers where sequence s begins, with its margin.
+  Index at(Index s) const { return (inside.begin(s) + 2 * margin * s) * width; }
+};
+
+/// f(place of a window's first number, its row among all windows) for every window of `size` numbers; those of a sequence by one thread.
+template <class S, class F>
+void for_windows(const WithMargins<S>& margins, const Offsets& windows, Index stride, Index size, const F& f) {
+  parallel_ranges(windows.count(), windows.longest() * size, [&](Index first, Index last) {
+    for (Index s = first; s < last; ++s) {
+      for (Index t = 0; t < windows.length(s); ++t) f(margins.at(s) + t * stride * margins.width, windows.begin(s) + t);
+    }
+  });
+}
+
+/// Windows of x times a matrix (taps in, n), sequence by sequence.
+template <class S>
+Dense<S> convolve(const Dense<S>& x, const Offsets& before, const Offsets& after, const Panels<S>& matrix,
+                  const S* bias, Index stride, Index padding, Activation act) {
+  const WithMargins<S> margins(x, before, padding);
+  Dense<S> y(Shape{after.rows(), matrix.n});
+  const Scratch<S> scratch = gemm_scratch(matrix);
+  for_products(after.count(), products_apart(after.count(), after.longest(), matrix.n, matrix.k), [&](Index s) {
+    run_gemm(Gemm<S>{.m = after.length(s),
+                     .n = matrix.n,
+                     .k = matrix.k,
+                     .a = margins.rows.data() + margins.at(s),
+                     .lda = stride * margins.width,
+                     .c = y.data() + after.begin(s) * matrix.n,
+                     .ldc = matrix.n,
+                     .bias = bias,
+                     .act = act},
+             matrix, scratch);
+  });
+  return y;
 }
 
 template <class S>
@@ -195,7 +306,8 @@ Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bi
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto panels = pack_panels(x.data(), k, m, Index{1}, k);
   Dense<S> z(Shape{n, m}), y(Shape{m, n});
-  run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .c = z.data(), .ldc = m}, panels);
+  run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .c = z.data(), .ldc = m}, panels,
+           gemm_scratch(panels));
   const Transposed<S> t{
       .z = z.data(), .bias = bias, .residual = residual, .rows = m, .width = n, .act = act, .y = y.data()};
   constexpr Index columns = 64;
@@ -237,9 +349,14 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
   s[r - 2] = m;
   s[r - 1] = n;
   Dense<S> out(s);
-  for (Index i = 0; i < s.count(0, r - 2); ++i) {
-    const auto panels = detail::pack_panels(b.data() + i * k * n, k, n, transpose_b ? 1 : n, transpose_b ? k : 1,
-                                            detail::precision_of<S>());
+  const Index count = s.count(0, r - 2), apart = detail::products_apart(count, m, n, k);
+  PoolVector<detail::Panels<S>> rooms;  // one for every thread that packs
+  for (int i = 0; i < (apart > 0 ? parallel_width() : 1); ++i)
+    rooms.push_back(detail::panels_for<S>(k, n, detail::precision_of<S>()));
+  const auto scratch = detail::gemm_scratch(rooms[0]);
+  detail::for_products(count, apart, [&](Index i) {
+    auto& panels = rooms[rooms.size() == 1 ? 0 : static_cast<std::size_t>(thread_number())];
+    detail::pack_into(panels, b.data() + i * k * n, transpose_b ? 1 : n, transpose_b ? k : 1);
     detail::run_gemm(detail::Gemm<S>{.m = m,
                                      .n = n,
                                      .k = k,
@@ -248,8 +365,8 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
                                      .a_transposed = transpose_a,
                                      .c = out.data() + i * m * n,
                                      .ldc = n},
-                     panels);
-  }
+                     panels, scratch);
+  });
   return out;
 }
 
@@ -260,11 +377,13 @@ Index KernelOps<S>::rows_in_cache() {
 
 template <Scalar S>
 bool KernelOps<S>::prepare(const Dense<S>& weight) {
-  const Index n = weight.shape()[0], k = weight.shape()[1];
+  const Index taps = weight.shape().rank() == 3 ? weight.shape()[2] : 1;
+  const Dense<S> matrix = taps > 1 ? detail::window_matrix(weight) : weight;
+  const Index n = weight.shape()[0], k = taps * weight.shape()[1];
   std::atomic<bool> finite{true};
   auto& before = thread_object<std::weak_ptr<const detail::PreparedPanels<S>>>();
   const auto prepared = std::make_shared<const detail::PreparedPanels<S>>(
-      detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>(), &finite));
+      detail::pack_panels(matrix.data(), k, n, Index{1}, k, detail::precision_of<S>(), &finite), taps);
   if (const auto last = before.lock()) {
     last->next_bytes = prepared->panels.bytes();
     last->next = static_cast<const std::byte*>(prepared->panels.memory.data());
@@ -278,13 +397,11 @@ template <Scalar S>
 Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                               const Dense<S>* residual, const Dropout& drop) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
-  const auto* prepared = static_cast<const detail::PreparedPanels<S>*>(weight.attached());
+  const auto* prepared = detail::prepared_panels(weight, n, k, 1);
   const auto* ready = prepared == nullptr ? nullptr : &prepared->panels;
   // The kernel applies the nonlinearity after everything, and knows no dropout.
   const bool last = drop.p == 0 && (residual == nullptr || act == Activation::none);
   detail::Panels<S> packed;
-  const Precision precision = detail::precision_of<S>();
-  const detail::Kernels<S>* wanted = precision == Precision::bf16 ? nullptr : &detail::kernels<S>();
   Dense<S> y;
   const auto finish = [&](Index first, Index count) {
     const detail::Kernels<S>& kernel = detail::kernels<S>();
@@ -298,14 +415,15 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
     if (c1 - c0 == n) return detail::pieces_of(r0 * n, r1 * n, finish);
     for (Index r = r0; r < r1; ++r) finish(r * n + c0, c1 - c0);
   };
-  if (ready == nullptr || ready->kernels != wanted || ready->n != n || ready->k != k) {
-    if (wanted != nullptr && m > 0 && m * (n + k) < n * k) {  // x and y are smaller than the weight
+  if (ready == nullptr) {
+    if (detail::wanted_kernels<S>() != nullptr && m > 0 &&
+        m * (n + k) < n * k) {  // x and y are smaller than the weight
       y = detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
                                    residual == nullptr || !last ? nullptr : residual->data());
       behind(0, m, 0, n);
       return y;
     }
-    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, precision);
+    packed = detail::pack_panels(weight.data(), k, n, Index{1}, k, detail::precision_of<S>());
     ready = &packed;
   }
   y = Dense<S>(Shape{m, n});
@@ -323,8 +441,63 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
                       .act = act,
                       .after = ready == &packed ? nullptr : prepared->next.load(std::memory_order_relaxed),
                       .after_bytes = ready == &packed ? 0 : prepared->next_bytes.load(std::memory_order_relaxed)},
-      *ready, behind);
+      *ready, detail::gemm_scratch(*ready), behind);
   return y;
+}
+
+template <Scalar S>
+Dense<S> KernelOps<S>::conv1d(const Dense<S>& x, const Offsets& before, const Offsets& after, const Dense<S>& weight,
+                              const Dense<S>* bias, Index stride, Index padding, Activation act) {
+  const Index n = weight.shape()[0], taps = weight.shape()[2], k = taps * weight.shape()[1];
+  const auto* prepared = detail::prepared_panels(weight, n, k, taps);
+  detail::Panels<S> packed;
+  if (prepared == nullptr)
+    packed = detail::pack_panels(detail::window_matrix(weight).data(), k, n, Index{1}, k, detail::precision_of<S>());
+  return detail::convolve(x, before, after, prepared == nullptr ? packed : prepared->panels,
+                          bias == nullptr ? nullptr : bias->data(), stride, padding, act);
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::conv1d_weight_vjp(const Dense<S>& x, const Offsets& before, const Offsets& after, Index taps,
+                                         Index stride, Index padding, const Dense<S>& dy) {
+  const Index n = dy.shape()[1], in = x.shape()[1];
+  const detail::WithMargins<S> margins(x, before, padding);
+  Dense<S> windows(Shape{after.rows(), taps * in});
+  detail::for_windows(margins, after, stride, taps * in, [&](Index from, Index row) {
+    std::copy_n(margins.rows.data() + from, taps * in, windows.data() + row * taps * in);
+  });
+  const std::array axes{0, 2, 1};
+  return DenseOps<S>::permute(matmul(dy, windows, true, false).reshaped(Shape{n, taps, in}), axes);
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::conv1d_input_vjp(const Dense<S>& weight, const Offsets& before, const Offsets& after,
+                                        Index stride, Index padding, const Dense<S>& dy) {
+  const Index n = weight.shape()[0], in = weight.shape()[1], taps = weight.shape()[2];
+  if (stride == 1 && padding < taps) {  // a convolution, too, with its taps in the opposite order
+    const std::array axes{1, 2, 0};
+    Dense<S> turned = DenseOps<S>::permute(weight, axes);  // (in, taps, out)
+    parallel_ranges(in, taps * n, [&](Index first, Index last) {
+      for (Index i = first; i < last; ++i) {
+        S* rows = turned.data() + i * taps * n;
+        for (Index j = 0; 2 * j + 1 < taps; ++j)
+          std::swap_ranges(rows + j * n, rows + (j + 1) * n, rows + (taps - 1 - j) * n);
+      }
+    });
+    const auto panels =
+        detail::pack_panels(std::as_const(turned).data(), taps * n, in, Index{1}, taps * n, detail::precision_of<S>());
+    return detail::convolve<S>(dy, after, before, panels, nullptr, 1, taps - 1 - padding, Activation::none);
+  }
+  const Dense<S> windows = matmul(dy, detail::window_matrix(weight), false, false);
+  detail::WithMargins<S> margins(Dense<S>::full(Shape{before.rows(), in}, S(0)), before, padding);
+  detail::for_windows(margins, after, stride, taps * in, [&](Index to, Index row) {
+    const S* from = windows.data() + row * taps * in;
+    for (Index i = 0; i < taps * in; ++i) margins.rows.data()[to + i] += from[i];
+  });
+  Dense<S> dx(Shape{before.rows(), in});
+  for (Index s = 0; s < before.count(); ++s) {
+    std::copy_n(std::as_const(margins.rows).data() + margins.at(s) + padding * in, before.length(s) * in,
+                dx.data() + before.begin(s) * in);
+  }
+  return dx;
 }
 
 template <Scalar S>
@@ -372,10 +545,8 @@ std::array<Dense<S>, 3> KernelOps<S>::layer_norm_vjp(const Dense<S>& x, const De
   parallel_ranges(rows, t.width, [&](Index a, Index b) {
     detail::kernels<S>().layer_norm_rows_vjp(t, dy.data(), dx.data(), moments.data(), a, b);
   });
-  const Index columns = std::max<Index>(64, detail::parts(t.width, parallel_width()));
-  parallel_for(detail::parts(t.width, columns), [&](Index i) {
-    detail::kernels<S>().layer_norm_columns_vjp(t, dy.data(), moments.data(), dweight.data(), dbias.data(), rows,
-                                                i * columns, std::min(t.width, (i + 1) * columns));
+  parallel_columns(rows, t.width, [&](Index a, Index b) {
+    detail::kernels<S>().layer_norm_columns_vjp(t, dy.data(), moments.data(), dweight.data(), dbias.data(), rows, a, b);
   });
   return {std::move(dx), std::move(dweight), std::move(dbias)};
 }
@@ -399,12 +570,10 @@ Dense<S> KernelOps<S>::dropout(const Dense<S>& x, const Dropout& d) {
 }
 template <Scalar S>
 Dense<S> KernelOps<S>::column_sums(const Dense<S>& x) {
-  const Index rows = x.shape()[0], width = x.shape()[1],
-              columns = std::max<Index>(64, detail::parts(width, parallel_width()));
+  const Index rows = x.shape()[0], width = x.shape()[1];
   Dense<S> y(Shape{width});
-  parallel_for(detail::parts(width, columns), [&](Index i) {
-    detail::kernels<S>().column_sums(x.data(), rows, width, i * columns, std::min(width, (i + 1) * columns), y.data());
-  });
+  parallel_columns(rows, width,
+                   [&](Index a, Index b) { detail::kernels<S>().column_sums(x.data(), rows, width, a, b, y.data()); });
   return y;
 }
 
