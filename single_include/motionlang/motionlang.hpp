@@ -838,13 +838,14 @@ struct StmcOptions;
 
 #ifndef MOTIONLANG_HAS_CORE_ACTIVATION_HPP  // <motionlang/core/activation.hpp>
 #define MOTIONLANG_HAS_CORE_ACTIVATION_HPP
-/// The nonlinearities of transformer blocks, by name.
+/// The nonlinearities of networks, by name.
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     relu(x) = max(x, 0),   gelu(x) = x (1 + erf(x / sqrt 2)) / 2 (the exact form),   silu(x) = x / (1 + exp(-x)),
-///     tanh(x),   quick_gelu(x) = x / (1 + exp(-1.702 x)),   gelu_new(x) = x (1 + tanh(sqrt(2 / pi) (x + 0.044715 x^3))) / 2
-enum class Activation { none, relu, gelu, silu, tanh, quick_gelu, gelu_new };
+///     tanh(x),   quick_gelu(x) = x / (1 + exp(-1.702 x)),   gelu_new(x) = x (1 + tanh(sqrt(2 / pi) (x + 0.044715 x^3))) / 2,
+///     sigmoid(x) = 1 / (1 + exp(-x))
+enum class Activation { none, relu, gelu, silu, tanh, quick_gelu, gelu_new, sigmoid };
 
 /// Throws config_error 103.
 inline Activation parse_activation(std::string_view name) {
@@ -855,11 +856,13 @@ inline Activation parse_activation(std::string_view name) {
   if (name == "tanh") return Activation::tanh;
   if (name == "quick_gelu") return Activation::quick_gelu;
   if (name == "gelu_new") return Activation::gelu_new;
-  raise<config_error>(103, "activation '", name, "' is none of none, relu, gelu, silu, tanh, quick_gelu, gelu_new");
+  if (name == "sigmoid") return Activation::sigmoid;
+  raise<config_error>(103, "activation '", name,
+                      "' is none of none, relu, gelu, silu, tanh, quick_gelu, gelu_new, sigmoid");
 }
 
 constexpr std::string_view to_string(Activation a) {
-  constexpr std::string_view names[] = {"none", "relu", "gelu", "silu", "tanh", "quick_gelu", "gelu_new"};
+  constexpr std::string_view names[] = {"none", "relu", "gelu", "silu", "tanh", "quick_gelu", "gelu_new", "sigmoid"};
   return names[static_cast<int>(a)];
 }
 
@@ -3413,6 +3416,8 @@ Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
         return x / (exp(x * -1.702) + 1.0);
       case Activation::gelu_new:
         return x * 0.5 * (tanh((x + x * x * x * 0.044715) * 0.79788456080286536) + 1.0);
+      case Activation::sigmoid:
+        return 1.0 / (exp(-x) + 1.0);
     }
     return x;
   }
@@ -9809,9 +9814,9 @@ struct GruLayer {
     for (const auto& i : read(x)) {
       if (i.size(0) < h.size(0)) h = slice(h, 0, 0, i.size(0));
       const auto g = linear(h, weight_hh, &bias_hh);
-      const auto gates = 1.0 / (exp(-(slice(i, 1, 0, 2 * n) + slice(g, 1, 0, 2 * n))) + 1.0);
+      const auto gates = activate(slice(i, 1, 0, 2 * n) + slice(g, 1, 0, 2 * n), Activation::sigmoid);
       const auto r = slice(gates, 1, 0, n), z = slice(gates, 1, n, 2 * n);
-      const auto candidate = tanh(slice(i, 1, 2 * n, 3 * n) + r * slice(g, 1, 2 * n, 3 * n));
+      const auto candidate = activate(slice(i, 1, 2 * n, 3 * n) + r * slice(g, 1, 2 * n, 3 * n), Activation::tanh);
       h = (1.0 - z) * candidate + z * h;
       out.push_back(h);
     }
@@ -29437,6 +29442,46 @@ extern template struct motionlang::detail::RowScan<float>;
 ///
 /// Work is split over rows or columns of the result only, never over a summed index.
 
+#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP  // <motionlang/backend/detail/broadcast.hpp>
+#define MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP
+/// How two operands of a broadcasting operation lie in memory, reduced to the cases that a vectorised loop can handle.
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// The result as a matrix (outer, inner); in each operand an axis is either walked along or repeated.
+struct BroadcastPattern {
+  struct Operand {
+    bool outer = true, inner = true;  // false: repeated
+  };
+  Index outer = 1, inner = 1;
+  Operand a, b;
+};
+
+/// The pattern of a and b in the result shape s, or nothing if it takes more than one change between walked and
+/// repeated.
+inline std::optional<BroadcastPattern> broadcast_pattern(const Shape& a, const Shape& b, const Shape& s) {
+  BroadcastPattern p;
+  int group = 0;  // 0: inner, 1: outer; from the last axis backwards
+  bool started[2] = {false, false};
+  for (int i = s.rank() - 1; i >= 0; --i) {
+    if (s[i] == 1) continue;
+    const int ia = i - (s.rank() - a.rank()), ib = i - (s.rank() - b.rank());
+    const bool wa = ia >= 0 && a[ia] != 1, wb = ib >= 0 && b[ib] != 1;
+    if (started[group] && (group == 0 ? p.a.inner != wa || p.b.inner != wb : p.a.outer != wa || p.b.outer != wb)) {
+      if (++group == 2) return std::nullopt;
+    }
+    started[group] = true;
+    if (group == 0)
+      p.a.inner = wa, p.b.inner = wb, p.inner *= s[i];
+    else
+      p.a.outer = wa, p.b.outer = wb, p.outer *= s[i];
+  }
+  return p;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+#endif
+
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_KERNELS_HPP  // <motionlang/backend/detail/kernels.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_KERNELS_HPP
 /// The kernels behind the Eigen and xtensor backends: one text, compiled for several instruction sets, chosen at run
@@ -29813,11 +29858,20 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  Vec<S> r{};
-  for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
-  return r;
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
+    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
+    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
+    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
+    return r;
+  }
 }
 //
 // Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
@@ -29835,6 +29889,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
+    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -29866,6 +29921,10 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
+    case Activation::sigmoid: {
+      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      return s * (S(1) - s);
+    }
   }
   return splat(S(1));
 }
@@ -29881,6 +29940,7 @@ void with_activation(Activation act, const F& f) {
     case Activation::tanh: return f.template operator()<Activation::tanh>();
     case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
     case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -31281,11 +31341,20 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  Vec<S> r{};
-  for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
-  return r;
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
+    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
+    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
+    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
+    return r;
+  }
 }
 //
 // Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
@@ -31303,6 +31372,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
+    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -31334,6 +31404,10 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
+    case Activation::sigmoid: {
+      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      return s * (S(1) - s);
+    }
   }
   return splat(S(1));
 }
@@ -31349,6 +31423,7 @@ void with_activation(Activation act, const F& f) {
     case Activation::tanh: return f.template operator()<Activation::tanh>();
     case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
     case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -32747,11 +32822,20 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  Vec<S> r{};
-  for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
-  return r;
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
+    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
+    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
+    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
+    return r;
+  }
 }
 //
 // Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
@@ -32769,6 +32853,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
+    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -32800,6 +32885,10 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
+    case Activation::sigmoid: {
+      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      return s * (S(1) - s);
+    }
   }
   return splat(S(1));
 }
@@ -32815,6 +32904,7 @@ void with_activation(Activation act, const F& f) {
     case Activation::tanh: return f.template operator()<Activation::tanh>();
     case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
     case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -34254,7 +34344,7 @@ inline const Bf16Kernels*& current_bf16_kernels() {
 
 #ifndef MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP  // <motionlang/backend/kernel_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP
-/// The operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
+/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
 /// xtensor backends: one layer of kernels serves both.
 ///
 /// Declarations only; the bodies are in detail/kernel_ops_impl.hpp, which a program that links motionlang::instantiated
@@ -34265,6 +34355,13 @@ namespace motionlang::inline MOTIONLANG_ABI {
 template <Scalar S>
 struct KernelOps {
   using kernel_tensor = Dense<S>;
+
+  // Operands come by value: memory that nobody else holds is reused for the result.
+  static Dense<S> add(Dense<S> a, Dense<S> b);
+  static Dense<S> sub(Dense<S> a, Dense<S> b);
+  static Dense<S> mul(Dense<S> a, Dense<S> b);
+  static Dense<S> div(Dense<S> a, Dense<S> b);
+  static Dense<S> maximum(Dense<S> a, Dense<S> b);
 
   /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
   static Index rows_in_cache();
@@ -34646,7 +34743,59 @@ LayerNorm<S> layer_norm_arguments(const Dense<S>& x, const Dense<S>& weight, con
           .y = y};
 }
 
+/// out = op(a, b) with broadcasting, row by row; the memory of an operand is reused when nobody else holds it.
+template <class S>
+Dense<S> kernel_binary(BinaryOp op, Dense<S> a, Dense<S> b) {
+  const Shape s = a.shape() == b.shape() ? a.shape() : broadcast_shapes(a.shape(), b.shape(), "binary operation");
+  const auto pattern = broadcast_pattern(a.shape(), b.shape(), s);
+  if (!pattern) return kernel_binary(op, DenseOps<S>::broadcast(a, s), DenseOps<S>::broadcast(b, s));
+  const auto& [outer, inner, walk_a, walk_b] = *pattern;
+  Dense<S> out = a.unique() && a.shape() == s ? a : b.unique() && b.shape() == s ? b : Dense<S>(s);
+  if (inner == 0) return out;
+  auto apply = [&, pattern = *pattern](Index i, Index first, Index last) {  // columns first ... last-1 of row i
+    auto at = [&](const Dense<S>& x, const BroadcastPattern::Operand& walk) {
+      return x.data() + (walk.outer ? i * (walk.inner ? pattern.inner : 1) : 0) + (walk.inner ? first : 0);
+    };
+    kernels<S>().binary({.op = op,
+                         .a = at(a, pattern.a),
+                         .b = at(b, pattern.b),
+                         .a_repeated = !pattern.a.inner,
+                         .b_repeated = !pattern.b.inner,
+                         .count = last - first,
+                         .y = out.data() + i * pattern.inner + first});
+  };
+  if (outer == 1) {
+    parallel_ranges(inner, 1, [&](Index first, Index last) { apply(0, first, last); });
+  } else {
+    parallel_ranges(outer, inner, [&, n = inner](Index first, Index last) {
+      for (Index i = first; i < last; ++i) apply(i, 0, n);
+    });
+  }
+  return out;
+}
+
 }  // namespace detail
+
+template <Scalar S>
+Dense<S> KernelOps<S>::add(Dense<S> a, Dense<S> b) {
+  return detail::kernel_binary(detail::BinaryOp::add, std::move(a), std::move(b));
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::sub(Dense<S> a, Dense<S> b) {
+  return detail::kernel_binary(detail::BinaryOp::sub, std::move(a), std::move(b));
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::mul(Dense<S> a, Dense<S> b) {
+  return detail::kernel_binary(detail::BinaryOp::mul, std::move(a), std::move(b));
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::div(Dense<S> a, Dense<S> b) {
+  return detail::kernel_binary(detail::BinaryOp::div, std::move(a), std::move(b));
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::maximum(Dense<S> a, Dense<S> b) {
+  return detail::kernel_binary(detail::BinaryOp::maximum, std::move(a), std::move(b));
+}
 
 template <Scalar S>
 Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b) {

@@ -13,12 +13,12 @@
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP  // <motionlang/backend/detail/eigen_class.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP
-/// What a model needs of the Eigen backend: its operations, and of the bodies those of arithmetic and of the kernels. Those
+/// What a model needs of the Eigen backend: its operations, and of the bodies those of the kernels, arithmetic among them. Those
 /// that include Eigen, functions and reductions, come with <motionlang/backend/eigen.hpp>.
 
 #ifndef MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP  // <motionlang/backend/kernel_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP
-/// The operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
+/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
 /// xtensor backends: one layer of kernels serves both.
 ///
 /// Declarations only; the bodies are in detail/kernel_ops_impl.hpp, which a program that links motionlang::instantiated
@@ -29,6 +29,13 @@ namespace motionlang::inline MOTIONLANG_ABI {
 template <Scalar S>
 struct KernelOps {
   using kernel_tensor = Dense<S>;
+
+  // Operands come by value: memory that nobody else holds is reused for the result.
+  static Dense<S> add(Dense<S> a, Dense<S> b);
+  static Dense<S> sub(Dense<S> a, Dense<S> b);
+  static Dense<S> mul(Dense<S> a, Dense<S> b);
+  static Dense<S> div(Dense<S> a, Dense<S> b);
+  static Dense<S> maximum(Dense<S> a, Dense<S> b);
 
   /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
   static Index rows_in_cache();
@@ -95,12 +102,6 @@ template <Scalar S>
 struct EigenBackend : DenseOps<S>, KernelOps<S> {
   using tensor = Dense<S>;
 
-  // Operands come by value: memory that nobody else holds is reused for the result.
-  static tensor add(tensor a, tensor b);
-  static tensor sub(tensor a, tensor b);
-  static tensor mul(tensor a, tensor b);
-  static tensor div(tensor a, tensor b);
-  static tensor maximum(tensor a, tensor b);
   static tensor atan2(tensor a, tensor b);
   static tensor exp(tensor a);
   static tensor log(tensor a);
@@ -119,112 +120,6 @@ struct EigenBackend : DenseOps<S>, KernelOps<S> {
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::EigenBackend<float>;
 extern template struct motionlang::EigenBackend<double>;
-#else
-
-#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_ARITHMETIC_HPP  // <motionlang/backend/detail/eigen_arithmetic.hpp>
-#define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_ARITHMETIC_HPP
-/// Arithmetic of eigen.hpp, by the kernels: no Eigen here.
-
-#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP  // <motionlang/backend/detail/broadcast.hpp>
-#define MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP
-/// How two operands of a broadcasting operation lie in memory, reduced to the cases that a vectorised loop can handle.
-
-namespace motionlang::inline MOTIONLANG_ABI::detail {
-
-/// The result as a matrix (outer, inner); in each operand an axis is either walked along or repeated.
-struct BroadcastPattern {
-  struct Operand {
-    bool outer = true, inner = true;  // false: repeated
-  };
-  Index outer = 1, inner = 1;
-  Operand a, b;
-};
-
-/// The pattern of a and b in the result shape s, or nothing if it takes more than one change between walked and
-/// repeated.
-inline std::optional<BroadcastPattern> broadcast_pattern(const Shape& a, const Shape& b, const Shape& s) {
-  BroadcastPattern p;
-  int group = 0;  // 0: inner, 1: outer; from the last axis backwards
-  bool started[2] = {false, false};
-  for (int i = s.rank() - 1; i >= 0; --i) {
-    if (s[i] == 1) continue;
-    const int ia = i - (s.rank() - a.rank()), ib = i - (s.rank() - b.rank());
-    const bool wa = ia >= 0 && a[ia] != 1, wb = ib >= 0 && b[ib] != 1;
-    if (started[group] && (group == 0 ? p.a.inner != wa || p.b.inner != wb : p.a.outer != wa || p.b.outer != wb)) {
-      if (++group == 2) return std::nullopt;
-    }
-    started[group] = true;
-    if (group == 0)
-      p.a.inner = wa, p.b.inner = wb, p.inner *= s[i];
-    else
-      p.a.outer = wa, p.b.outer = wb, p.outer *= s[i];
-  }
-  return p;
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
-#endif
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-namespace detail {
-
-/// out = op(a, b) with broadcasting, row by row; the memory of an operand is reused when nobody else holds it.
-template <class S>
-Dense<S> kernel_binary(BinaryOp op, Dense<S> a, Dense<S> b) {
-  const Shape s = a.shape() == b.shape() ? a.shape() : broadcast_shapes(a.shape(), b.shape(), "binary operation");
-  const auto pattern = broadcast_pattern(a.shape(), b.shape(), s);
-  if (!pattern) return kernel_binary(op, DenseOps<S>::broadcast(a, s), DenseOps<S>::broadcast(b, s));
-  const auto& [outer, inner, walk_a, walk_b] = *pattern;
-  Dense<S> out = a.unique() && a.shape() == s ? a : b.unique() && b.shape() == s ? b : Dense<S>(s);
-  if (inner == 0) return out;
-  auto apply = [&, pattern = *pattern](Index i, Index first, Index last) {  // columns first ... last-1 of row i
-    auto at = [&](const Dense<S>& x, const BroadcastPattern::Operand& walk) {
-      return x.data() + (walk.outer ? i * (walk.inner ? pattern.inner : 1) : 0) + (walk.inner ? first : 0);
-    };
-    kernels<S>().binary({.op = op,
-                         .a = at(a, pattern.a),
-                         .b = at(b, pattern.b),
-                         .a_repeated = !pattern.a.inner,
-                         .b_repeated = !pattern.b.inner,
-                         .count = last - first,
-                         .y = out.data() + i * pattern.inner + first});
-  };
-  if (outer == 1) {
-    parallel_ranges(inner, 1, [&](Index first, Index last) { apply(0, first, last); });
-  } else {
-    parallel_ranges(outer, inner, [&, n = inner](Index first, Index last) {
-      for (Index i = first; i < last; ++i) apply(i, 0, n);
-    });
-  }
-  return out;
-}
-
-}  // namespace detail
-
-template <Scalar S>
-Dense<S> EigenBackend<S>::add(tensor a, tensor b) {
-  return detail::kernel_binary(detail::BinaryOp::add, std::move(a), std::move(b));
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::sub(tensor a, tensor b) {
-  return detail::kernel_binary(detail::BinaryOp::sub, std::move(a), std::move(b));
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::mul(tensor a, tensor b) {
-  return detail::kernel_binary(detail::BinaryOp::mul, std::move(a), std::move(b));
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::div(tensor a, tensor b) {
-  return detail::kernel_binary(detail::BinaryOp::div, std::move(a), std::move(b));
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::maximum(tensor a, tensor b) {
-  return detail::kernel_binary(detail::BinaryOp::maximum, std::move(a), std::move(b));
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
 #endif
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -616,11 +511,20 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  Vec<S> r{};
-  for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
-  return r;
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
+    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
+    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
+    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
+    return r;
+  }
 }
 //
 // Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
@@ -638,6 +542,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
+    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -669,6 +574,10 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
+    case Activation::sigmoid: {
+      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      return s * (S(1) - s);
+    }
   }
   return splat(S(1));
 }
@@ -684,6 +593,7 @@ void with_activation(Activation act, const F& f) {
     case Activation::tanh: return f.template operator()<Activation::tanh>();
     case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
     case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -2084,11 +1994,20 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  Vec<S> r{};
-  for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
-  return r;
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
+    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
+    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
+    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
+    return r;
+  }
 }
 //
 // Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
@@ -2106,6 +2025,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
+    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -2137,6 +2057,10 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
+    case Activation::sigmoid: {
+      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      return s * (S(1) - s);
+    }
   }
   return splat(S(1));
 }
@@ -2152,6 +2076,7 @@ void with_activation(Activation act, const F& f) {
     case Activation::tanh: return f.template operator()<Activation::tanh>();
     case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
     case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -3550,11 +3475,20 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  Vec<S> r{};
-  for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
-  return r;
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
+    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
+    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
+    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
+    return r;
+  }
 }
 //
 // Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
@@ -3572,6 +3506,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
+    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -3603,6 +3538,10 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
+    case Activation::sigmoid: {
+      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      return s * (S(1) - s);
+    }
   }
   return splat(S(1));
 }
@@ -3618,6 +3557,7 @@ void with_activation(Activation act, const F& f) {
     case Activation::tanh: return f.template operator()<Activation::tanh>();
     case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
     case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
   }
 }
 

@@ -6,12 +6,12 @@
 
 #ifndef MOTIONLANG_HAS_BACKEND_XTENSOR_HPP  // <motionlang/backend/xtensor.hpp>
 #define MOTIONLANG_HAS_BACKEND_XTENSOR_HPP
-/// Backend over xtensor: elementwise operations and reductions are xtensor expressions over adapted memory, products
-/// and fused operations are the same kernels that the Eigen backend uses.
+/// Backend over xtensor: functions and reductions are xtensor expressions over adapted memory; arithmetic, products and fused operations are
+/// the same kernels that the Eigen backend uses.
 
 #ifndef MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP  // <motionlang/backend/kernel_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP
-/// The operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
+/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
 /// xtensor backends: one layer of kernels serves both.
 ///
 /// Declarations only; the bodies are in detail/kernel_ops_impl.hpp, which a program that links motionlang::instantiated
@@ -22,6 +22,13 @@ namespace motionlang::inline MOTIONLANG_ABI {
 template <Scalar S>
 struct KernelOps {
   using kernel_tensor = Dense<S>;
+
+  // Operands come by value: memory that nobody else holds is reused for the result.
+  static Dense<S> add(Dense<S> a, Dense<S> b);
+  static Dense<S> sub(Dense<S> a, Dense<S> b);
+  static Dense<S> mul(Dense<S> a, Dense<S> b);
+  static Dense<S> div(Dense<S> a, Dense<S> b);
+  static Dense<S> maximum(Dense<S> a, Dense<S> b);
 
   /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
   static Index rows_in_cache();
@@ -88,11 +95,6 @@ template <Scalar S>
 struct XtensorBackend : DenseOps<S>, KernelOps<S> {
   using tensor = Dense<S>;
 
-  static tensor add(const tensor& a, const tensor& b);
-  static tensor sub(const tensor& a, const tensor& b);
-  static tensor mul(const tensor& a, const tensor& b);
-  static tensor div(const tensor& a, const tensor& b);
-  static tensor maximum(const tensor& a, const tensor& b);
   static tensor atan2(const tensor& a, const tensor& b);
   static tensor exp(const tensor& a);
   static tensor log(const tensor& a);
@@ -133,8 +135,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-/// Views have a static number of axes, so that their shapes need no memory: all that a shape may have (missing ones in
-/// front are 1), or one where every element is treated alike.
+/// Views have a static number of axes, so that their shapes need no memory; here all that a shape may have: missing ones in front are 1.
 template <std::size_t Rank>
 using XtensorShape = std::array<std::size_t, Rank>;
 inline XtensorShape<Shape::max_rank> all_axes(const Shape& s) {
@@ -144,7 +145,6 @@ inline XtensorShape<Shape::max_rank> all_axes(const Shape& s) {
     sizes[static_cast<std::size_t>(Shape::max_rank - s.rank() + i)] = static_cast<std::size_t>(s[i]);
   return sizes;
 }
-inline XtensorShape<1> one_axis(const Shape& s) { return {static_cast<std::size_t>(s.count())}; }
 
 template <class Values, std::size_t Rank>
 auto xtensor_view(Values* values, const XtensorShape<Rank>& sizes) {
@@ -161,54 +161,39 @@ Dense<S> xtensor_evaluate(const Shape& s, const XtensorShape<Rank>& sizes, const
   return out;
 }
 template <class S, class F>
-Dense<S> xtensor_binary(const Dense<S>& a, const Dense<S>& b, F f) {
-  auto evaluate = [&](const Shape& s, auto axes) {
-    const auto x = xtensor_view(a.data(), axes(a.shape())), y = xtensor_view(b.data(), axes(b.shape()));
-    return xtensor_evaluate<S>(s, axes(s), f(x, y));
-  };
-  if (a.shape() == b.shape()) return evaluate(a.shape(), one_axis);
-  return evaluate(broadcast_shapes(a.shape(), b.shape(), "binary operation"), all_axes);
-}
-template <class S, class F>
 Dense<S> xtensor_unary(const Dense<S>& a, F f) {
-  const auto x = xtensor_view(a.data(), one_axis(a.shape()));
-  return xtensor_evaluate<S>(a.shape(), one_axis(a.shape()), f(x));
+  Dense<S> out(a.shape());
+  parallel_ranges(a.count(), 1, [&](Index first, Index last) {
+    const XtensorShape<1> size{static_cast<std::size_t>(last - first)};
+    auto view = xtensor_view(out.data() + first, size);
+    const auto x = xtensor_view(a.data() + first, size);
+    xt::noalias(view) = f(x);
+  });
+  return out;
 }
 /// f reduces axis 1 of (outer, n, inner).
 template <class S, class F>
 Dense<S> xtensor_reduce(const Dense<S>& a, int axis, F f) {
   const Shape& s = a.shape();
-  const auto outer = static_cast<std::size_t>(s.count(0, axis)), n = static_cast<std::size_t>(s[axis]),
-             inner = static_cast<std::size_t>(s.count(axis + 1, s.rank()));
-  const auto x = xtensor_view(a.data(), XtensorShape<3>{outer, n, inner});
-  return xtensor_evaluate<S>(s.without(axis), XtensorShape<2>{outer, inner}, f(x, XtensorShape<1>{1}));
+  const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
+  Dense<S> out(s.without(axis));
+  parallel_ranges(outer, n * inner, [&](Index first, Index last) {
+    const auto sizes = [](auto... each) { return XtensorShape<sizeof...(each)>{static_cast<std::size_t>(each)...}; };
+    auto view = xtensor_view(out.data() + first * inner, sizes(last - first, inner));
+    const auto x = xtensor_view(a.data() + first * n * inner, sizes(last - first, n, inner));
+    xt::noalias(view) = f(x, XtensorShape<1>{1});
+  });
+  return out;
 }
 
 }  // namespace detail
 
 template <Scalar S>
-Dense<S> XtensorBackend<S>::add(const tensor& a, const tensor& b) {
-  return detail::xtensor_binary(a, b, [](const auto& x, const auto& y) { return x + y; });
-}
-template <Scalar S>
-Dense<S> XtensorBackend<S>::sub(const tensor& a, const tensor& b) {
-  return detail::xtensor_binary(a, b, [](const auto& x, const auto& y) { return x - y; });
-}
-template <Scalar S>
-Dense<S> XtensorBackend<S>::mul(const tensor& a, const tensor& b) {
-  return detail::xtensor_binary(a, b, [](const auto& x, const auto& y) { return x * y; });
-}
-template <Scalar S>
-Dense<S> XtensorBackend<S>::div(const tensor& a, const tensor& b) {
-  return detail::xtensor_binary(a, b, [](const auto& x, const auto& y) { return x / y; });
-}
-template <Scalar S>
-Dense<S> XtensorBackend<S>::maximum(const tensor& a, const tensor& b) {
-  return detail::xtensor_binary(a, b, [](const auto& x, const auto& y) { return xt::maximum(x, y); });
-}
-template <Scalar S>
 Dense<S> XtensorBackend<S>::atan2(const tensor& a, const tensor& b) {
-  return detail::xtensor_binary(a, b, [](const auto& x, const auto& y) { return xt::atan2(x, y); });
+  const Shape s = broadcast_shapes(a.shape(), b.shape(), "atan2");
+  const auto view = [](const tensor& t) { return detail::xtensor_view(t.data(), detail::all_axes(t.shape())); };
+  const auto x = view(a), y = view(b);
+  return detail::xtensor_evaluate<S>(s, detail::all_axes(s), xt::atan2(x, y));
 }
 template <Scalar S>
 Dense<S> XtensorBackend<S>::exp(const tensor& a) {
@@ -248,6 +233,9 @@ Dense<S> XtensorBackend<S>::where_less(const tensor& a, const tensor& b, const t
 }
 template <Scalar S>
 Dense<S> XtensorBackend<S>::sum(const tensor& a, int axis) {
+  const Shape& s = a.shape();
+  if (s.count(0, axis) == 1 && s[axis] < a.count())  // of rows: xtensor is slow there
+    return KernelOps<S>::column_sums(a.reshaped(Shape{s[axis], a.count() / s[axis]})).reshaped(s.without(axis));
   return detail::xtensor_reduce(a, axis, [](const auto& x, const auto& axes) { return xt::sum(x, axes); });
 }
 template <Scalar S>

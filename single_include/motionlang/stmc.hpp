@@ -22,7 +22,7 @@
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP  // <motionlang/backend/detail/eigen_class.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP
-/// What a model needs of the Eigen backend: its operations, and of the bodies those of arithmetic and of the kernels. Those
+/// What a model needs of the Eigen backend: its operations, and of the bodies those of the kernels, arithmetic among them. Those
 /// that include Eigen, functions and reductions, come with <motionlang/backend/eigen.hpp>.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP  // <motionlang/backend/dense_ops.hpp>
@@ -1478,7 +1478,7 @@ struct DenseOps {
 
 #ifndef MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP  // <motionlang/backend/kernel_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP
-/// The operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
+/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
 /// xtensor backends: one layer of kernels serves both.
 ///
 /// Declarations only; the bodies are in detail/kernel_ops_impl.hpp, which a program that links motionlang::instantiated
@@ -1494,13 +1494,14 @@ struct DenseOps {
 
 #ifndef MOTIONLANG_HAS_CORE_ACTIVATION_HPP  // <motionlang/core/activation.hpp>
 #define MOTIONLANG_HAS_CORE_ACTIVATION_HPP
-/// The nonlinearities of transformer blocks, by name.
+/// The nonlinearities of networks, by name.
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     relu(x) = max(x, 0),   gelu(x) = x (1 + erf(x / sqrt 2)) / 2 (the exact form),   silu(x) = x / (1 + exp(-x)),
-///     tanh(x),   quick_gelu(x) = x / (1 + exp(-1.702 x)),   gelu_new(x) = x (1 + tanh(sqrt(2 / pi) (x + 0.044715 x^3))) / 2
-enum class Activation { none, relu, gelu, silu, tanh, quick_gelu, gelu_new };
+///     tanh(x),   quick_gelu(x) = x / (1 + exp(-1.702 x)),   gelu_new(x) = x (1 + tanh(sqrt(2 / pi) (x + 0.044715 x^3))) / 2,
+///     sigmoid(x) = 1 / (1 + exp(-x))
+enum class Activation { none, relu, gelu, silu, tanh, quick_gelu, gelu_new, sigmoid };
 
 /// Throws config_error 103.
 inline Activation parse_activation(std::string_view name) {
@@ -1511,11 +1512,13 @@ inline Activation parse_activation(std::string_view name) {
   if (name == "tanh") return Activation::tanh;
   if (name == "quick_gelu") return Activation::quick_gelu;
   if (name == "gelu_new") return Activation::gelu_new;
-  raise<config_error>(103, "activation '", name, "' is none of none, relu, gelu, silu, tanh, quick_gelu, gelu_new");
+  if (name == "sigmoid") return Activation::sigmoid;
+  raise<config_error>(103, "activation '", name,
+                      "' is none of none, relu, gelu, silu, tanh, quick_gelu, gelu_new, sigmoid");
 }
 
 constexpr std::string_view to_string(Activation a) {
-  constexpr std::string_view names[] = {"none", "relu", "gelu", "silu", "tanh", "quick_gelu", "gelu_new"};
+  constexpr std::string_view names[] = {"none", "relu", "gelu", "silu", "tanh", "quick_gelu", "gelu_new", "sigmoid"};
   return names[static_cast<int>(a)];
 }
 
@@ -2388,6 +2391,8 @@ Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
         return x / (exp(x * -1.702) + 1.0);
       case Activation::gelu_new:
         return x * 0.5 * (tanh((x + x * x * x * 0.044715) * 0.79788456080286536) + 1.0);
+      case Activation::sigmoid:
+        return 1.0 / (exp(-x) + 1.0);
     }
     return x;
   }
@@ -2646,6 +2651,13 @@ template <Scalar S>
 struct KernelOps {
   using kernel_tensor = Dense<S>;
 
+  // Operands come by value: memory that nobody else holds is reused for the result.
+  static Dense<S> add(Dense<S> a, Dense<S> b);
+  static Dense<S> sub(Dense<S> a, Dense<S> b);
+  static Dense<S> mul(Dense<S> a, Dense<S> b);
+  static Dense<S> div(Dense<S> a, Dense<S> b);
+  static Dense<S> maximum(Dense<S> a, Dense<S> b);
+
   /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
   static Index rows_in_cache();
 
@@ -2708,6 +2720,48 @@ extern template struct motionlang::KernelOps<double>;
 /// Bodies of kernel_ops.hpp: shapes to pointers, and the split of the work over threads.
 ///
 /// Work is split over rows or columns of the result only, never over a summed index.
+
+#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP  // <motionlang/backend/detail/broadcast.hpp>
+#define MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP
+/// How two operands of a broadcasting operation lie in memory, reduced to the cases that a vectorised loop can handle.
+
+#include <optional>  // no simple pattern
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// The result as a matrix (outer, inner); in each operand an axis is either walked along or repeated.
+struct BroadcastPattern {
+  struct Operand {
+    bool outer = true, inner = true;  // false: repeated
+  };
+  Index outer = 1, inner = 1;
+  Operand a, b;
+};
+
+/// The pattern of a and b in the result shape s, or nothing if it takes more than one change between walked and
+/// repeated.
+inline std::optional<BroadcastPattern> broadcast_pattern(const Shape& a, const Shape& b, const Shape& s) {
+  BroadcastPattern p;
+  int group = 0;  // 0: inner, 1: outer; from the last axis backwards
+  bool started[2] = {false, false};
+  for (int i = s.rank() - 1; i >= 0; --i) {
+    if (s[i] == 1) continue;
+    const int ia = i - (s.rank() - a.rank()), ib = i - (s.rank() - b.rank());
+    const bool wa = ia >= 0 && a[ia] != 1, wb = ib >= 0 && b[ib] != 1;
+    if (started[group] && (group == 0 ? p.a.inner != wa || p.b.inner != wb : p.a.outer != wa || p.b.outer != wb)) {
+      if (++group == 2) return std::nullopt;
+    }
+    started[group] = true;
+    if (group == 0)
+      p.a.inner = wa, p.b.inner = wb, p.inner *= s[i];
+    else
+      p.a.outer = wa, p.b.outer = wb, p.outer *= s[i];
+  }
+  return p;
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+#endif
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_KERNELS_HPP  // <motionlang/backend/detail/kernels.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_KERNELS_HPP
@@ -3186,11 +3240,20 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  Vec<S> r{};
-  for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
-  return r;
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
+    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
+    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
+    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
+    return r;
+  }
 }
 //
 // Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
@@ -3208,6 +3271,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
+    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -3239,6 +3303,10 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
+    case Activation::sigmoid: {
+      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      return s * (S(1) - s);
+    }
   }
   return splat(S(1));
 }
@@ -3254,6 +3322,7 @@ void with_activation(Activation act, const F& f) {
     case Activation::tanh: return f.template operator()<Activation::tanh>();
     case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
     case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -4654,11 +4723,20 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  Vec<S> r{};
-  for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
-  return r;
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
+    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
+    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
+    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
+    return r;
+  }
 }
 //
 // Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
@@ -4676,6 +4754,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
+    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -4707,6 +4786,10 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
+    case Activation::sigmoid: {
+      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      return s * (S(1) - s);
+    }
   }
   return splat(S(1));
 }
@@ -4722,6 +4805,7 @@ void with_activation(Activation act, const F& f) {
     case Activation::tanh: return f.template operator()<Activation::tanh>();
     case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
     case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -6120,11 +6204,20 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  Vec<S> r{};
-  for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
-  return r;
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
+    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
+    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
+    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
+    return r;
+  }
 }
 //
 // Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
@@ -6142,6 +6235,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
+    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -6173,6 +6267,10 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
+    case Activation::sigmoid: {
+      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      return s * (S(1) - s);
+    }
   }
   return splat(S(1));
 }
@@ -6188,6 +6286,7 @@ void with_activation(Activation act, const F& f) {
     case Activation::tanh: return f.template operator()<Activation::tanh>();
     case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
     case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -7976,7 +8075,59 @@ LayerNorm<S> layer_norm_arguments(const Dense<S>& x, const Dense<S>& weight, con
           .y = y};
 }
 
+/// out = op(a, b) with broadcasting, row by row; the memory of an operand is reused when nobody else holds it.
+template <class S>
+Dense<S> kernel_binary(BinaryOp op, Dense<S> a, Dense<S> b) {
+  const Shape s = a.shape() == b.shape() ? a.shape() : broadcast_shapes(a.shape(), b.shape(), "binary operation");
+  const auto pattern = broadcast_pattern(a.shape(), b.shape(), s);
+  if (!pattern) return kernel_binary(op, DenseOps<S>::broadcast(a, s), DenseOps<S>::broadcast(b, s));
+  const auto& [outer, inner, walk_a, walk_b] = *pattern;
+  Dense<S> out = a.unique() && a.shape() == s ? a : b.unique() && b.shape() == s ? b : Dense<S>(s);
+  if (inner == 0) return out;
+  auto apply = [&, pattern = *pattern](Index i, Index first, Index last) {  // columns first ... last-1 of row i
+    auto at = [&](const Dense<S>& x, const BroadcastPattern::Operand& walk) {
+      return x.data() + (walk.outer ? i * (walk.inner ? pattern.inner : 1) : 0) + (walk.inner ? first : 0);
+    };
+    kernels<S>().binary({.op = op,
+                         .a = at(a, pattern.a),
+                         .b = at(b, pattern.b),
+                         .a_repeated = !pattern.a.inner,
+                         .b_repeated = !pattern.b.inner,
+                         .count = last - first,
+                         .y = out.data() + i * pattern.inner + first});
+  };
+  if (outer == 1) {
+    parallel_ranges(inner, 1, [&](Index first, Index last) { apply(0, first, last); });
+  } else {
+    parallel_ranges(outer, inner, [&, n = inner](Index first, Index last) {
+      for (Index i = first; i < last; ++i) apply(i, 0, n);
+    });
+  }
+  return out;
+}
+
 }  // namespace detail
+
+template <Scalar S>
+Dense<S> KernelOps<S>::add(Dense<S> a, Dense<S> b) {
+  return detail::kernel_binary(detail::BinaryOp::add, std::move(a), std::move(b));
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::sub(Dense<S> a, Dense<S> b) {
+  return detail::kernel_binary(detail::BinaryOp::sub, std::move(a), std::move(b));
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::mul(Dense<S> a, Dense<S> b) {
+  return detail::kernel_binary(detail::BinaryOp::mul, std::move(a), std::move(b));
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::div(Dense<S> a, Dense<S> b) {
+  return detail::kernel_binary(detail::BinaryOp::div, std::move(a), std::move(b));
+}
+template <Scalar S>
+Dense<S> KernelOps<S>::maximum(Dense<S> a, Dense<S> b) {
+  return detail::kernel_binary(detail::BinaryOp::maximum, std::move(a), std::move(b));
+}
 
 template <Scalar S>
 Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b) {
@@ -8300,12 +8451,6 @@ template <Scalar S>
 struct EigenBackend : DenseOps<S>, KernelOps<S> {
   using tensor = Dense<S>;
 
-  // Operands come by value: memory that nobody else holds is reused for the result.
-  static tensor add(tensor a, tensor b);
-  static tensor sub(tensor a, tensor b);
-  static tensor mul(tensor a, tensor b);
-  static tensor div(tensor a, tensor b);
-  static tensor maximum(tensor a, tensor b);
   static tensor atan2(tensor a, tensor b);
   static tensor exp(tensor a);
   static tensor log(tensor a);
@@ -8324,114 +8469,6 @@ struct EigenBackend : DenseOps<S>, KernelOps<S> {
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::EigenBackend<float>;
 extern template struct motionlang::EigenBackend<double>;
-#else
-
-#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_ARITHMETIC_HPP  // <motionlang/backend/detail/eigen_arithmetic.hpp>
-#define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_ARITHMETIC_HPP
-/// Arithmetic of eigen.hpp, by the kernels: no Eigen here.
-
-#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP  // <motionlang/backend/detail/broadcast.hpp>
-#define MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP
-/// How two operands of a broadcasting operation lie in memory, reduced to the cases that a vectorised loop can handle.
-
-#include <optional>  // no simple pattern
-
-namespace motionlang::inline MOTIONLANG_ABI::detail {
-
-/// The result as a matrix (outer, inner); in each operand an axis is either walked along or repeated.
-struct BroadcastPattern {
-  struct Operand {
-    bool outer = true, inner = true;  // false: repeated
-  };
-  Index outer = 1, inner = 1;
-  Operand a, b;
-};
-
-/// The pattern of a and b in the result shape s, or nothing if it takes more than one change between walked and
-/// repeated.
-inline std::optional<BroadcastPattern> broadcast_pattern(const Shape& a, const Shape& b, const Shape& s) {
-  BroadcastPattern p;
-  int group = 0;  // 0: inner, 1: outer; from the last axis backwards
-  bool started[2] = {false, false};
-  for (int i = s.rank() - 1; i >= 0; --i) {
-    if (s[i] == 1) continue;
-    const int ia = i - (s.rank() - a.rank()), ib = i - (s.rank() - b.rank());
-    const bool wa = ia >= 0 && a[ia] != 1, wb = ib >= 0 && b[ib] != 1;
-    if (started[group] && (group == 0 ? p.a.inner != wa || p.b.inner != wb : p.a.outer != wa || p.b.outer != wb)) {
-      if (++group == 2) return std::nullopt;
-    }
-    started[group] = true;
-    if (group == 0)
-      p.a.inner = wa, p.b.inner = wb, p.inner *= s[i];
-    else
-      p.a.outer = wa, p.b.outer = wb, p.outer *= s[i];
-  }
-  return p;
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
-#endif
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-namespace detail {
-
-/// out = op(a, b) with broadcasting, row by row; the memory of an operand is reused when nobody else holds it.
-template <class S>
-Dense<S> kernel_binary(BinaryOp op, Dense<S> a, Dense<S> b) {
-  const Shape s = a.shape() == b.shape() ? a.shape() : broadcast_shapes(a.shape(), b.shape(), "binary operation");
-  const auto pattern = broadcast_pattern(a.shape(), b.shape(), s);
-  if (!pattern) return kernel_binary(op, DenseOps<S>::broadcast(a, s), DenseOps<S>::broadcast(b, s));
-  const auto& [outer, inner, walk_a, walk_b] = *pattern;
-  Dense<S> out = a.unique() && a.shape() == s ? a : b.unique() && b.shape() == s ? b : Dense<S>(s);
-  if (inner == 0) return out;
-  auto apply = [&, pattern = *pattern](Index i, Index first, Index last) {  // columns first ... last-1 of row i
-    auto at = [&](const Dense<S>& x, const BroadcastPattern::Operand& walk) {
-      return x.data() + (walk.outer ? i * (walk.inner ? pattern.inner : 1) : 0) + (walk.inner ? first : 0);
-    };
-    kernels<S>().binary({.op = op,
-                         .a = at(a, pattern.a),
-                         .b = at(b, pattern.b),
-                         .a_repeated = !pattern.a.inner,
-                         .b_repeated = !pattern.b.inner,
-                         .count = last - first,
-                         .y = out.data() + i * pattern.inner + first});
-  };
-  if (outer == 1) {
-    parallel_ranges(inner, 1, [&](Index first, Index last) { apply(0, first, last); });
-  } else {
-    parallel_ranges(outer, inner, [&, n = inner](Index first, Index last) {
-      for (Index i = first; i < last; ++i) apply(i, 0, n);
-    });
-  }
-  return out;
-}
-
-}  // namespace detail
-
-template <Scalar S>
-Dense<S> EigenBackend<S>::add(tensor a, tensor b) {
-  return detail::kernel_binary(detail::BinaryOp::add, std::move(a), std::move(b));
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::sub(tensor a, tensor b) {
-  return detail::kernel_binary(detail::BinaryOp::sub, std::move(a), std::move(b));
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::mul(tensor a, tensor b) {
-  return detail::kernel_binary(detail::BinaryOp::mul, std::move(a), std::move(b));
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::div(tensor a, tensor b) {
-  return detail::kernel_binary(detail::BinaryOp::div, std::move(a), std::move(b));
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::maximum(tensor a, tensor b) {
-  return detail::kernel_binary(detail::BinaryOp::maximum, std::move(a), std::move(b));
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
 #endif
 
 namespace motionlang::inline MOTIONLANG_ABI {

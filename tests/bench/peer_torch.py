@@ -64,6 +64,19 @@ def report_value(work, config, variant, value):
     print(f"{work},{config},{variant},{THREADS},{value:.4f},{value:.4f}", flush=True)
 
 
+def training_step(models, loss):
+    adam = torch.optim.AdamW([p for m in models for p in m.parameters()], 1e-4)
+
+    def step():
+        adam.zero_grad(set_to_none=True)
+        with precision():
+            value = loss()
+        value.backward()
+        adam.step()
+
+    return step
+
+
 def memory_of_training(work, config, make):
     """Each layout in a process of its own, before torch has started threads."""
     for name, batch_first in LAYOUTS:
@@ -121,17 +134,8 @@ def mdm_ragged():
 
 def mdm_training(batch_first):
     model = Denoiser(batch_first).train()
-    adam = torch.optim.AdamW(model.parameters(), 1e-4)
     x, t, text = torch.randn(16, 200, FEATURES), torch.randint(0, 100, (16,)), torch.randn(16, 3, TEXT)
-
-    def step():
-        adam.zero_grad(set_to_none=True)
-        with precision():
-            loss = F.mse_loss(model(x, t, text), x)
-        loss.backward()
-        adam.step()
-
-    return step
+    return training_step([model], lambda: F.mse_loss(model(x, t, text), x))
 
 
 def train_mdm():
@@ -377,7 +381,6 @@ def decoder(work, features, layers, frames):
 def tmr_training(batch_first):
     batch, frames, words = 32, 200, 32
     motions, texts, decode = SequenceEncoder(263, batch_first), SequenceEncoder(768, batch_first), SequenceDecoder(263, 6, batch_first)
-    adam = torch.optim.AdamW([p for m in (motions, texts, decode) for p in m.parameters()], 1e-4)
     x, text = torch.randn(batch, frames, 263), torch.randn(batch, words, 768)
 
     def sample(tokens):
@@ -395,14 +398,7 @@ def tmr_training(batch_first):
         s, own = F.normalize(y, dim=1) @ F.normalize(z, dim=1).t() / 0.1, torch.arange(batch)
         return loss + 0.1 * 0.5 * (F.cross_entropy(s, own) + F.cross_entropy(s.t(), own))
 
-    def step():
-        adam.zero_grad(set_to_none=True)
-        with precision():
-            loss = loss_of_batch()
-        loss.backward()
-        adam.step()
-
-    return step
+    return training_step([motions, texts, decode], loss_of_batch)
 
 
 def train_tmr():
@@ -526,22 +522,9 @@ def tm2t_tokenizer():
             report("tm2t_tokenizer", f"B={b} T=196 from tokens", "torch", lambda: model.decoder(z), 3)
 
 
-def training(work, config, model, loss):
-    adam = torch.optim.AdamW(model.parameters(), 1e-4)
-
-    def step():
-        adam.zero_grad(set_to_none=True)
-        with precision():
-            value = loss()
-        value.backward()
-        adam.step()
-
-    report(work, config, "torch", step, 8)
-
-
 def train_tokenizer():
     model, x = Tokenizer().train(), torch.randn(32, 263, 64)
-    training("train_tokenizer", "B=32 T=64", model, lambda: model.loss(x))
+    report("train_tokenizer", "B=32 T=64", "torch", training_step([model], lambda: model.loss(x)), 8)
 
 
 class Writer(nn.Module):
@@ -615,7 +598,7 @@ def stgcn():
 
 def train_stgcn():
     model, x = StGcn().train(), torch.randn(16, 60, 144)
-    training("train_stgcn", "B=16 T=60", model, lambda: model(x).square().mean())
+    report("train_stgcn", "B=16 T=60", "torch", training_step([model], lambda: model(x).square().mean()), 8)
 
 
 WORKS = {"train_mdm_memory": lambda: memory_of_training("train_mdm_memory", "B=16 T=200 dropout 0.1", mdm_training),

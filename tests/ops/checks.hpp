@@ -46,7 +46,7 @@ std::vector<double> nonlinear_results(const ml::Tensor<B, 2>& t) {
   const auto append = [&](const auto& y) { out.insert(out.end(), y.span().begin(), y.span().end()); };
   append(ml::Tensor<B, 2>(B::erf(t.data())));
   for (ml::Activation act : {ml::Activation::relu, ml::Activation::gelu, ml::Activation::silu, ml::Activation::tanh,
-                             ml::Activation::quick_gelu, ml::Activation::gelu_new})
+                             ml::Activation::quick_gelu, ml::Activation::gelu_new, ml::Activation::sigmoid})
     append(ml::activate(t, act));
   append(ml::softmax(t));
   return out;

@@ -133,7 +133,8 @@ std::vector<Row<B>> rows() {
                            {Activation::silu, "silu"},
                            {Activation::tanh, "tanh"},
                            {Activation::quick_gelu, "quick_gelu"},
-                           {Activation::gelu_new, "gelu_new"}}) {
+                           {Activation::gelu_new, "gelu_new"},
+                           {Activation::sigmoid, "sigmoid"}}) {
     r.push_back(
         {name, {{3, 37}}, [act = act](In x) { return ml::activate(as<B, 2>(x[0]), act).data(); }, Domain::apart});
     r.push_back({std::string("linear ") + name,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
+/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
 /// xtensor backends: one layer of kernels serves both.
 ///
 /// Declarations only; the bodies are in detail/kernel_ops_impl.hpp, which a program that links motionlang::instantiated
@@ -16,6 +16,13 @@ namespace motionlang::inline MOTIONLANG_ABI {
 template <Scalar S>
 struct KernelOps {
   using kernel_tensor = Dense<S>;
+
+  // Operands come by value: memory that nobody else holds is reused for the result.
+  static Dense<S> add(Dense<S> a, Dense<S> b);
+  static Dense<S> sub(Dense<S> a, Dense<S> b);
+  static Dense<S> mul(Dense<S> a, Dense<S> b);
+  static Dense<S> div(Dense<S> a, Dense<S> b);
+  static Dense<S> maximum(Dense<S> a, Dense<S> b);
 
   /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
   static Index rows_in_cache();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Backend over xtensor: elementwise operations and reductions are xtensor expressions over adapted memory, products
-/// and fused operations are the same kernels that the Eigen backend uses.
+/// Backend over xtensor: functions and reductions are xtensor expressions over adapted memory; arithmetic, products and fused operations are
+/// the same kernels that the Eigen backend uses.
 #pragma once
 
 #include <motionlang/backend/dense_ops.hpp>
@@ -12,11 +12,6 @@ template <Scalar S>
 struct XtensorBackend : DenseOps<S>, KernelOps<S> {
   using tensor = Dense<S>;
 
-  static tensor add(const tensor& a, const tensor& b);
-  static tensor sub(const tensor& a, const tensor& b);
-  static tensor mul(const tensor& a, const tensor& b);
-  static tensor div(const tensor& a, const tensor& b);
-  static tensor maximum(const tensor& a, const tensor& b);
   static tensor atan2(const tensor& a, const tensor& b);
   static tensor exp(const tensor& a);
   static tensor log(const tensor& a);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The nonlinearities of transformer blocks, by name.
+/// The nonlinearities of networks, by name.
 #pragma once
 
 #include <string_view>  // names in configuration files
@@ -9,8 +9,9 @@
 namespace motionlang::inline MOTIONLANG_ABI {
 
 ///     relu(x) = max(x, 0),   gelu(x) = x (1 + erf(x / sqrt 2)) / 2 (the exact form),   silu(x) = x / (1 + exp(-x)),
-///     tanh(x),   quick_gelu(x) = x / (1 + exp(-1.702 x)),   gelu_new(x) = x (1 + tanh(sqrt(2 / pi) (x + 0.044715 x^3))) / 2
-enum class Activation { none, relu, gelu, silu, tanh, quick_gelu, gelu_new };
+///     tanh(x),   quick_gelu(x) = x / (1 + exp(-1.702 x)),   gelu_new(x) = x (1 + tanh(sqrt(2 / pi) (x + 0.044715 x^3))) / 2,
+///     sigmoid(x) = 1 / (1 + exp(-x))
+enum class Activation { none, relu, gelu, silu, tanh, quick_gelu, gelu_new, sigmoid };
 
 /// Throws config_error 103.
 inline Activation parse_activation(std::string_view name) {
@@ -21,11 +22,13 @@ inline Activation parse_activation(std::string_view name) {
   if (name == "tanh") return Activation::tanh;
   if (name == "quick_gelu") return Activation::quick_gelu;
   if (name == "gelu_new") return Activation::gelu_new;
-  raise<config_error>(103, "activation '", name, "' is none of none, relu, gelu, silu, tanh, quick_gelu, gelu_new");
+  if (name == "sigmoid") return Activation::sigmoid;
+  raise<config_error>(103, "activation '", name,
+                      "' is none of none, relu, gelu, silu, tanh, quick_gelu, gelu_new, sigmoid");
 }
 
 constexpr std::string_view to_string(Activation a) {
-  constexpr std::string_view names[] = {"none", "relu", "gelu", "silu", "tanh", "quick_gelu", "gelu_new"};
+  constexpr std::string_view names[] = {"none", "relu", "gelu", "silu", "tanh", "quick_gelu", "gelu_new", "sigmoid"};
   return names[static_cast<int>(a)];
 }
 

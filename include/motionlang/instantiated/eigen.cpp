@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The eigen backend, compiled once for motionlang::instantiated.
-#include <motionlang/backend/detail/eigen_arithmetic.hpp>
 #include <motionlang/backend/detail/eigen_impl.hpp>
 
 template struct motionlang::EigenBackend<float>;

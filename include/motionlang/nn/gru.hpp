@@ -78,9 +78,9 @@ struct GruLayer {
     for (const auto& i : read(x)) {
       if (i.size(0) < h.size(0)) h = slice(h, 0, 0, i.size(0));
       const auto g = linear(h, weight_hh, &bias_hh);
-      const auto gates = 1.0 / (exp(-(slice(i, 1, 0, 2 * n) + slice(g, 1, 0, 2 * n))) + 1.0);
+      const auto gates = activate(slice(i, 1, 0, 2 * n) + slice(g, 1, 0, 2 * n), Activation::sigmoid);
       const auto r = slice(gates, 1, 0, n), z = slice(gates, 1, n, 2 * n);
-      const auto candidate = tanh(slice(i, 1, 2 * n, 3 * n) + r * slice(g, 1, 2 * n, 3 * n));
+      const auto candidate = activate(slice(i, 1, 2 * n, 3 * n) + r * slice(g, 1, 2 * n, 3 * n), Activation::tanh);
       h = (1.0 - z) * candidate + z * h;
       out.push_back(h);
     }

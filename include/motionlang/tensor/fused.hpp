@@ -58,6 +58,8 @@ Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
         return x / (exp(x * -1.702) + 1.0);
       case Activation::gelu_new:
         return x * 0.5 * (tanh((x + x * x * x * 0.044715) * 0.79788456080286536) + 1.0);
+      case Activation::sigmoid:
+        return 1.0 / (exp(-x) + 1.0);
     }
     return x;
   }

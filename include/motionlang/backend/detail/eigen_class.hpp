@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a model needs of the Eigen backend: its operations, and of the bodies those of arithmetic and of the kernels. Those
+/// What a model needs of the Eigen backend: its operations, and of the bodies those of the kernels, arithmetic among them. Those
 /// that include Eigen, functions and reductions, come with <motionlang/backend/eigen.hpp>.
 #pragma once
 
@@ -12,12 +12,6 @@ template <Scalar S>
 struct EigenBackend : DenseOps<S>, KernelOps<S> {
   using tensor = Dense<S>;
 
-  // Operands come by value: memory that nobody else holds is reused for the result.
-  static tensor add(tensor a, tensor b);
-  static tensor sub(tensor a, tensor b);
-  static tensor mul(tensor a, tensor b);
-  static tensor div(tensor a, tensor b);
-  static tensor maximum(tensor a, tensor b);
   static tensor atan2(tensor a, tensor b);
   static tensor exp(tensor a);
   static tensor log(tensor a);
@@ -36,8 +30,6 @@ struct EigenBackend : DenseOps<S>, KernelOps<S> {
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::EigenBackend<float>;
 extern template struct motionlang::EigenBackend<double>;
-#else
-#include <motionlang/backend/detail/eigen_arithmetic.hpp>
 #endif
 
 namespace motionlang::inline MOTIONLANG_ABI {

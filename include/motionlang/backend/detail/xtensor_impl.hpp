@@ -18,13 +18,13 @@
 #endif
 
 #include <motionlang/backend/xtensor.hpp>
+#include <motionlang/core/parallel.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-/// Views have a static number of axes, so that their shapes need no memory: all that a shape may have (missing ones in
-/// front are 1), or one where every element is treated alike.
+/// Views have a static number of axes, so that their shapes need no memory; here all that a shape may have: missing ones in front are 1.
 template <std::size_t Rank>
 using XtensorShape = std::array<std::size_t, Rank>;
 inline XtensorShape<Shape::max_rank> all_axes(const Shape& s) {
@@ -34,7 +34,6 @@ inline XtensorShape<Shape::max_rank> all_axes(const Shape& s) {
     sizes[static_cast<std::size_t>(Shape::max_rank - s.rank() + i)] = static_cast<std::size_t>(s[i]);
   return sizes;
 }
-inline XtensorShape<1> one_axis(const Shape& s) { return {static_cast<std::size_t>(s.count())}; }
 
 template <class Values, std::size_t Rank>
 auto xtensor_view(Values* values, const XtensorShape<Rank>& sizes) {
@@ -51,54 +50,39 @@ Dense<S> xtensor_evaluate(const Shape& s, const XtensorShape<Rank>& sizes, const
   return out;
 }
 template <class S, class F>
-Dense<S> xtensor_binary(const Dense<S>& a, const Dense<S>& b, F f) {
-  auto evaluate = [&](const Shape& s, auto axes) {
-    const auto x = xtensor_view(a.data(), axes(a.shape())), y = xtensor_view(b.data(), axes(b.shape()));
-    return xtensor_evaluate<S>(s, axes(s), f(x, y));
-  };
-  if (a.shape() == b.shape()) return evaluate(a.shape(), one_axis);
-  return evaluate(broadcast_shapes(a.shape(), b.shape(), "binary operation"), all_axes);
-}
-template <class S, class F>
 Dense<S> xtensor_unary(const Dense<S>& a, F f) {
-  const auto x = xtensor_view(a.data(), one_axis(a.shape()));
-  return xtensor_evaluate<S>(a.shape(), one_axis(a.shape()), f(x));
+  Dense<S> out(a.shape());
+  parallel_ranges(a.count(), 1, [&](Index first, Index last) {
+    const XtensorShape<1> size{static_cast<std::size_t>(last - first)};
+    auto view = xtensor_view(out.data() + first, size);
+    const auto x = xtensor_view(a.data() + first, size);
+    xt::noalias(view) = f(x);
+  });
+  return out;
 }
 /// f reduces axis 1 of (outer, n, inner).
 template <class S, class F>
 Dense<S> xtensor_reduce(const Dense<S>& a, int axis, F f) {
   const Shape& s = a.shape();
-  const auto outer = static_cast<std::size_t>(s.count(0, axis)), n = static_cast<std::size_t>(s[axis]),
-             inner = static_cast<std::size_t>(s.count(axis + 1, s.rank()));
-  const auto x = xtensor_view(a.data(), XtensorShape<3>{outer, n, inner});
-  return xtensor_evaluate<S>(s.without(axis), XtensorShape<2>{outer, inner}, f(x, XtensorShape<1>{1}));
+  const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
+  Dense<S> out(s.without(axis));
+  parallel_ranges(outer, n * inner, [&](Index first, Index last) {
+    const auto sizes = [](auto... each) { return XtensorShape<sizeof...(each)>{static_cast<std::size_t>(each)...}; };
+    auto view = xtensor_view(out.data() + first * inner, sizes(last - first, inner));
+    const auto x = xtensor_view(a.data() + first * n * inner, sizes(last - first, n, inner));
+    xt::noalias(view) = f(x, XtensorShape<1>{1});
+  });
+  return out;
 }
 
 }  // namespace detail
 
 template <Scalar S>
-Dense<S> XtensorBackend<S>::add(const tensor& a, const tensor& b) {
-  return detail::xtensor_binary(a, b, [](const auto& x, const auto& y) { return x + y; });
-}
-template <Scalar S>
-Dense<S> XtensorBackend<S>::sub(const tensor& a, const tensor& b) {
-  return detail::xtensor_binary(a, b, [](const auto& x, const auto& y) { return x - y; });
-}
-template <Scalar S>
-Dense<S> XtensorBackend<S>::mul(const tensor& a, const tensor& b) {
-  return detail::xtensor_binary(a, b, [](const auto& x, const auto& y) { return x * y; });
-}
-template <Scalar S>
-Dense<S> XtensorBackend<S>::div(const tensor& a, const tensor& b) {
-  return detail::xtensor_binary(a, b, [](const auto& x, const auto& y) { return x / y; });
-}
-template <Scalar S>
-Dense<S> XtensorBackend<S>::maximum(const tensor& a, const tensor& b) {
-  return detail::xtensor_binary(a, b, [](const auto& x, const auto& y) { return xt::maximum(x, y); });
-}
-template <Scalar S>
 Dense<S> XtensorBackend<S>::atan2(const tensor& a, const tensor& b) {
-  return detail::xtensor_binary(a, b, [](const auto& x, const auto& y) { return xt::atan2(x, y); });
+  const Shape s = broadcast_shapes(a.shape(), b.shape(), "atan2");
+  const auto view = [](const tensor& t) { return detail::xtensor_view(t.data(), detail::all_axes(t.shape())); };
+  const auto x = view(a), y = view(b);
+  return detail::xtensor_evaluate<S>(s, detail::all_axes(s), xt::atan2(x, y));
 }
 template <Scalar S>
 Dense<S> XtensorBackend<S>::exp(const tensor& a) {
@@ -138,6 +122,9 @@ Dense<S> XtensorBackend<S>::where_less(const tensor& a, const tensor& b, const t
 }
 template <Scalar S>
 Dense<S> XtensorBackend<S>::sum(const tensor& a, int axis) {
+  const Shape& s = a.shape();
+  if (s.count(0, axis) == 1 && s[axis] < a.count())  // of rows: xtensor is slow there
+    return KernelOps<S>::column_sums(a.reshaped(Shape{s[axis], a.count() / s[axis]})).reshaped(s.without(axis));
   return detail::xtensor_reduce(a, axis, [](const auto& x, const auto& axes) { return xt::sum(x, axes); });
 }
 template <Scalar S>
