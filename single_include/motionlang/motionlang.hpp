@@ -29866,7 +29866,8 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
     Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
     for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
     const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
-    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
+    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
   } else {
     Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
@@ -29895,7 +29896,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 }
 
 /// Derivative at x.
-///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s) with s = 1 / (1 + exp(-x))
+///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
@@ -29906,7 +29907,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
     }
     case Activation::silu: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s + x * s * (S(1) - s);
     }
     case Activation::tanh: {
@@ -29914,7 +29915,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return S(1) - t * t;
     }
     case Activation::quick_gelu: {
-      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
       return s + x * s * (S(1) - s) * S(1.702);
     }
     case Activation::gelu_new: {
@@ -29922,7 +29923,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
     case Activation::sigmoid: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s * (S(1) - s);
     }
   }
@@ -31349,7 +31350,8 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
     Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
     for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
     const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
-    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
+    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
   } else {
     Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
@@ -31378,7 +31380,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 }
 
 /// Derivative at x.
-///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s) with s = 1 / (1 + exp(-x))
+///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
@@ -31389,7 +31391,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
     }
     case Activation::silu: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s + x * s * (S(1) - s);
     }
     case Activation::tanh: {
@@ -31397,7 +31399,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return S(1) - t * t;
     }
     case Activation::quick_gelu: {
-      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
       return s + x * s * (S(1) - s) * S(1.702);
     }
     case Activation::gelu_new: {
@@ -31405,7 +31407,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
     case Activation::sigmoid: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s * (S(1) - s);
     }
   }
@@ -32830,7 +32832,8 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
     Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
     for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
     const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
-    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
+    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
   } else {
     Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
@@ -32859,7 +32862,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 }
 
 /// Derivative at x.
-///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s) with s = 1 / (1 + exp(-x))
+///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
@@ -32870,7 +32873,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
     }
     case Activation::silu: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s + x * s * (S(1) - s);
     }
     case Activation::tanh: {
@@ -32878,7 +32881,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return S(1) - t * t;
     }
     case Activation::quick_gelu: {
-      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
       return s + x * s * (S(1) - s) * S(1.702);
     }
     case Activation::gelu_new: {
@@ -32886,7 +32889,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
     case Activation::sigmoid: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s * (S(1) - s);
     }
   }

@@ -519,7 +519,8 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
     Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
     for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
     const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
-    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
+    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
   } else {
     Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
@@ -548,7 +549,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 }
 
 /// Derivative at x.
-///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s) with s = 1 / (1 + exp(-x))
+///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
@@ -559,7 +560,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
     }
     case Activation::silu: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s + x * s * (S(1) - s);
     }
     case Activation::tanh: {
@@ -567,7 +568,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return S(1) - t * t;
     }
     case Activation::quick_gelu: {
-      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
       return s + x * s * (S(1) - s) * S(1.702);
     }
     case Activation::gelu_new: {
@@ -575,7 +576,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
     case Activation::sigmoid: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s * (S(1) - s);
     }
   }
@@ -2002,7 +2003,8 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
     Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
     for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
     const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
-    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
+    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
   } else {
     Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
@@ -2031,7 +2033,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 }
 
 /// Derivative at x.
-///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s) with s = 1 / (1 + exp(-x))
+///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
@@ -2042,7 +2044,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
     }
     case Activation::silu: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s + x * s * (S(1) - s);
     }
     case Activation::tanh: {
@@ -2050,7 +2052,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return S(1) - t * t;
     }
     case Activation::quick_gelu: {
-      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
       return s + x * s * (S(1) - s) * S(1.702);
     }
     case Activation::gelu_new: {
@@ -2058,7 +2060,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
     case Activation::sigmoid: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s * (S(1) - s);
     }
   }
@@ -3483,7 +3485,8 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
     Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
     for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
     const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
-    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
+    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
   } else {
     Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
@@ -3512,7 +3515,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 }
 
 /// Derivative at x.
-///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s) with s = 1 / (1 + exp(-x))
+///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
@@ -3523,7 +3526,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
     }
     case Activation::silu: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s + x * s * (S(1) - s);
     }
     case Activation::tanh: {
@@ -3531,7 +3534,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return S(1) - t * t;
     }
     case Activation::quick_gelu: {
-      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
       return s + x * s * (S(1) - s) * S(1.702);
     }
     case Activation::gelu_new: {
@@ -3539,7 +3542,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
     case Activation::sigmoid: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s * (S(1) - s);
     }
   }

@@ -6,7 +6,7 @@
 
 #ifndef MOTIONLANG_HAS_BACKEND_XTENSOR_HPP  // <motionlang/backend/xtensor.hpp>
 #define MOTIONLANG_HAS_BACKEND_XTENSOR_HPP
-/// Backend over xtensor: functions and reductions are xtensor expressions over adapted memory; arithmetic, products and fused operations are
+/// Backend over xtensor: functions and reductions (but sums of rows) are xtensor expressions over adapted memory; arithmetic, products and fused operations are
 /// the same kernels that the Eigen backend uses.
 
 #ifndef MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP  // <motionlang/backend/kernel_ops.hpp>
@@ -123,7 +123,7 @@ extern template struct motionlang::XtensorBackend<double>;
 #include <xtensor/containers/xadapt.hpp>  // views of memory
 #include <xtensor/core/xmath.hpp>         // functions, reductions
 #include <xtensor/core/xnoalias.hpp>      // results without a temporary
-#include <xtensor/core/xoperation.hpp>    // arithmetic, where
+#include <xtensor/core/xoperation.hpp>    // comparison, where
 #else
 #include <xtensor/xadapt.hpp>
 #include <xtensor/xmath.hpp>
@@ -135,9 +135,10 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-/// Views have a static number of axes, so that their shapes need no memory; here all that a shape may have: missing ones in front are 1.
+/// Views have a static number of axes, so that their shapes need no memory.
 template <std::size_t Rank>
 using XtensorShape = std::array<std::size_t, Rank>;
+/// All axes that a shape may have; missing ones in front are 1.
 inline XtensorShape<Shape::max_rank> all_axes(const Shape& s) {
   XtensorShape<Shape::max_rank> sizes;
   sizes.fill(1);
@@ -152,11 +153,16 @@ auto xtensor_view(Values* values, const XtensorShape<Rank>& sizes) {
   for (std::size_t n : sizes) count *= n;
   return xt::adapt(values, count, xt::no_ownership(), sizes);
 }
-/// Evaluates an expression of shape s, seen as `sizes`, into new memory.
-template <class S, std::size_t Rank, class E>
-Dense<S> xtensor_evaluate(const Shape& s, const XtensorShape<Rank>& sizes, const E& expression) {
+/// A view with all axes.
+template <class S>
+auto xtensor_view(const Dense<S>& t) {
+  return xtensor_view(t.data(), all_axes(t.shape()));
+}
+/// Evaluates an expression of shape s into new memory.
+template <class S, class E>
+Dense<S> xtensor_evaluate(const Shape& s, const E& expression) {
   Dense<S> out(s);
-  auto view = xtensor_view(out.data(), sizes);
+  auto view = xtensor_view(out.data(), all_axes(s));
   xt::noalias(view) = expression;
   return out;
 }
@@ -191,9 +197,8 @@ Dense<S> xtensor_reduce(const Dense<S>& a, int axis, F f) {
 template <Scalar S>
 Dense<S> XtensorBackend<S>::atan2(const tensor& a, const tensor& b) {
   const Shape s = broadcast_shapes(a.shape(), b.shape(), "atan2");
-  const auto view = [](const tensor& t) { return detail::xtensor_view(t.data(), detail::all_axes(t.shape())); };
-  const auto x = view(a), y = view(b);
-  return detail::xtensor_evaluate<S>(s, detail::all_axes(s), xt::atan2(x, y));
+  const auto x = detail::xtensor_view(a), y = detail::xtensor_view(b);
+  return detail::xtensor_evaluate<S>(s, xt::atan2(x, y));
 }
 template <Scalar S>
 Dense<S> XtensorBackend<S>::exp(const tensor& a) {
@@ -227,9 +232,9 @@ template <Scalar S>
 Dense<S> XtensorBackend<S>::where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y) {
   const Shape s = broadcast_shapes(broadcast_shapes(a.shape(), b.shape(), "where_less"),
                                    broadcast_shapes(x.shape(), y.shape(), "where_less"), "where_less");
-  const auto view = [](const tensor& t) { return detail::xtensor_view(t.data(), detail::all_axes(t.shape())); };
-  const auto va = view(a), vb = view(b), vx = view(x), vy = view(y);
-  return detail::xtensor_evaluate<S>(s, detail::all_axes(s), xt::where(va < vb, vx, vy));
+  const auto va = detail::xtensor_view(a), vb = detail::xtensor_view(b);
+  const auto vx = detail::xtensor_view(x), vy = detail::xtensor_view(y);
+  return detail::xtensor_evaluate<S>(s, xt::where(va < vb, vx, vy));
 }
 template <Scalar S>
 Dense<S> XtensorBackend<S>::sum(const tensor& a, int axis) {

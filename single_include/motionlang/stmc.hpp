@@ -3248,7 +3248,8 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
     Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
     for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
     const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
-    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
+    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
   } else {
     Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
@@ -3277,7 +3278,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 }
 
 /// Derivative at x.
-///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s) with s = 1 / (1 + exp(-x))
+///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
@@ -3288,7 +3289,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
     }
     case Activation::silu: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s + x * s * (S(1) - s);
     }
     case Activation::tanh: {
@@ -3296,7 +3297,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return S(1) - t * t;
     }
     case Activation::quick_gelu: {
-      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
       return s + x * s * (S(1) - s) * S(1.702);
     }
     case Activation::gelu_new: {
@@ -3304,7 +3305,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
     case Activation::sigmoid: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s * (S(1) - s);
     }
   }
@@ -4731,7 +4732,8 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
     Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
     for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
     const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
-    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
+    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
   } else {
     Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
@@ -4760,7 +4762,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 }
 
 /// Derivative at x.
-///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s) with s = 1 / (1 + exp(-x))
+///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
@@ -4771,7 +4773,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
     }
     case Activation::silu: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s + x * s * (S(1) - s);
     }
     case Activation::tanh: {
@@ -4779,7 +4781,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return S(1) - t * t;
     }
     case Activation::quick_gelu: {
-      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
       return s + x * s * (S(1) - s) * S(1.702);
     }
     case Activation::gelu_new: {
@@ -4787,7 +4789,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
     case Activation::sigmoid: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s * (S(1) - s);
     }
   }
@@ -6212,7 +6214,8 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
     Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
     for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
     const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
-    return size < splat(S(0.625)) ? x + x * y * p : (Vec<S>)((Mask<S>)far | ((Mask<S>)x & ~0x7fffffff));
+    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
+    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
   } else {
     Vec<S> r{};
     for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
@@ -6241,7 +6244,7 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 }
 
 /// Derivative at x.
-///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s) with s = 1 / (1 + exp(-x))
+///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
@@ -6252,7 +6255,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
     }
     case Activation::silu: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s + x * s * (S(1) - s);
     }
     case Activation::tanh: {
@@ -6260,7 +6263,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return S(1) - t * t;
     }
     case Activation::quick_gelu: {
-      const Vec<S> s = S(1) / (vexp<S>(x * S(-1.702)) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
       return s + x * s * (S(1) - s) * S(1.702);
     }
     case Activation::gelu_new: {
@@ -6268,7 +6271,7 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
       return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
     }
     case Activation::sigmoid: {
-      const Vec<S> s = S(1) / (vexp<S>(-x) + S(1));
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
       return s * (S(1) - s);
     }
   }

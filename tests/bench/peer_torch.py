@@ -503,6 +503,7 @@ class Tokenizer(nn.Module):
                                      nn.Conv1d(263, 263, *same))
         self.codes = nn.Embedding(1024, 1024)
 
+    @torch.no_grad()
     def nearest(self, z):
         rows, e = z.transpose(1, 2).reshape(-1, 1024), self.codes.weight
         return torch.argmin(rows.square().sum(1, keepdim=True) + e.square().sum(1) - 2 * rows @ e.t(), 1)

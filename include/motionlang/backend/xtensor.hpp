@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Backend over xtensor: functions and reductions are xtensor expressions over adapted memory; arithmetic, products and fused operations are
+/// Backend over xtensor: functions and reductions (but sums of rows) are xtensor expressions over adapted memory; arithmetic, products and fused operations are
 /// the same kernels that the Eigen backend uses.
 #pragma once
 
