@@ -4,7 +4,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/xtensor.hpp>
 
-#include "models.hpp"
+#include "networks.hpp"
 
 namespace {
 
@@ -29,4 +29,10 @@ int main(int argc, char** argv) {
   compare("TMR encoder B=1 T=200", TmrEncoding<Xtensor>(1), TmrEncoding<Eigen_>(1));
   compare("TEMOS decoder B=1 T=200", TemosDecoding<Xtensor>(1), TemosDecoding<Eigen_>(1));
   compare("ACTOR decoder B=1 T=60", ActorDecoding<Xtensor>(1), ActorDecoding<Eigen_>(1));
+  compare("MotionDiffuse step B=1 T=196", MotionDiffuseStep<Xtensor>(1), MotionDiffuseStep<Eigen_>(1));
+  compare("Guo's evaluator 32 motions T=196", GuoMotions<Xtensor>(), GuoMotions<Eigen_>());
+  compare("TM2T to tokens B=1 T=196", ToTokens<Xtensor>(1), ToTokens<Eigen_>(1));
+  compare("TM2T from tokens B=1 T=196", FromTokens<Xtensor>(1), FromTokens<Eigen_>(1));
+  compare("TM2T writes B=1 49 tokens", Writing<Xtensor>(1), Writing<Eigen_>(1));
+  compare("ST-GCN B=1 T=60", StGcnRun<Xtensor>(1), StGcnRun<Eigen_>(1));
 }
