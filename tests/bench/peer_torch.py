@@ -583,7 +583,7 @@ class StGcn(nn.Module):
 
     def forward(self, x):
         n, frames, _ = x.shape
-        x = self.norm(x.transpose(1, 2)).view(n, 24, 6, frames).permute(0, 2, 3, 1)
+        x = self.norm(x.transpose(1, 2).contiguous()).view(n, 24, 6, frames).permute(0, 2, 3, 1).contiguous()  # the order that torch prefers
         for block, edges in zip(self.blocks, self.edges):
             x = block(x, edges)
         return self.read(x.mean((2, 3)))
