@@ -2288,18 +2288,28 @@ void parallel_for(Index count, const F& f) {
       count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
 }
 
-/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
+namespace detail {
+inline constexpr Index worth_a_thread = 16384;  // numbers
+}
+
+/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element). Of elements of many numbers, such
+/// as rows, every thread has as many: in the next region it finds what it wrote in its cache. Pieces of single numbers begin at the same
+/// places for any number of threads: vectors and what is left beside them are the same.
 template <class F>
 void parallel_ranges(Index count, Index cost, const F& f) {
-  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
-  parallel_for((count + grain - 1) / grain, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
+  const Index grain = std::max<Index>(1, detail::worth_a_thread / std::max<Index>(1, cost));
+  const Index pieces = (count + grain - 1) / grain, threads = parallel_width();
+  if (cost < 64 || pieces <= 1 || threads == 1)
+    return parallel_for(pieces, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
+  const Index equal = std::min(count, (pieces + threads - 1) / threads * threads);
+  parallel_for(equal, [&](Index i) { f(count * i / equal, count * (i + 1) / equal); });
 }
 
 /// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the rows in their order.
 /// Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
 template <class F>
 void parallel_columns(Index rows, Index width, const F& f) {
-  const Index pieces = rows * width < 16384 ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
+  const Index pieces = rows * width < detail::worth_a_thread ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
   const auto begin = [&](Index i) { return i == pieces ? width : width * i / pieces / 16 * 16; };
   parallel_for(pieces, [&](Index i) { f(begin(i), begin(i + 1)); });
 }
@@ -3931,7 +3941,7 @@ struct PrepareWeights {
 }  // namespace detail
 
 /// Makes a model ready for inference: weights of linear layers and convolutions are packed for the backend's kernels
-/// (and whatever else has two or three axes). The model must not
+/// (and whatever else has two to four axes). The model must not
 /// be changed afterwards. Nothing happens on backends without such a layout.
 template <Module M>
 void prepare(M& model) {
@@ -4962,7 +4972,6 @@ struct Autodiff {
   static tensor linear(const tensor& x, const tensor& weight, const tensor* bias, Activation act,
                        const tensor* residual, const Dropout& drop = {}) requires requires(const Value& v) {
     B::linear(v, v, &v, act, &v, drop);
-    B::column_sums(v);
   }
   {
     if (act != Activation::none) {  // the nonlinearity needs its own input for the derivative
@@ -4978,7 +4987,7 @@ struct Autodiff {
           const Value inner = drop.p > 0 ? B::dropout(g, drop) : g;
           if (s.needs(0)) s.add(0, B::matmul(inner, w, false, false));
           if (s.needs(1)) s.add(1, B::matmul(inner, x.value(), true, false));
-          if (s.needs(2)) s.add(2, B::column_sums(inner));
+          if (s.needs(2)) s.add(2, B::sum(inner, 0));
         },
         x, weight, bias == nullptr ? none : *bias, residual == nullptr ? none : *residual);
   }
@@ -4987,7 +4996,6 @@ struct Autodiff {
       requires(const Value& v) {
     B::conv1d_weight_vjp(v, before, after, stride, stride, padding, v);
     B::conv1d_input_vjp(v, before, after, stride, padding, v);
-    B::column_sums(v);
   }
   {
     if (act != Activation::none)
@@ -4998,7 +5006,7 @@ struct Autodiff {
             const Value& g, const Sink& s) {
           if (s.needs(0)) s.add(0, B::conv1d_input_vjp(w, before, after, stride, padding, g));
           if (s.needs(1)) s.add(1, B::conv1d_weight_vjp(x.value(), before, after, taps, stride, padding, g));
-          if (s.needs(2)) s.add(2, B::column_sums(g));
+          if (s.needs(2)) s.add(2, B::sum(g, 0));
         },
         x, weight, bias == nullptr ? tensor{} : *bias);
   }
@@ -29585,7 +29593,7 @@ struct Kernels {
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
   Index (*attention_scratch)(Index keys, Index width);
   Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
-  void (*attention_head)(const Attention<S>&, Index sequence, Index head, S* scratch);
+  void (*attention_head)(const Attention<S>&, Index sequence, Index head, Index piece, Index pieces, S* scratch);
   void (*attention_head_vjp)(const Attention<S>&, const AttentionGradients<S>&, Index sequence, Index head, S* scratch);
   void (*dropout)(const S* x, Index n, Index first, const Dropout&, S* y);
   void (*layer_norm_rows)(const LayerNorm<S>&, Index first, Index last);
@@ -29598,6 +29606,7 @@ struct Kernels {
   void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
   void (*binary)(const Binary<S>&);
   void (*error_function)(const S* x, Index n, S* y);
+  void (*row_sums)(const S* x, Index n, Index first, Index last, S* y);
   void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
@@ -29606,6 +29615,7 @@ struct Kernels {
 /// are the same for all instruction sets, but for numbers below 2^-126.
 struct Bf16Kernels {
   const char* name;
+  Index tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
   void (*pack_rows)(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels);
@@ -29615,7 +29625,8 @@ struct Bf16Kernels {
                      float* scratch);
   Index (*attention_scratch)(Index keys, Index width);
   Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
-  void (*attention_head)(const Attention<float>&, Index sequence, Index head, float* scratch);
+  void (*attention_head)(const Attention<float>&, Index sequence, Index head, Index piece, Index pieces,
+                         float* scratch);
   void (*attention_head_vjp)(const Attention<float>&, const AttentionGradients<float>&, Index sequence, Index head,
                              float* scratch);
 };
@@ -30474,10 +30485,12 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
          P::scratch(std::max(longest, width));
 }
 
-/// Output of one head.
+/// Output of one head, for one of so many pieces of its queries.
 template <class P, class S = typename P::Number>
-void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
+void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces), end = part(tiles, piece + 1, pieces);
+  if (begin == end) return;
   const Index pitch = score_pitch<P>(h.keys);
   S* vp = kt + P::panels(t.width, h.keys);
   S* scores = vp + P::panels(h.keys, t.width);
@@ -30486,8 +30499,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
   P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
   P::begin();
-  const Index tiles = (h.queries + P::rows - 1) / P::rows;
-  for (Index i = 0; i < tiles; ++i) {
+  for (Index i = begin; i < end; ++i) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
     h.weights(first, rows, scores, pitch);
@@ -30707,6 +30719,22 @@ void error_function(const S* x, Index n, S* y) {
   store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
 }
 
+/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
+template <class S>
+void row_sums(const S* x, Index n, Index first, Index last, S* y) {
+  constexpr int l = lanes<S>;
+  for (Index r = first; r < last; ++r) {
+    const S* row = x + r * n;
+    Vec<S> sums[4] = {};
+    Index i = 0;
+    for (; i + 4 * l <= n; i += 4 * l) {
+#pragma GCC unroll 4
+      for (int c = 0; c < 4; ++c) sums[c] += load(row + i + c * l);
+    }
+    for (; i < n; i += l) sums[0] += load_first(row + i, n - i);
+    y[r] = reduce_add<S>(sums[0] + sums[1] + (sums[2] + sums[3]));
+  }
+}
 /// Sums of the columns first ... last-1 over all rows.
 template <class S>
 void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
@@ -31069,6 +31097,7 @@ struct Bf16Products {
 template <class Tile>
 const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
+                                 .tile_rows = Tile::rows,
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack_rows = &bf16_pack_rows<Tile>,
@@ -31106,6 +31135,7 @@ const Kernels<S>& table() {
       .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
       .error_function = &error_function<S>,
+      .row_sums = &row_sums<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
   };
@@ -31958,10 +31988,12 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
          P::scratch(std::max(longest, width));
 }
 
-/// Output of one head.
+/// Output of one head, for one of so many pieces of its queries.
 template <class P, class S = typename P::Number>
-void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
+void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces), end = part(tiles, piece + 1, pieces);
+  if (begin == end) return;
   const Index pitch = score_pitch<P>(h.keys);
   S* vp = kt + P::panels(t.width, h.keys);
   S* scores = vp + P::panels(h.keys, t.width);
@@ -31970,8 +32002,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
   P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
   P::begin();
-  const Index tiles = (h.queries + P::rows - 1) / P::rows;
-  for (Index i = 0; i < tiles; ++i) {
+  for (Index i = begin; i < end; ++i) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
     h.weights(first, rows, scores, pitch);
@@ -32191,6 +32222,22 @@ void error_function(const S* x, Index n, S* y) {
   store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
 }
 
+/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
+template <class S>
+void row_sums(const S* x, Index n, Index first, Index last, S* y) {
+  constexpr int l = lanes<S>;
+  for (Index r = first; r < last; ++r) {
+    const S* row = x + r * n;
+    Vec<S> sums[4] = {};
+    Index i = 0;
+    for (; i + 4 * l <= n; i += 4 * l) {
+#pragma GCC unroll 4
+      for (int c = 0; c < 4; ++c) sums[c] += load(row + i + c * l);
+    }
+    for (; i < n; i += l) sums[0] += load_first(row + i, n - i);
+    y[r] = reduce_add<S>(sums[0] + sums[1] + (sums[2] + sums[3]));
+  }
+}
 /// Sums of the columns first ... last-1 over all rows.
 template <class S>
 void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
@@ -32553,6 +32600,7 @@ struct Bf16Products {
 template <class Tile>
 const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
+                                 .tile_rows = Tile::rows,
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack_rows = &bf16_pack_rows<Tile>,
@@ -32590,6 +32638,7 @@ const Kernels<S>& table() {
       .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
       .error_function = &error_function<S>,
+      .row_sums = &row_sums<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
   };
@@ -33440,10 +33489,12 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
          P::scratch(std::max(longest, width));
 }
 
-/// Output of one head.
+/// Output of one head, for one of so many pieces of its queries.
 template <class P, class S = typename P::Number>
-void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
+void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces), end = part(tiles, piece + 1, pieces);
+  if (begin == end) return;
   const Index pitch = score_pitch<P>(h.keys);
   S* vp = kt + P::panels(t.width, h.keys);
   S* scores = vp + P::panels(h.keys, t.width);
@@ -33452,8 +33503,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
   P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
   P::begin();
-  const Index tiles = (h.queries + P::rows - 1) / P::rows;
-  for (Index i = 0; i < tiles; ++i) {
+  for (Index i = begin; i < end; ++i) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
     h.weights(first, rows, scores, pitch);
@@ -33673,6 +33723,22 @@ void error_function(const S* x, Index n, S* y) {
   store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
 }
 
+/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
+template <class S>
+void row_sums(const S* x, Index n, Index first, Index last, S* y) {
+  constexpr int l = lanes<S>;
+  for (Index r = first; r < last; ++r) {
+    const S* row = x + r * n;
+    Vec<S> sums[4] = {};
+    Index i = 0;
+    for (; i + 4 * l <= n; i += 4 * l) {
+#pragma GCC unroll 4
+      for (int c = 0; c < 4; ++c) sums[c] += load(row + i + c * l);
+    }
+    for (; i < n; i += l) sums[0] += load_first(row + i, n - i);
+    y[r] = reduce_add<S>(sums[0] + sums[1] + (sums[2] + sums[3]));
+  }
+}
 /// Sums of the columns first ... last-1 over all rows.
 template <class S>
 void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
@@ -34035,6 +34101,7 @@ struct Bf16Products {
 template <class Tile>
 const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
+                                 .tile_rows = Tile::rows,
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack_rows = &bf16_pack_rows<Tile>,
@@ -34072,6 +34139,7 @@ const Kernels<S>& table() {
       .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
       .error_function = &error_function<S>,
+      .row_sums = &row_sums<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
   };
@@ -34365,6 +34433,7 @@ struct KernelOps {
   static Dense<S> mul(Dense<S> a, Dense<S> b);
   static Dense<S> div(Dense<S> a, Dense<S> b);
   static Dense<S> maximum(Dense<S> a, Dense<S> b);
+  static Dense<S> sum(const Dense<S>& a, int axis);
 
   /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
   static Index rows_in_cache();
@@ -34398,8 +34467,6 @@ struct KernelOps {
 
   static Dense<S> softmax(const Dense<S>& x);
   static Dense<S> dropout(const Dense<S>& x, const Dropout& d);
-  /// Sum over the rows of a matrix.
-  static Dense<S> column_sums(const Dense<S>& x);
 
   static Dense<S> attention(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v, const Offsets& q_offsets,
                             const Offsets& k_offsets, const AttentionOptions& options,
@@ -34558,14 +34625,20 @@ Scratch<S> gemm_scratch(const Panels<S>& p) {
   }
   return Scratch<S>(kernels<S>().gemm_scratch(p.k));
 }
+/// Whether every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that threads share. Its rows
+/// a thread finds where it wrote them, in its cache. Those of others come slowly: with 16 threads a byte costs about what five of panels do,
+/// which are fetched ahead. Not if there is much more of the panels, or the rows do not fill tiles.
+inline bool takes_own_rows(Index each, Index a_bytes, Index panel_bytes, Index rows_at_once, Index tile_rows) {
+  const bool fills_tiles = each > 0 && 4 * each >= 3 * tile_rows * parts(each, tile_rows);
+  return each >= rows_at_once / 4 || (fills_tiles && 5 * a_bytes >= panel_bytes);
+}
 /// Calls block(r0, r1, j0, j1) for parts of a product of so many rows and panels.
 template <class F>
-void for_blocks(Index rows, Index panels, Index rows_at_once, bool split, const F& block) {
+void for_blocks(Index rows, Index panels, Index rows_at_once, bool split, bool own_rows, const F& block) {
   const Index threads = split ? parallel_width() : 1, blocks = threads == 1 ? 1 : parts(rows, rows_at_once);
-  // As many for every thread; fewer rows than fill a block are shared as long as each thread has some tiles of them.
-  const Index row_parts = blocks > threads                       ? parts(blocks, threads) * threads
-                          : rows >= threads * (rows_at_once / 4) ? threads
-                                                                 : blocks;
+  const Index row_parts = blocks > threads ? parts(blocks, threads) * threads
+                          : own_rows       ? threads
+                                           : blocks;  // as many for every thread
   const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(threads, row_parts));
   parallel_for(row_parts * panel_parts, [&](Index task) {
     const Index r = task / panel_parts, j = task % panel_parts;
@@ -34582,9 +34655,11 @@ template <class S, class F = NothingBehind>
 void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F& behind = {}) {
   if (g.m == 0 || g.n == 0) return;
   const bool split = worth_threads(g.m, g.n, g.k);
-  const Index width = p.width();
-  const auto run = [&](Index rows_at_once, const auto& multiply) {
-    for_blocks(g.m, p.count(), rows_at_once, split, [&](Index r0, Index r1, Index j0, Index j1) {
+  const Index width = p.width(), a_bytes = g.m * g.k * static_cast<Index>(sizeof(S));
+  const auto run = [&](const auto& kernel, const auto& multiply) {
+    const Index rows_at_once = kernel.gemm_rows(g.k);
+    const bool own = takes_own_rows(g.m / parallel_width(), a_bytes, p.bytes(), rows_at_once, kernel.tile_rows);
+    for_blocks(g.m, p.count(), rows_at_once, split, own, [&](Index r0, Index r1, Index j0, Index j1) {
       multiply(r0, r1, j0, j1);
       behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
     });
@@ -34592,7 +34667,7 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) {
       const Bf16Kernels& kernel = *current_bf16_kernels();
-      run(kernel.gemm_rows(g.k), [&](Index r0, Index r1, Index j0, Index j1) {
+      run(kernel, [&](Index r0, Index r1, Index j0, Index j1) {
         kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch.mine());
       });
       return;
@@ -34600,8 +34675,7 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
   }
   const Kernels<S>& kernel = kernels<S>();
   g.panels = p.data();
-  run(kernel.gemm_rows(g.k),
-      [&](Index r0, Index r1, Index j0, Index j1) { kernel.gemm_block(g, r0, r1, j0, j1, scratch.mine()); });
+  run(kernel, [&](Index r0, Index r1, Index j0, Index j1) { kernel.gemm_block(g, r0, r1, j0, j1, scratch.mine()); });
 }
 
 /// How many of `count` products of m x k and k x n are made by one thread each: as long as there is one for every thread. The rest is made by
@@ -34693,8 +34767,13 @@ template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
   with_attention_kernels<S>([&](const auto& kernel) {
     const Scratch<S> scratch(kernel.attention_scratch(k.longest(), t.width));
-    parallel_for(q.count() * t.heads, [&](Index i) {
-      if (q.length(i / t.heads) > 0) kernel.attention_head(t, i / t.heads, i % t.heads, scratch.mine());
+    // Two tasks or more for every thread: where there are fewer heads, the queries of each are split.
+    const Index heads = q.count() * t.heads, enough = parallel_width() > 1 ? 2 * parallel_width() : 1;
+    const Index pieces = heads >= enough ? 1 : parts(enough, std::max<Index>(1, heads));
+    parallel_for(heads * pieces, [&](Index task) {
+      const Index i = task / pieces;
+      if (q.length(i / t.heads) > 0)
+        kernel.attention_head(t, i / t.heads, i % t.heads, task % pieces, pieces, scratch.mine());
     });
   });
 }
@@ -34798,6 +34877,26 @@ Dense<S> KernelOps<S>::div(Dense<S> a, Dense<S> b) {
 template <Scalar S>
 Dense<S> KernelOps<S>::maximum(Dense<S> a, Dense<S> b) {
   return detail::kernel_binary(detail::BinaryOp::maximum, std::move(a), std::move(b));
+}
+
+template <Scalar S>
+Dense<S> KernelOps<S>::sum(const Dense<S>& a, int axis) {
+  const Shape& s = a.shape();
+  const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
+  Dense<S> y(s.without(axis));
+  const detail::Kernels<S>& kernel = detail::kernels<S>();
+  const auto columns = [&](Index i, Index first, Index last) {
+    kernel.column_sums(a.data() + i * n * inner, n, inner, first, last, y.data() + i * inner);
+  };
+  if (inner == 1)
+    parallel_ranges(outer, n, [&](Index first, Index last) { kernel.row_sums(a.data(), n, first, last, y.data()); });
+  else if (outer == 1)
+    parallel_columns(n, inner, [&](Index first, Index last) { columns(0, first, last); });
+  else
+    parallel_ranges(outer, n * inner, [&](Index first, Index last) {
+      for (Index i = first; i < last; ++i) columns(i, 0, inner);
+    });
+  return y;
 }
 
 template <Scalar S>
@@ -35028,15 +35127,6 @@ Dense<S> KernelOps<S>::dropout(const Dense<S>& x, const Dropout& d) {
                   [&](Index a, Index b) { detail::kernels<S>().dropout(x.data() + a, b - a, a, d, y.data() + a); });
   return y;
 }
-template <Scalar S>
-Dense<S> KernelOps<S>::column_sums(const Dense<S>& x) {
-  const Index rows = x.shape()[0], width = x.shape()[1];
-  Dense<S> y(Shape{width});
-  parallel_columns(rows, width,
-                   [&](Index a, Index b) { detail::kernels<S>().column_sums(x.data(), rows, width, a, b, y.data()); });
-  return y;
-}
-
 template <Scalar S>
 Dense<S> KernelOps<S>::attention(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v, const Offsets& q_offsets,
                                  const Offsets& k_offsets, const AttentionOptions& options,

@@ -36,6 +36,7 @@ struct KernelOps {
   static Dense<S> mul(Dense<S> a, Dense<S> b);
   static Dense<S> div(Dense<S> a, Dense<S> b);
   static Dense<S> maximum(Dense<S> a, Dense<S> b);
+  static Dense<S> sum(const Dense<S>& a, int axis);
 
   /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
   static Index rows_in_cache();
@@ -69,8 +70,6 @@ struct KernelOps {
 
   static Dense<S> softmax(const Dense<S>& x);
   static Dense<S> dropout(const Dense<S>& x, const Dropout& d);
-  /// Sum over the rows of a matrix.
-  static Dense<S> column_sums(const Dense<S>& x);
 
   static Dense<S> attention(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v, const Offsets& q_offsets,
                             const Offsets& k_offsets, const AttentionOptions& options,
@@ -111,7 +110,6 @@ struct EigenBackend : DenseOps<S>, KernelOps<S> {
   static tensor sin(tensor a);
   static tensor cos(tensor a);
   static tensor where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y);
-  static tensor sum(const tensor& a, int axis);
   static tensor max(const tensor& a, int axis);
 };
 
@@ -238,7 +236,7 @@ struct Kernels {
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
   Index (*attention_scratch)(Index keys, Index width);
   Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
-  void (*attention_head)(const Attention<S>&, Index sequence, Index head, S* scratch);
+  void (*attention_head)(const Attention<S>&, Index sequence, Index head, Index piece, Index pieces, S* scratch);
   void (*attention_head_vjp)(const Attention<S>&, const AttentionGradients<S>&, Index sequence, Index head, S* scratch);
   void (*dropout)(const S* x, Index n, Index first, const Dropout&, S* y);
   void (*layer_norm_rows)(const LayerNorm<S>&, Index first, Index last);
@@ -251,6 +249,7 @@ struct Kernels {
   void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
   void (*binary)(const Binary<S>&);
   void (*error_function)(const S* x, Index n, S* y);
+  void (*row_sums)(const S* x, Index n, Index first, Index last, S* y);
   void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
@@ -259,6 +258,7 @@ struct Kernels {
 /// are the same for all instruction sets, but for numbers below 2^-126.
 struct Bf16Kernels {
   const char* name;
+  Index tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
   void (*pack_rows)(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels);
@@ -268,7 +268,8 @@ struct Bf16Kernels {
                      float* scratch);
   Index (*attention_scratch)(Index keys, Index width);
   Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
-  void (*attention_head)(const Attention<float>&, Index sequence, Index head, float* scratch);
+  void (*attention_head)(const Attention<float>&, Index sequence, Index head, Index piece, Index pieces,
+                         float* scratch);
   void (*attention_head_vjp)(const Attention<float>&, const AttentionGradients<float>&, Index sequence, Index head,
                              float* scratch);
 };
@@ -1127,10 +1128,12 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
          P::scratch(std::max(longest, width));
 }
 
-/// Output of one head.
+/// Output of one head, for one of so many pieces of its queries.
 template <class P, class S = typename P::Number>
-void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
+void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces), end = part(tiles, piece + 1, pieces);
+  if (begin == end) return;
   const Index pitch = score_pitch<P>(h.keys);
   S* vp = kt + P::panels(t.width, h.keys);
   S* scores = vp + P::panels(h.keys, t.width);
@@ -1139,8 +1142,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
   P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
   P::begin();
-  const Index tiles = (h.queries + P::rows - 1) / P::rows;
-  for (Index i = 0; i < tiles; ++i) {
+  for (Index i = begin; i < end; ++i) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
     h.weights(first, rows, scores, pitch);
@@ -1360,6 +1362,22 @@ void error_function(const S* x, Index n, S* y) {
   store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
 }
 
+/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
+template <class S>
+void row_sums(const S* x, Index n, Index first, Index last, S* y) {
+  constexpr int l = lanes<S>;
+  for (Index r = first; r < last; ++r) {
+    const S* row = x + r * n;
+    Vec<S> sums[4] = {};
+    Index i = 0;
+    for (; i + 4 * l <= n; i += 4 * l) {
+#pragma GCC unroll 4
+      for (int c = 0; c < 4; ++c) sums[c] += load(row + i + c * l);
+    }
+    for (; i < n; i += l) sums[0] += load_first(row + i, n - i);
+    y[r] = reduce_add<S>(sums[0] + sums[1] + (sums[2] + sums[3]));
+  }
+}
 /// Sums of the columns first ... last-1 over all rows.
 template <class S>
 void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
@@ -1722,6 +1740,7 @@ struct Bf16Products {
 template <class Tile>
 const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
+                                 .tile_rows = Tile::rows,
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack_rows = &bf16_pack_rows<Tile>,
@@ -1759,6 +1778,7 @@ const Kernels<S>& table() {
       .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
       .error_function = &error_function<S>,
+      .row_sums = &row_sums<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
   };
@@ -2611,10 +2631,12 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
          P::scratch(std::max(longest, width));
 }
 
-/// Output of one head.
+/// Output of one head, for one of so many pieces of its queries.
 template <class P, class S = typename P::Number>
-void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
+void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces), end = part(tiles, piece + 1, pieces);
+  if (begin == end) return;
   const Index pitch = score_pitch<P>(h.keys);
   S* vp = kt + P::panels(t.width, h.keys);
   S* scores = vp + P::panels(h.keys, t.width);
@@ -2623,8 +2645,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
   P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
   P::begin();
-  const Index tiles = (h.queries + P::rows - 1) / P::rows;
-  for (Index i = 0; i < tiles; ++i) {
+  for (Index i = begin; i < end; ++i) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
     h.weights(first, rows, scores, pitch);
@@ -2844,6 +2865,22 @@ void error_function(const S* x, Index n, S* y) {
   store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
 }
 
+/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
+template <class S>
+void row_sums(const S* x, Index n, Index first, Index last, S* y) {
+  constexpr int l = lanes<S>;
+  for (Index r = first; r < last; ++r) {
+    const S* row = x + r * n;
+    Vec<S> sums[4] = {};
+    Index i = 0;
+    for (; i + 4 * l <= n; i += 4 * l) {
+#pragma GCC unroll 4
+      for (int c = 0; c < 4; ++c) sums[c] += load(row + i + c * l);
+    }
+    for (; i < n; i += l) sums[0] += load_first(row + i, n - i);
+    y[r] = reduce_add<S>(sums[0] + sums[1] + (sums[2] + sums[3]));
+  }
+}
 /// Sums of the columns first ... last-1 over all rows.
 template <class S>
 void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
@@ -3206,6 +3243,7 @@ struct Bf16Products {
 template <class Tile>
 const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
+                                 .tile_rows = Tile::rows,
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack_rows = &bf16_pack_rows<Tile>,
@@ -3243,6 +3281,7 @@ const Kernels<S>& table() {
       .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
       .error_function = &error_function<S>,
+      .row_sums = &row_sums<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
   };
@@ -4093,10 +4132,12 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
          P::scratch(std::max(longest, width));
 }
 
-/// Output of one head.
+/// Output of one head, for one of so many pieces of its queries.
 template <class P, class S = typename P::Number>
-void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
+void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces), end = part(tiles, piece + 1, pieces);
+  if (begin == end) return;
   const Index pitch = score_pitch<P>(h.keys);
   S* vp = kt + P::panels(t.width, h.keys);
   S* scores = vp + P::panels(h.keys, t.width);
@@ -4105,8 +4146,7 @@ void attention_head(const Attention<S>& t, Index sequence, Index head, S* kt) {
   P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
   P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
   P::begin();
-  const Index tiles = (h.queries + P::rows - 1) / P::rows;
-  for (Index i = 0; i < tiles; ++i) {
+  for (Index i = begin; i < end; ++i) {
     const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
     P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
     h.weights(first, rows, scores, pitch);
@@ -4326,6 +4366,22 @@ void error_function(const S* x, Index n, S* y) {
   store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
 }
 
+/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
+template <class S>
+void row_sums(const S* x, Index n, Index first, Index last, S* y) {
+  constexpr int l = lanes<S>;
+  for (Index r = first; r < last; ++r) {
+    const S* row = x + r * n;
+    Vec<S> sums[4] = {};
+    Index i = 0;
+    for (; i + 4 * l <= n; i += 4 * l) {
+#pragma GCC unroll 4
+      for (int c = 0; c < 4; ++c) sums[c] += load(row + i + c * l);
+    }
+    for (; i < n; i += l) sums[0] += load_first(row + i, n - i);
+    y[r] = reduce_add<S>(sums[0] + sums[1] + (sums[2] + sums[3]));
+  }
+}
 /// Sums of the columns first ... last-1 over all rows.
 template <class S>
 void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
@@ -4688,6 +4744,7 @@ struct Bf16Products {
 template <class Tile>
 const Bf16Kernels& bf16_table() {
   static constexpr Bf16Kernels t{.name = Tile::name,
+                                 .tile_rows = Tile::rows,
                                  .gemm_rows = &bf16_rows<Tile>,
                                  .gemm_scratch = &bf16_scratch<Tile>,
                                  .pack_rows = &bf16_pack_rows<Tile>,
@@ -4725,6 +4782,7 @@ const Kernels<S>& table() {
       .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
       .error_function = &error_function<S>,
+      .row_sums = &row_sums<S>,
       .column_sums = &column_sums<S>,
       .adamw = &adamw<S>,
   };
@@ -5110,11 +5168,6 @@ Dense<S> EigenBackend<S>::where_less(const tensor& a, const tensor& b, const ten
     detail::eigen_map(out.data() + first, last - first) = (piece(la) < piece(lb)).select(piece(lx), piece(ly));
   });
   return out;
-}
-template <Scalar S>
-Dense<S> EigenBackend<S>::sum(const tensor& a, int axis) {
-  return detail::eigen_reduce(
-      a, axis, S(0), [](const auto& x) { return x.sum(); }, [](auto& total, const auto& x) { total += x; });
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::max(const tensor& a, int axis) {

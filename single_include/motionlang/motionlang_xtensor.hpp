@@ -6,8 +6,8 @@
 
 #ifndef MOTIONLANG_HAS_BACKEND_XTENSOR_HPP  // <motionlang/backend/xtensor.hpp>
 #define MOTIONLANG_HAS_BACKEND_XTENSOR_HPP
-/// Backend over xtensor: functions and reductions (but sums of rows) are xtensor expressions over adapted memory; arithmetic, products and fused operations are
-/// the same kernels that the Eigen backend uses.
+/// Backend over xtensor: functions and maxima are xtensor expressions over adapted memory; arithmetic, sums, products and fused operations
+/// are the same kernels that the Eigen backend uses.
 
 #ifndef MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP  // <motionlang/backend/kernel_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP
@@ -29,6 +29,7 @@ struct KernelOps {
   static Dense<S> mul(Dense<S> a, Dense<S> b);
   static Dense<S> div(Dense<S> a, Dense<S> b);
   static Dense<S> maximum(Dense<S> a, Dense<S> b);
+  static Dense<S> sum(const Dense<S>& a, int axis);
 
   /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
   static Index rows_in_cache();
@@ -62,8 +63,6 @@ struct KernelOps {
 
   static Dense<S> softmax(const Dense<S>& x);
   static Dense<S> dropout(const Dense<S>& x, const Dropout& d);
-  /// Sum over the rows of a matrix.
-  static Dense<S> column_sums(const Dense<S>& x);
 
   static Dense<S> attention(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v, const Offsets& q_offsets,
                             const Offsets& k_offsets, const AttentionOptions& options,
@@ -104,7 +103,6 @@ struct XtensorBackend : DenseOps<S>, KernelOps<S> {
   static tensor sin(const tensor& a);
   static tensor cos(const tensor& a);
   static tensor where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y);
-  static tensor sum(const tensor& a, int axis);
   static tensor max(const tensor& a, int axis);
 };
 
@@ -235,13 +233,6 @@ Dense<S> XtensorBackend<S>::where_less(const tensor& a, const tensor& b, const t
   const auto va = detail::xtensor_view(a), vb = detail::xtensor_view(b);
   const auto vx = detail::xtensor_view(x), vy = detail::xtensor_view(y);
   return detail::xtensor_evaluate<S>(s, xt::where(va < vb, vx, vy));
-}
-template <Scalar S>
-Dense<S> XtensorBackend<S>::sum(const tensor& a, int axis) {
-  const Shape& s = a.shape();
-  if (s.count(0, axis) == 1 && s[axis] < a.count())  // of rows: xtensor is slow there
-    return KernelOps<S>::column_sums(a.reshaped(Shape{s[axis], a.count() / s[axis]})).reshaped(s.without(axis));
-  return detail::xtensor_reduce(a, axis, [](const auto& x, const auto& axes) { return xt::sum(x, axes); });
 }
 template <Scalar S>
 Dense<S> XtensorBackend<S>::max(const tensor& a, int axis) {

@@ -1,10 +1,11 @@
 #!/usr/bin/python3
 """Our programs and their peers in turns, in one run: the table of README.md.
 
-usage: run.py BUILD_FOLDER [--threads 2] [--rounds 3 | --quick] [--json FILE] [--svg FILE] [WORK ...]
+usage: run.py BUILD_FOLDER [--threads 2] [--rounds 3 | --quick] [--python PYTHON] [--json FILE] [--svg FILE] [WORK ...]
 
 BUILD_FOLDER  where `cmake --build ... --target bench` was done
 --quick       one round instead of three
+--python      the Python that has the peers torch and faiss (default /usr/bin/python3, which has Debian's packages)
 WORK          only these rows of the table TABLE below
 A peer that is not installed is left out, with the name of its package. torch runs with the settings that are fastest for it: all
 candidates are tried once. Work by work, the rows are printed and written when all its rounds are done.
@@ -14,7 +15,6 @@ import argparse, collections, csv, dataclasses, datetime, io, json, os, pathlib,
 from xml.sax.saxutils import escape
 
 HERE = pathlib.Path(__file__).resolve().parent
-PYTHON = "/usr/bin/python3"
 OPENBLAS = "/usr/lib/x86_64-linux-gnu/openblas-openmp"
 ONNX_FOLDER = pathlib.Path(os.environ.get("ONNX_FOLDER", pathlib.Path.home() / ".cache/motionlang-bench"))
 
@@ -132,8 +132,9 @@ def fastest(found):
 class Programs:
     """Runs ours and the peers, each once per round, and remembers who is not there."""
 
-    def __init__(self, build, threads):
-        self.bench, self.threads, self.missing, self.torch_environment = build / "tests/bench", threads, {}, {}
+    def __init__(self, build, threads, python):
+        self.bench, self.threads, self.python = build / "tests/bench", threads, python
+        self.missing, self.torch_environment = {}, {}
         self.arguments = lambda precision: ["--bf16"] if precision == "bf16" else []
 
     def ours(self, work, precision, kernels):
@@ -143,18 +144,18 @@ class Programs:
     def peer(self, name, work, precision, kernels=""):
         work = WORK_OF_PEER.get((work, name), work)
         if name in ("torch", "faiss"):
-            command = [PYTHON, "-W", "ignore", HERE / "peer_torch.py", self.threads, *self.arguments(precision), work]
+            command = [self.python, "-W", "ignore", HERE / "peer_torch.py", self.threads, *self.arguments(precision), work]
             return fastest(run(command, self.torch_environment))
         if name == "onnx":
             ONNX_FOLDER.mkdir(parents=True, exist_ok=True)
-            return fastest(run([PYTHON, "-W", "ignore", HERE / "peer_onnx.py", self.threads, work], {"ONNX_FOLDER": str(ONNX_FOLDER)}))
+            return fastest(run([self.python, "-W", "ignore", HERE / "peer_onnx.py", self.threads, work], {"ONNX_FOLDER": str(ONNX_FOLDER)}))
         environment = dict(PINNED) if name == "onednn" else {}
         if name == "onednn" and kernels:  # as far as our kernels may go
             environment["DNNL_MAX_CPU_ISA"] = kernels.upper().replace("AVX512_", "AVX512_CORE_")
         return fastest(run([self.bench / f"bench_products_{name}", self.threads, *self.arguments(precision), work], environment))
 
     def look_for(self, peers):
-        checks = {"torch": [PYTHON, "-c", "import torch"], "faiss": [PYTHON, "-c", "import torch, faiss"],
+        checks = {"torch": [self.python, "-c", "import torch"], "faiss": [self.python, "-c", "import torch, faiss"],
                   "onnx": ["node", "-e", f"require({json.dumps(str(ONNX_FOLDER / 'node_modules/onnxruntime-node'))})"],
                   **{name: ["test", "-x", self.bench / f"bench_products_{name}"] for name in ("native", "onednn")}}
         for name in peers & checks.keys():
@@ -312,6 +313,7 @@ def main():
     parser.add_argument("--threads", default="2")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--python", default="/usr/bin/python3")
     parser.add_argument("--json", type=pathlib.Path)
     parser.add_argument("--svg", type=pathlib.Path)
     parser.add_argument("works", nargs="*")
@@ -319,7 +321,7 @@ def main():
     if unknown := set(a.works) - {row.work for row in TABLE}:
         parser.error(f"no such work: {', '.join(sorted(unknown))}; there are {', '.join(dict.fromkeys(row.work for row in TABLE))}")
     table = [row for row in TABLE if not a.works or row.work in a.works]
-    programs = Programs(a.build.resolve(), a.threads)
+    programs = Programs(a.build.resolve(), a.threads, a.python)
     programs.look_for({row.peer for row in table if row.peer})
     for name, package in programs.missing.items():
         print(f"{name} is left out, it is not installed: {package}")

@@ -332,7 +332,6 @@ struct Autodiff {
   static tensor linear(const tensor& x, const tensor& weight, const tensor* bias, Activation act,
                        const tensor* residual, const Dropout& drop = {}) requires requires(const Value& v) {
     B::linear(v, v, &v, act, &v, drop);
-    B::column_sums(v);
   }
   {
     if (act != Activation::none) {  // the nonlinearity needs its own input for the derivative
@@ -348,7 +347,7 @@ struct Autodiff {
           const Value inner = drop.p > 0 ? B::dropout(g, drop) : g;
           if (s.needs(0)) s.add(0, B::matmul(inner, w, false, false));
           if (s.needs(1)) s.add(1, B::matmul(inner, x.value(), true, false));
-          if (s.needs(2)) s.add(2, B::column_sums(inner));
+          if (s.needs(2)) s.add(2, B::sum(inner, 0));
         },
         x, weight, bias == nullptr ? none : *bias, residual == nullptr ? none : *residual);
   }
@@ -357,7 +356,6 @@ struct Autodiff {
       requires(const Value& v) {
     B::conv1d_weight_vjp(v, before, after, stride, stride, padding, v);
     B::conv1d_input_vjp(v, before, after, stride, padding, v);
-    B::column_sums(v);
   }
   {
     if (act != Activation::none)
@@ -368,7 +366,7 @@ struct Autodiff {
             const Value& g, const Sink& s) {
           if (s.needs(0)) s.add(0, B::conv1d_input_vjp(w, before, after, stride, padding, g));
           if (s.needs(1)) s.add(1, B::conv1d_weight_vjp(x.value(), before, after, taps, stride, padding, g));
-          if (s.needs(2)) s.add(2, B::column_sums(g));
+          if (s.needs(2)) s.add(2, B::sum(g, 0));
         },
         x, weight, bias == nullptr ? tensor{} : *bias);
   }

@@ -23,6 +23,7 @@ struct KernelOps {
   static Dense<S> mul(Dense<S> a, Dense<S> b);
   static Dense<S> div(Dense<S> a, Dense<S> b);
   static Dense<S> maximum(Dense<S> a, Dense<S> b);
+  static Dense<S> sum(const Dense<S>& a, int axis);
 
   /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
   static Index rows_in_cache();
@@ -56,8 +57,6 @@ struct KernelOps {
 
   static Dense<S> softmax(const Dense<S>& x);
   static Dense<S> dropout(const Dense<S>& x, const Dropout& d);
-  /// Sum over the rows of a matrix.
-  static Dense<S> column_sums(const Dense<S>& x);
 
   static Dense<S> attention(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v, const Offsets& q_offsets,
                             const Offsets& k_offsets, const AttentionOptions& options,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Backend over xtensor: functions and reductions (but sums of rows) are xtensor expressions over adapted memory; arithmetic, products and fused operations are
-/// the same kernels that the Eigen backend uses.
+/// Backend over xtensor: functions and maxima are xtensor expressions over adapted memory; arithmetic, sums, products and fused operations
+/// are the same kernels that the Eigen backend uses.
 #pragma once
 
 #include <motionlang/backend/dense_ops.hpp>
@@ -21,7 +21,6 @@ struct XtensorBackend : DenseOps<S>, KernelOps<S> {
   static tensor sin(const tensor& a);
   static tensor cos(const tensor& a);
   static tensor where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y);
-  static tensor sum(const tensor& a, int axis);
   static tensor max(const tensor& a, int axis);
 };
 

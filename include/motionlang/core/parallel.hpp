@@ -195,18 +195,28 @@ void parallel_for(Index count, const F& f) {
       count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
 }
 
-/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element).
+namespace detail {
+inline constexpr Index worth_a_thread = 16384;  // numbers
+}
+
+/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element). Of elements of many numbers, such
+/// as rows, every thread has as many: in the next region it finds what it wrote in its cache. Pieces of single numbers begin at the same
+/// places for any number of threads: vectors and what is left beside them are the same.
 template <class F>
 void parallel_ranges(Index count, Index cost, const F& f) {
-  const Index grain = std::max<Index>(1, 16384 / std::max<Index>(1, cost));
-  parallel_for((count + grain - 1) / grain, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
+  const Index grain = std::max<Index>(1, detail::worth_a_thread / std::max<Index>(1, cost));
+  const Index pieces = (count + grain - 1) / grain, threads = parallel_width();
+  if (cost < 64 || pieces <= 1 || threads == 1)
+    return parallel_for(pieces, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
+  const Index equal = std::min(count, (pieces + threads - 1) / threads * threads);
+  parallel_for(equal, [&](Index i) { f(count * i / equal, count * (i + 1) / equal); });
 }
 
 /// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the rows in their order.
 /// Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
 template <class F>
 void parallel_columns(Index rows, Index width, const F& f) {
-  const Index pieces = rows * width < 16384 ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
+  const Index pieces = rows * width < detail::worth_a_thread ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
   const auto begin = [&](Index i) { return i == pieces ? width : width * i / pieces / 16 * 16; };
   parallel_for(pieces, [&](Index i) { f(begin(i), begin(i + 1)); });
 }

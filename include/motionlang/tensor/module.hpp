@@ -120,7 +120,7 @@ struct PrepareWeights {
 }  // namespace detail
 
 /// Makes a model ready for inference: weights of linear layers and convolutions are packed for the backend's kernels
-/// (and whatever else has two or three axes). The model must not
+/// (and whatever else has two to four axes). The model must not
 /// be changed afterwards. Nothing happens on backends without such a layout.
 template <Module M>
 void prepare(M& model) {

@@ -21,7 +21,6 @@ struct EigenBackend : DenseOps<S>, KernelOps<S> {
   static tensor sin(tensor a);
   static tensor cos(tensor a);
   static tensor where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y);
-  static tensor sum(const tensor& a, int axis);
   static tensor max(const tensor& a, int axis);
 };
 

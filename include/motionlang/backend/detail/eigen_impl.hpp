@@ -123,11 +123,6 @@ Dense<S> EigenBackend<S>::where_less(const tensor& a, const tensor& b, const ten
   return out;
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::sum(const tensor& a, int axis) {
-  return detail::eigen_reduce(
-      a, axis, S(0), [](const auto& x) { return x.sum(); }, [](auto& total, const auto& x) { total += x; });
-}
-template <Scalar S>
 Dense<S> EigenBackend<S>::max(const tensor& a, int axis) {
   return detail::eigen_reduce(
       a, axis, -std::numeric_limits<S>::infinity(), [](const auto& x) { return x.maxCoeff(); },

@@ -151,14 +151,20 @@ Scratch<S> gemm_scratch(const Panels<S>& p) {
   }
   return Scratch<S>(kernels<S>().gemm_scratch(p.k));
 }
+/// Whether every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that threads share. Its rows
+/// a thread finds where it wrote them, in its cache. Those of others come slowly: with 16 threads a byte costs about what five of panels do,
+/// which are fetched ahead. Not if there is much more of the panels, or the rows do not fill tiles.
+inline bool takes_own_rows(Index each, Index a_bytes, Index panel_bytes, Index rows_at_once, Index tile_rows) {
+  const bool fills_tiles = each > 0 && 4 * each >= 3 * tile_rows * parts(each, tile_rows);
+  return each >= rows_at_once / 4 || (fills_tiles && 5 * a_bytes >= panel_bytes);
+}
 /// Calls block(r0, r1, j0, j1) for parts of a product of so many rows and panels.
 template <class F>
-void for_blocks(Index rows, Index panels, Index rows_at_once, bool split, const F& block) {
+void for_blocks(Index rows, Index panels, Index rows_at_once, bool split, bool own_rows, const F& block) {
   const Index threads = split ? parallel_width() : 1, blocks = threads == 1 ? 1 : parts(rows, rows_at_once);
-  // As many for every thread; fewer rows than fill a block are shared as long as each thread has some tiles of them.
-  const Index row_parts = blocks > threads                       ? parts(blocks, threads) * threads
-                          : rows >= threads * (rows_at_once / 4) ? threads
-                                                                 : blocks;
+  const Index row_parts = blocks > threads ? parts(blocks, threads) * threads
+                          : own_rows       ? threads
+                                           : blocks;  // as many for every thread
   const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(threads, row_parts));
   parallel_for(row_parts * panel_parts, [&](Index task) {
     const Index r = task / panel_parts, j = task % panel_parts;
@@ -175,9 +181,11 @@ template <class S, class F = NothingBehind>
 void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F& behind = {}) {
   if (g.m == 0 || g.n == 0) return;
   const bool split = worth_threads(g.m, g.n, g.k);
-  const Index width = p.width();
-  const auto run = [&](Index rows_at_once, const auto& multiply) {
-    for_blocks(g.m, p.count(), rows_at_once, split, [&](Index r0, Index r1, Index j0, Index j1) {
+  const Index width = p.width(), a_bytes = g.m * g.k * static_cast<Index>(sizeof(S));
+  const auto run = [&](const auto& kernel, const auto& multiply) {
+    const Index rows_at_once = kernel.gemm_rows(g.k);
+    const bool own = takes_own_rows(g.m / parallel_width(), a_bytes, p.bytes(), rows_at_once, kernel.tile_rows);
+    for_blocks(g.m, p.count(), rows_at_once, split, own, [&](Index r0, Index r1, Index j0, Index j1) {
       multiply(r0, r1, j0, j1);
       behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
     });
@@ -185,7 +193,7 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) {
       const Bf16Kernels& kernel = *current_bf16_kernels();
-      run(kernel.gemm_rows(g.k), [&](Index r0, Index r1, Index j0, Index j1) {
+      run(kernel, [&](Index r0, Index r1, Index j0, Index j1) {
         kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch.mine());
       });
       return;
@@ -193,8 +201,7 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
   }
   const Kernels<S>& kernel = kernels<S>();
   g.panels = p.data();
-  run(kernel.gemm_rows(g.k),
-      [&](Index r0, Index r1, Index j0, Index j1) { kernel.gemm_block(g, r0, r1, j0, j1, scratch.mine()); });
+  run(kernel, [&](Index r0, Index r1, Index j0, Index j1) { kernel.gemm_block(g, r0, r1, j0, j1, scratch.mine()); });
 }
 
 /// How many of `count` products of m x k and k x n are made by one thread each: as long as there is one for every thread. The rest is made by
@@ -286,8 +293,13 @@ template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
   with_attention_kernels<S>([&](const auto& kernel) {
     const Scratch<S> scratch(kernel.attention_scratch(k.longest(), t.width));
-    parallel_for(q.count() * t.heads, [&](Index i) {
-      if (q.length(i / t.heads) > 0) kernel.attention_head(t, i / t.heads, i % t.heads, scratch.mine());
+    // Two tasks or more for every thread: where there are fewer heads, the queries of each are split.
+    const Index heads = q.count() * t.heads, enough = parallel_width() > 1 ? 2 * parallel_width() : 1;
+    const Index pieces = heads >= enough ? 1 : parts(enough, std::max<Index>(1, heads));
+    parallel_for(heads * pieces, [&](Index task) {
+      const Index i = task / pieces;
+      if (q.length(i / t.heads) > 0)
+        kernel.attention_head(t, i / t.heads, i % t.heads, task % pieces, pieces, scratch.mine());
     });
   });
 }
@@ -391,6 +403,26 @@ Dense<S> KernelOps<S>::div(Dense<S> a, Dense<S> b) {
 template <Scalar S>
 Dense<S> KernelOps<S>::maximum(Dense<S> a, Dense<S> b) {
   return detail::kernel_binary(detail::BinaryOp::maximum, std::move(a), std::move(b));
+}
+
+template <Scalar S>
+Dense<S> KernelOps<S>::sum(const Dense<S>& a, int axis) {
+  const Shape& s = a.shape();
+  const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
+  Dense<S> y(s.without(axis));
+  const detail::Kernels<S>& kernel = detail::kernels<S>();
+  const auto columns = [&](Index i, Index first, Index last) {
+    kernel.column_sums(a.data() + i * n * inner, n, inner, first, last, y.data() + i * inner);
+  };
+  if (inner == 1)
+    parallel_ranges(outer, n, [&](Index first, Index last) { kernel.row_sums(a.data(), n, first, last, y.data()); });
+  else if (outer == 1)
+    parallel_columns(n, inner, [&](Index first, Index last) { columns(0, first, last); });
+  else
+    parallel_ranges(outer, n * inner, [&](Index first, Index last) {
+      for (Index i = first; i < last; ++i) columns(i, 0, inner);
+    });
+  return y;
 }
 
 template <Scalar S>
@@ -621,15 +653,6 @@ Dense<S> KernelOps<S>::dropout(const Dense<S>& x, const Dropout& d) {
                   [&](Index a, Index b) { detail::kernels<S>().dropout(x.data() + a, b - a, a, d, y.data() + a); });
   return y;
 }
-template <Scalar S>
-Dense<S> KernelOps<S>::column_sums(const Dense<S>& x) {
-  const Index rows = x.shape()[0], width = x.shape()[1];
-  Dense<S> y(Shape{width});
-  parallel_columns(rows, width,
-                   [&](Index a, Index b) { detail::kernels<S>().column_sums(x.data(), rows, width, a, b, y.data()); });
-  return y;
-}
-
 template <Scalar S>
 Dense<S> KernelOps<S>::attention(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v, const Offsets& q_offsets,
                                  const Offsets& k_offsets, const AttentionOptions& options,

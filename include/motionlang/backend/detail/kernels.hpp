@@ -117,7 +117,7 @@ struct Kernels {
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
   Index (*attention_scratch)(Index keys, Index width);
   Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
-  void (*attention_head)(const Attention<S>&, Index sequence, Index head, S* scratch);
+  void (*attention_head)(const Attention<S>&, Index sequence, Index head, Index piece, Index pieces, S* scratch);
   void (*attention_head_vjp)(const Attention<S>&, const AttentionGradients<S>&, Index sequence, Index head, S* scratch);
   void (*dropout)(const S* x, Index n, Index first, const Dropout&, S* y);
   void (*layer_norm_rows)(const LayerNorm<S>&, Index first, Index last);
@@ -130,6 +130,7 @@ struct Kernels {
   void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
   void (*binary)(const Binary<S>&);
   void (*error_function)(const S* x, Index n, S* y);
+  void (*row_sums)(const S* x, Index n, Index first, Index last, S* y);
   void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
@@ -138,6 +139,7 @@ struct Kernels {
 /// are the same for all instruction sets, but for numbers below 2^-126.
 struct Bf16Kernels {
   const char* name;
+  Index tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
   void (*pack_rows)(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels);
@@ -147,7 +149,8 @@ struct Bf16Kernels {
                      float* scratch);
   Index (*attention_scratch)(Index keys, Index width);
   Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
-  void (*attention_head)(const Attention<float>&, Index sequence, Index head, float* scratch);
+  void (*attention_head)(const Attention<float>&, Index sequence, Index head, Index piece, Index pieces,
+                         float* scratch);
   void (*attention_head_vjp)(const Attention<float>&, const AttentionGradients<float>&, Index sequence, Index head,
                              float* scratch);
 };

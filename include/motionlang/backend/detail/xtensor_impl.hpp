@@ -126,13 +126,6 @@ Dense<S> XtensorBackend<S>::where_less(const tensor& a, const tensor& b, const t
   return detail::xtensor_evaluate<S>(s, xt::where(va < vb, vx, vy));
 }
 template <Scalar S>
-Dense<S> XtensorBackend<S>::sum(const tensor& a, int axis) {
-  const Shape& s = a.shape();
-  if (s.count(0, axis) == 1 && s[axis] < a.count())  // of rows: xtensor is slow there
-    return KernelOps<S>::column_sums(a.reshaped(Shape{s[axis], a.count() / s[axis]})).reshaped(s.without(axis));
-  return detail::xtensor_reduce(a, axis, [](const auto& x, const auto& axes) { return xt::sum(x, axes); });
-}
-template <Scalar S>
 Dense<S> XtensorBackend<S>::max(const tensor& a, int axis) {
   if (a.shape()[axis] == 0) return tensor::full(a.shape().without(axis), -std::numeric_limits<S>::infinity());
   return detail::xtensor_reduce(a, axis, [](const auto& x, const auto& axes) { return xt::amax(x, axes); });
