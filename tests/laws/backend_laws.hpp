@@ -194,7 +194,7 @@ void batch_law(Index width, F f) {
   const ml::Tensor<B, 2> together = f(x);
   const Threads one(1);
   CHECK(same_bits(f(x), together));
-  for (int threads : {1, 2}) {
+  for (int threads : {1, 2, 9}) {
     const Threads set(threads);
     CHECK(same_bits(f(x), together));
     for (Index s = 0; s < x.count(); ++s) {

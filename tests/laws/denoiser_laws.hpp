@@ -53,7 +53,7 @@ void denoiser_laws() {
   CHECK(together.offsets == x.offsets);
   if constexpr (ml::EncodesText<decltype(model), B>)
     CHECK(tensors::same_bits(model(x, t, model.encode(text)).rows, together.rows));
-  for (int threads : {1, 2}) {
+  for (int threads : {1, 2, 16}) {
     const Threads set(threads);
     for (Index s = 0; s < n; ++s) {
       const std::vector<Index> which{s};

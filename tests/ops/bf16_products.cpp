@@ -85,7 +85,7 @@ TEST_CASE("bf16: prepared weights, any batch and any number of threads give the 
       const auto prepared = ml::Dense<float>::from_span(w.span(), ml::Shape{n, k});
       B::prepare(prepared);
       CHECK(run(x.data(), prepared, residual.data()) == expected);
-      for (int t : {1, 3}) {
+      for (int t : {1, 3, 16}) {
         ml::set_thread_count(t);
         CHECK(run(x.data(), prepared, residual.data()) == expected);
       }

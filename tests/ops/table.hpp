@@ -88,6 +88,8 @@ std::vector<Row<B>> rows() {
     r.push_back(
         {"max axis " + std::to_string(axis), {{3, 4, 5}}, [axis](In x) { return B::max(x[0], axis); }, Domain::apart});
   }
+  for (const Shape s : {Shape{19, 150}, Shape{3, 1, 7}, Shape{1, 130}})
+    r.push_back({"sum of rows " + to_string(s), {s}, [last = s.rank() - 1](In x) { return B::sum(x[0], last); }});
   for (int t = 0; t < 4; ++t) {
     const bool ta = (t & 1) != 0, tb = (t & 2) != 0;
     const std::vector<std::array<Index, 4>> sizes{{1, 1, 1, 1},     {1, 7, 5, 9},     {2, 3, 4, 5}, {1, 33, 40, 35},

@@ -1,5 +1,5 @@
 // The number of threads changes no bit: a denoiser, an autoencoder and a training step of each, large enough that several threads get work,
-// on one thread, two and three.
+// on one thread, two, three and sixteen.
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/autodiff.hpp>
@@ -22,13 +22,14 @@ using A = ml::Autodiff<B>;
 template <class F>
 void same_on_all(F f) {
   std::vector<std::vector<float>> results;
-  for (int threads : {1, 2, 3}) {
+  for (int threads : {1, 2, 3, 16}) {
     const Threads scope(threads);
     results.push_back(f());
   }
   REQUIRE(!results[0].empty());
   CHECK(results[1] == results[0]);
   CHECK(results[2] == results[0]);
+  CHECK(results[3] == results[0]);
 }
 
 template <ml::Backend C, int R>

@@ -1,10 +1,13 @@
-// parallel_for: every index once, exceptions, nesting, several callers.
+// parallel_for and its like: every index once, exceptions, nesting, several callers.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "../../support/threads.hpp"
@@ -31,6 +34,46 @@ TEST_CASE("every index is visited once, whatever the numbers of threads and task
     for (ml::Index count : {1, 2, 3, 7, 100, 1000}) CHECK(each_once(count));
     ml::parallel_for(0, [](ml::Index) { FAIL("called for 0 tasks"); });
     ml::parallel_for(-3, [](ml::Index) { FAIL("called for fewer than 0 tasks"); });
+  }
+}
+
+TEST_CASE("pieces: everything once, as many rows for each thread, single numbers in the same places for all") {
+  using Piece = std::pair<ml::Index, ml::Index>;
+  const auto pieces_of = [](ml::Index count, ml::Index cost) {
+    std::vector<Piece> out;
+    std::mutex one_at_a_time;
+    ml::parallel_ranges(count, cost, [&](ml::Index first, ml::Index last) {
+      const std::scoped_lock lock(one_at_a_time);
+      out.emplace_back(first, last);
+    });
+    std::sort(out.begin(), out.end());
+    return out;
+  };
+  for (int threads : {1, 2, 3, 16}) {
+    const Threads set(threads);
+    CHECK(pieces_of(0, 1000).empty());
+    CHECK(pieces_of(31, 512).size() == 1);  // not worth two threads
+    for (ml::Index count : {1, 5, 33, 408, 20'000}) {
+      for (ml::Index cost : {0, 1, 63, 64, 512, 1'000'000}) {
+        CAPTURE(threads);
+        CAPTURE(count);
+        CAPTURE(cost);
+        const auto pieces = pieces_of(count, cost);
+        ml::Index at = 0;
+        for (const auto& [first, last] : pieces) {
+          CHECK(first == at);
+          CHECK(last > first);
+          at = last;
+        }
+        CHECK(at == count);
+        if (cost < 64) {
+          const Threads alone(1);
+          CHECK(pieces == pieces_of(count, cost));
+        } else if (pieces.size() > 1 && count >= threads) {
+          CHECK((std::ssize(pieces) % threads == 0 || std::ssize(pieces) == count));
+        }
+      }
+    }
   }
 }
 
