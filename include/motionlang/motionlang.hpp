@@ -27,6 +27,7 @@
 #include <motionlang/core/offsets.hpp>
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/precision.hpp>
+#include <motionlang/core/processors.hpp>
 #include <motionlang/core/progress.hpp>
 #include <motionlang/core/python_random.hpp>
 #include <motionlang/core/quantile.hpp>

@@ -2113,6 +2113,80 @@ class Offsets {
 #include <system_error>        // no more threads
 #include <thread>              // workers
 
+#ifndef MOTIONLANG_HAS_CORE_PROCESSORS_HPP  // <motionlang/core/processors.hpp>
+#define MOTIONLANG_HAS_CORE_PROCESSORS_HPP
+/// How many threads pay for this process: the processors that it may run on, and no more than the processor time that its control group
+/// is given (containers, batch systems). More would spend the group's time with waiting for each other, and then all are stopped.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` says which group this process belongs to, the folders
+/// of `root` what it is given. What cannot be read is no limit.
+struct ControlGroups {
+  std::string root = "/sys/fs/cgroup", processes = "/proc/self/cgroup";
+
+  /// The smallest limit of the groups that this process is in, in processors, rounded up; at most `all`.
+  int processors(int all) const {
+    int least = all;
+    for_lines(processes, [&](const std::string& line) {  // number:controllers:path
+      const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+      if (second == std::string::npos) return;
+      const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+      const bool second_version = controllers == ",,";
+      if (!second_version && controllers.find(",cpu,") == std::string::npos) return;
+      for (std::string path = line.substr(second + 1);;
+           path.resize(path.rfind('/'))) {  // the group, and those around it
+        if (path.ends_with('/')) path.pop_back();
+        const std::string folder = root + (second_version ? "" : "/cpu") + path;
+        least =
+            std::min(least, second_version ? limit(folder + "/cpu.max", "", all)
+                                           : limit(folder + "/cpu.cfs_quota_us", folder + "/cpu.cfs_period_us", all));
+        if (path.find('/') == std::string::npos) break;
+      }
+    });
+    return least;
+  }
+
+ private:
+  template <class F>
+  static void for_lines(const std::string& path, const F& f) {
+    std::FILE* const file = std::fopen(path.c_str(), "r");
+    if (file == nullptr) return;
+    char text[4096];
+    while (std::fgets(text, sizeof text, file) != nullptr) {
+      std::string line(text);
+      if (line.ends_with('\n')) line.pop_back();
+      f(line);
+    }
+    std::fclose(file);
+  }
+  /// "quota period", both in microseconds, in one file or in two. A quota of "max" or -1 is none.
+  static int limit(const std::string& quota_file, const std::string& period_file, int all) {
+    double quota = 0, period = 0;
+    for_lines(quota_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf %lf", &quota, &period); });
+    if (!period_file.empty())
+      for_lines(period_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf", &period); });
+    return quota > 0 && period > 0 ? static_cast<int>(std::clamp(std::ceil(quota / period), 1.0, 1.0 * all)) : all;
+  }
+};
+
+}  // namespace detail
+
+/// At least 1.
+inline int processor_count() {
+  const int all = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+#if defined(__linux__)
+  return detail::ControlGroups().processors(all);
+#else
+  return all;
+#endif
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
@@ -2181,7 +2255,7 @@ class ThreadPool {
   Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
 
   ThreadPool() {
-    const auto start = [&] { resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256)); };
+    const auto start = [&] { resize(std::min(processor_count(), 256)); };
     const auto no_more = [](const std::system_error&) { return true; };  // those threads that began will do
     guard<std::system_error>(start, no_more);
   }
@@ -2264,7 +2338,7 @@ class ThreadPool {
 
 }  // namespace detail
 
-/// Threads that `parallel_for` uses, the caller included. As many as the machine has unless set.
+/// Threads that `parallel_for` uses, the caller included: processor_count(), at most 256, unless set.
 inline int thread_count() { return detail::ThreadPool::instance().size(); }
 
 /// Threads that `parallel_for` uses here: one inside a task.

@@ -18,6 +18,7 @@
 #include <utility>             // exchange
 
 #include <motionlang/core/error.hpp>
+#include <motionlang/core/processors.hpp>
 #include <motionlang/core/shape.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -88,7 +89,7 @@ class ThreadPool {
   Share& share(int thread) { return shares_[static_cast<std::size_t>(thread)]; }
 
   ThreadPool() {
-    const auto start = [&] { resize(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 256)); };
+    const auto start = [&] { resize(std::min(processor_count(), 256)); };
     const auto no_more = [](const std::system_error&) { return true; };  // those threads that began will do
     guard<std::system_error>(start, no_more);
   }
@@ -171,7 +172,7 @@ class ThreadPool {
 
 }  // namespace detail
 
-/// Threads that `parallel_for` uses, the caller included. As many as the machine has unless set.
+/// Threads that `parallel_for` uses, the caller included: processor_count(), at most 256, unless set.
 inline int thread_count() { return detail::ThreadPool::instance().size(); }
 
 /// Threads that `parallel_for` uses here: one inside a task.
