@@ -158,14 +158,20 @@ inline bool takes_own_rows(Index each, Index a_bytes, Index panel_bytes, Index r
   const bool fills_tiles = each > 0 && 4 * each >= 3 * tile_rows * parts(each, tile_rows);
   return each >= rows_at_once / 4 || (fills_tiles && 5 * a_bytes >= panel_bytes);
 }
+/// How a product is shared by threads.
+struct Sharing {
+  Index rows_at_once;     // in a block
+  bool own_rows = false;  // takes_own_rows
+  // Of a thread's part: what a slower thread (another kind of core, a busy one) has not begun, others take.
+  Index pieces = 1;
+};
 /// Calls block(r0, r1, j0, j1) for parts of a product of so many rows and panels.
 template <class F>
-void for_blocks(Index rows, Index panels, Index rows_at_once, bool split, bool own_rows, const F& block) {
-  const Index threads = split ? parallel_width() : 1, blocks = threads == 1 ? 1 : parts(rows, rows_at_once);
-  const Index row_parts = blocks > threads ? parts(blocks, threads) * threads
-                          : own_rows       ? threads
-                                           : blocks;  // as many for every thread
-  const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(threads, row_parts));
+void for_blocks(Index rows, Index panels, bool split, const Sharing& how, const F& block) {
+  const Index threads = split ? parallel_width() : 1, blocks = threads == 1 ? 1 : parts(rows, how.rows_at_once);
+  // As many for every thread.
+  const Index row_parts = blocks > threads ? parts(blocks, threads) * threads : how.own_rows ? threads : blocks;
+  const Index panel_parts = threads == 1 ? 1 : std::min(panels, parts(threads * how.pieces, row_parts));
   parallel_for(row_parts * panel_parts, [&](Index task) {
     const Index r = task / panel_parts, j = task % panel_parts;
     block(rows * r / row_parts, rows * (r + 1) / row_parts, panels * j / panel_parts, panels * (j + 1) / panel_parts);
@@ -183,9 +189,10 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
   const bool split = worth_threads(g.m, g.n, g.k);
   const Index width = p.width(), a_bytes = g.m * g.k * static_cast<Index>(sizeof(S));
   const auto run = [&](const auto& kernel, const auto& multiply) {
-    const Index rows_at_once = kernel.gemm_rows(g.k);
-    const bool own = takes_own_rows(g.m / parallel_width(), a_bytes, p.bytes(), rows_at_once, kernel.tile_rows);
-    for_blocks(g.m, p.count(), rows_at_once, split, own, [&](Index r0, Index r1, Index j0, Index j1) {
+    Sharing how{.rows_at_once = kernel.gemm_rows(g.k)};
+    how.own_rows = takes_own_rows(g.m / parallel_width(), a_bytes, p.bytes(), how.rows_at_once, kernel.tile_rows);
+    if (p.kernels != nullptr && parallel_width() > 2) how.pieces = 3;  // bfloat16: rows would be rounded as often
+    for_blocks(g.m, p.count(), split, how, [&](Index r0, Index r1, Index j0, Index j1) {
       multiply(r0, r1, j0, j1);
       behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
     });
