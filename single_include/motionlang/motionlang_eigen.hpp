@@ -6,7 +6,7 @@
 
 #ifndef MOTIONLANG_HAS_BACKEND_EIGEN_HPP  // <motionlang/backend/eigen.hpp>
 #define MOTIONLANG_HAS_BACKEND_EIGEN_HPP
-/// Backend over Eigen: functions and reductions are Eigen expressions over mapped memory. Arithmetic, products and fused
+/// Backend over Eigen: functions and maxima are Eigen expressions over mapped memory. Arithmetic, sums, products and fused
 /// operations are the kernels of kernel_ops.hpp: they are for the instruction set of the machine whatever the program was
 /// built for (Eigen's own product reaches 20 to 50 % of the processor at these shapes), and a program with all the
 /// expressions of broadcasting compiles half a second longer.
@@ -14,7 +14,7 @@
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP  // <motionlang/backend/detail/eigen_class.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP
 /// What a model needs of the Eigen backend: its operations, and of the bodies those of the kernels, arithmetic among them. Those
-/// that include Eigen, functions and reductions, come with <motionlang/backend/eigen.hpp>.
+/// that include Eigen, functions and maxima, come with <motionlang/backend/eigen.hpp>.
 
 #ifndef MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP  // <motionlang/backend/kernel_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP
@@ -129,7 +129,7 @@ static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_IMPL_HPP  // <motionlang/backend/detail/eigen_impl.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_IMPL_HPP
-/// Functions and reductions of eigen.hpp. The only header that includes Eigen.
+/// Functions and maxima of eigen.hpp. The only header that includes Eigen.
 
 #include <Eigen/Core>  // arrays
 
@@ -1190,7 +1190,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::end();
 }
 //
-// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, column sums, AdamW.
+// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 /// mean and 1 / sqrt(variance + eps) of one row. Two passes: no cancellation.
 template <class S>
@@ -2693,7 +2693,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::end();
 }
 //
-// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, column sums, AdamW.
+// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 /// mean and 1 / sqrt(variance + eps) of one row. Two passes: no cancellation.
 template <class S>
@@ -4194,7 +4194,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::end();
 }
 //
-// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, column sums, AdamW.
+// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 /// mean and 1 / sqrt(variance + eps) of one row. Two passes: no cancellation.
 template <class S>
@@ -5082,37 +5082,6 @@ Dense<S> eigen_unary(Dense<S> a, F f) {
   return out;
 }
 
-/// a is (outer, n, inner) -> (outer, inner). `whole` reduces an array to a number, `fold` takes one array into another.
-template <class S, class Whole, class Fold>
-Dense<S> eigen_reduce(const Dense<S>& a, int axis, S start, Whole whole, Fold fold) {
-  const Index outer = a.shape().count(0, axis), n = a.shape()[axis],
-              inner = a.shape().count(axis + 1, a.shape().rank());
-  Dense<S> out = Dense<S>::full(a.shape().without(axis), start);
-  if (n == 0) return out;
-  const auto fold_columns = [&](Index i, Index first, Index last) {
-    auto row = eigen_map(out.data() + i * inner + first, last - first);
-    for (Index l = 0; l < n; ++l) fold(row, eigen_map(a.data() + (i * n + l) * inner + first, last - first));
-  };
-  if (outer == 1) {
-    parallel_columns(n, inner, [&](Index first, Index last) {
-      if (inner != 1)
-        fold_columns(0, first, last);
-      else
-        out.data()[0] = whole(eigen_map(a.data(), n));
-    });
-  } else {
-    parallel_ranges(outer, n * inner, [&](Index first, Index last) {
-      for (Index i = first; i < last; ++i) {
-        if (inner != 1)
-          fold_columns(i, 0, inner);
-        else
-          out.data()[i] = whole(eigen_map(a.data() + i * n, n));
-      }
-    });
-  }
-  return out;
-}
-
 }  // namespace detail
 
 template <Scalar S>
@@ -5171,9 +5140,20 @@ Dense<S> EigenBackend<S>::where_less(const tensor& a, const tensor& b, const ten
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::max(const tensor& a, int axis) {
-  return detail::eigen_reduce(
-      a, axis, -std::numeric_limits<S>::infinity(), [](const auto& x) { return x.maxCoeff(); },
-      [](auto& largest, const auto& x) { largest = largest.max(x); });
+  const Shape& s = a.shape();
+  const Index n = s[axis], inner = s.count(axis + 1, s.rank());
+  tensor out = tensor::full(s.without(axis), -std::numeric_limits<S>::infinity());
+  if (n == 0) return out;
+  const auto rows = [&](Index first, Index last) {
+    for (Index i = first; i < last; ++i) out.data()[i] = detail::eigen_map(a.data() + i * n, n).maxCoeff();
+  };
+  const auto columns = [&](Index i, Index first, Index last) {
+    auto largest = detail::eigen_map(out.data() + i * inner + first, last - first);
+    for (Index l = 0; l < n; ++l)
+      largest = largest.max(detail::eigen_map(a.data() + (i * n + l) * inner + first, last - first));
+  };
+  detail::for_reduction(s, axis, rows, columns);
+  return out;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -175,21 +175,6 @@ Dense<S> xtensor_unary(const Dense<S>& a, F f) {
   });
   return out;
 }
-/// f reduces axis 1 of (outer, n, inner).
-template <class S, class F>
-Dense<S> xtensor_reduce(const Dense<S>& a, int axis, F f) {
-  const Shape& s = a.shape();
-  const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
-  Dense<S> out(s.without(axis));
-  parallel_ranges(outer, n * inner, [&](Index first, Index last) {
-    const auto sizes = [](auto... each) { return XtensorShape<sizeof...(each)>{static_cast<std::size_t>(each)...}; };
-    auto view = xtensor_view(out.data() + first * inner, sizes(last - first, inner));
-    const auto x = xtensor_view(a.data() + first * n * inner, sizes(last - first, n, inner));
-    xt::noalias(view) = f(x, XtensorShape<1>{1});
-  });
-  return out;
-}
-
 }  // namespace detail
 
 template <Scalar S>
@@ -236,8 +221,19 @@ Dense<S> XtensorBackend<S>::where_less(const tensor& a, const tensor& b, const t
 }
 template <Scalar S>
 Dense<S> XtensorBackend<S>::max(const tensor& a, int axis) {
-  if (a.shape()[axis] == 0) return tensor::full(a.shape().without(axis), -std::numeric_limits<S>::infinity());
-  return detail::xtensor_reduce(a, axis, [](const auto& x, const auto& axes) { return xt::amax(x, axes); });
+  const Shape& s = a.shape();
+  const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
+  if (n == 0) return tensor::full(s.without(axis), -std::numeric_limits<S>::infinity());
+  tensor out(s.without(axis));
+  parallel_ranges(outer, n * inner, [&](Index first, Index last) {
+    const auto sizes = [](auto... each) {
+      return detail::XtensorShape<sizeof...(each)>{static_cast<std::size_t>(each)...};
+    };
+    auto view = detail::xtensor_view(out.data() + first * inner, sizes(last - first, inner));
+    const auto x = detail::xtensor_view(a.data() + first * n * inner, sizes(last - first, n, inner));
+    xt::noalias(view) = xt::amax(x, detail::XtensorShape<1>{1});
+  });
+  return out;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

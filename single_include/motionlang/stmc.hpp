@@ -23,11 +23,11 @@
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP  // <motionlang/backend/detail/eigen_class.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP
 /// What a model needs of the Eigen backend: its operations, and of the bodies those of the kernels, arithmetic among them. Those
-/// that include Eigen, functions and reductions, come with <motionlang/backend/eigen.hpp>.
+/// that include Eigen, functions and maxima, come with <motionlang/backend/eigen.hpp>.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP  // <motionlang/backend/dense_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP
-/// What all backends over Dense storage share: making tensors, and moving numbers without calculating.
+/// What all backends over Dense storage share: making tensors, moving numbers without calculating, and how a reduction is shared by threads.
 
 #include <algorithm>  // fill, min
 #include <array>      // strides
@@ -1353,9 +1353,9 @@ namespace detail {
 inline constexpr Index worth_a_thread = 16384;  // numbers
 }
 
-/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element). Of elements of many numbers, such
-/// as rows, every thread has as many: in the next region it finds what it wrote in its cache. Pieces of single numbers begin at the same
-/// places for any number of threads: vectors and what is left beside them are the same.
+/// Calls f(first, last) for pieces of 0 ... count-1, in one piece what is not worth two threads (`cost` numbers per element). Of elements of
+/// many numbers, such as rows, every thread has as many: in the next region it finds what it wrote in its cache. Pieces of single numbers begin
+/// at the same places for any number of threads: vectors and what is left beside them are the same.
 template <class F>
 void parallel_ranges(Index count, Index cost, const F& f) {
   const Index grain = std::max<Index>(1, detail::worth_a_thread / std::max<Index>(1, cost));
@@ -1379,6 +1379,20 @@ void parallel_columns(Index rows, Index width, const F& f) {
 #endif
 
 namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+/// A reduction along an axis of (outer, axis, inner), by all threads: of the last axis rows(first, last), rows of the memory; of another
+/// columns(i, first, last), columns of matrix i of `outer`.
+template <class Rows, class Columns>
+void for_reduction(const Shape& s, int axis, const Rows& rows, const Columns& columns) {
+  const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
+  if (inner == 1) return parallel_ranges(outer, n, rows);
+  if (outer == 1) return parallel_columns(n, inner, [&](Index first, Index last) { columns(0, first, last); });
+  parallel_ranges(outer, n * inner, [&](Index first, Index last) {
+    for (Index i = first; i < last; ++i) columns(i, 0, inner);
+  });
+}
+}  // namespace detail
 
 template <Scalar S>
 struct DenseOps {
@@ -2804,6 +2818,8 @@ extern template struct motionlang::KernelOps<double>;
 ///
 /// Work is split over rows or columns of the result only, never over a summed index.
 
+#include <numeric>    // gcd
+
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP  // <motionlang/backend/detail/broadcast.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP
 /// How two operands of a broadcasting operation lie in memory, reduced to the cases that a vectorised loop can handle.
@@ -4004,7 +4020,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::end();
 }
 //
-// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, column sums, AdamW.
+// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 /// mean and 1 / sqrt(variance + eps) of one row. Two passes: no cancellation.
 template <class S>
@@ -5507,7 +5523,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::end();
 }
 //
-// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, column sums, AdamW.
+// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 /// mean and 1 / sqrt(variance + eps) of one row. Two passes: no cancellation.
 template <class S>
@@ -7008,7 +7024,7 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::end();
 }
 //
-// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, column sums, AdamW.
+// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 /// mean and 1 / sqrt(variance + eps) of one row. Two passes: no cancellation.
 template <class S>
@@ -8035,10 +8051,10 @@ Scratch<S> gemm_scratch(const Panels<S>& p) {
 }
 /// Whether every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that threads share. Its rows
 /// a thread finds where it wrote them, in its cache. Those of others come slowly: with 16 threads a byte costs about what five of panels do,
-/// which are fetched ahead. Not if there is much more of the panels, or the rows do not fill tiles.
+/// which are fetched ahead. Not if the rows are few and there is much more of the panels, or the rows do not fill tiles.
 inline bool takes_own_rows(Index each, Index a_bytes, Index panel_bytes, Index rows_at_once, Index tile_rows) {
   const bool fills_tiles = each > 0 && 4 * each >= 3 * tile_rows * parts(each, tile_rows);
-  return each >= rows_at_once / 4 || (fills_tiles && 5 * a_bytes >= panel_bytes);
+  return each >= std::max(tile_rows, rows_at_once / 4) || (fills_tiles && 5 * a_bytes >= panel_bytes);
 }
 /// How a product is shared by threads.
 struct Sharing {
@@ -8182,9 +8198,10 @@ template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
   with_attention_kernels<S>([&](const auto& kernel) {
     const Scratch<S> scratch(kernel.attention_scratch(k.longest(), t.width));
-    // Two tasks or more for every thread: where there are fewer heads, the queries of each are split.
-    const Index heads = q.count() * t.heads, enough = parallel_width() > 1 ? 2 * parallel_width() : 1;
-    const Index pieces = heads >= enough ? 1 : parts(enough, std::max<Index>(1, heads));
+    // Few heads: the queries of each are split, so that every thread has as many tasks. Each task packs keys and values.
+    const Index heads = q.count() * t.heads, threads = parallel_width();
+    const Index equal = heads < 4 * threads ? threads / std::gcd(heads, threads) : 1;
+    const Index pieces = std::clamp<Index>(equal, 1, std::max<Index>(1, parts(q.longest(), kernel.tile_rows)));
     parallel_for(heads * pieces, [&](Index task) {
       const Index i = task / pieces;
       if (q.length(i / t.heads) > 0)
@@ -8297,20 +8314,14 @@ Dense<S> KernelOps<S>::maximum(Dense<S> a, Dense<S> b) {
 template <Scalar S>
 Dense<S> KernelOps<S>::sum(const Dense<S>& a, int axis) {
   const Shape& s = a.shape();
-  const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
+  const Index n = s[axis], inner = s.count(axis + 1, s.rank());
   Dense<S> y(s.without(axis));
   const detail::Kernels<S>& kernel = detail::kernels<S>();
+  const auto rows = [&](Index first, Index last) { kernel.row_sums(a.data(), n, first, last, y.data()); };
   const auto columns = [&](Index i, Index first, Index last) {
     kernel.column_sums(a.data() + i * n * inner, n, inner, first, last, y.data() + i * inner);
   };
-  if (inner == 1)
-    parallel_ranges(outer, n, [&](Index first, Index last) { kernel.row_sums(a.data(), n, first, last, y.data()); });
-  else if (outer == 1)
-    parallel_columns(n, inner, [&](Index first, Index last) { columns(0, first, last); });
-  else
-    parallel_ranges(outer, n * inner, [&](Index first, Index last) {
-      for (Index i = first; i < last; ++i) columns(i, 0, inner);
-    });
+  detail::for_reduction(s, axis, rows, columns);
   return y;
 }
 

@@ -4,17 +4,19 @@
 ///
 ///     movement     permute, reshape, transpose, slice with concat, gather with its inverse: there and back, bit by bit
 ///     sharing      an operation on a temporary never shows through another handle or a view of the same memory
-///     reduction    sums over axes in any order are equal; max(x) is in x and at least every x
+///     reduction    sums over axes in any order are equal; max(x) is in x and at least every x; of nothing 0 and
+///                  -infinity
 ///     product      (A B) C = A (B C),   (A B)^T = B^T A^T,   A I = A,   A (B + C) = A B + A C
 ///     adjoint      <broadcast x, y> = <x, sum y>,   <gather x, y> = <x, scatter_add y>,   <A x, y> = <x, A^T y>
 ///     softmax      rows sum to 1; softmax(x + c) = softmax(x) for one c per row
 ///     layer norm   rows have mean 0 and variance 1; layer_norm(a x + c) = layer_norm(x) for a > 0
 ///     attention    one key: its value; equal keys: the mean of the values; the order of keys and a shift of all keys do
 ///                  not matter; heads are independent; a causal row does not see later ones
-///     batch        the rows of a sequence have the same bits alone, in a batch, on one thread and on two
+///     batch        the rows of a sequence have the same bits alone, in a batch, on any number of threads
 #pragma once
 
 #include <doctest/doctest.h>
+#include <limits>
 
 #include <motionlang/tensor/fused.hpp>
 
@@ -89,6 +91,19 @@ void reduction_laws() {
     CHECK(same_bits(ml::maximum(x, again), ml::broadcast_to<3>(again, x.shape())));  // at least every x
     CHECK(same_bits(ml::max(ml::maximum(x, again), axis), largest));
     CHECK(same_bits(ml::max(again, axis), largest));
+  }
+  // of nothing: 0, and less than every number
+  for (int axis = 0; axis < 3; ++axis) {
+    ml::Shape none{3, 4, 5};
+    none[axis] = 0;
+    const auto nothing = ml::Tensor<B, 3>::zeros({none[0], none[1], none[2]});
+    const auto total = ml::sum(nothing, axis), largest = ml::max(nothing, axis);
+    CHECK(total.shape() == none.without(axis));
+    for (const auto s : total.span()) CHECK(s == 0);
+    for (const auto s : largest.span()) CHECK(s == -std::numeric_limits<typename B::scalar>::infinity());
+    const int other = axis == 0 ? 1 : 0;  // nothing is left
+    CHECK(ml::sum(nothing, other).shape() == none.without(other));
+    CHECK(ml::max(nothing, other).span().empty());
   }
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "../support/kernel_sets.hpp"
+#include "../support/threads.hpp"
 
 namespace ml = motionlang;
 using ml::Index;
@@ -71,7 +72,6 @@ TEST_CASE("bf16: every form of the product keeps the promised bound, for all ker
 
 TEST_CASE("bf16: prepared weights, any batch and any number of threads give the same bits") {
   ml::Philox rng{.seed = 4};
-  const int threads = ml::thread_count();
   for (const Index k : {205, 1300}) {
     const Index m = 150, n = 90;
     const auto x = Matrix::randn({m, k}, rng), w = Matrix::randn({n, k}, rng), residual = Matrix::randn({m, n}, rng);
@@ -86,10 +86,9 @@ TEST_CASE("bf16: prepared weights, any batch and any number of threads give the 
       B::prepare(prepared);
       CHECK(run(x.data(), prepared, residual.data()) == expected);
       for (int t : {1, 3, 16}) {
-        ml::set_thread_count(t);
+        const Threads set(t);
         CHECK(run(x.data(), prepared, residual.data()) == expected);
       }
-      ml::set_thread_count(threads);
       for (Index row : {0, 77, 149}) {
         const auto one = run(x.data().rows(row, row + 1), prepared, residual.data().rows(row, row + 1));
         CHECK(std::equal(one.begin(), one.end(), expected.begin() + row * n));
@@ -159,6 +158,11 @@ TEST_CASE("bf16: attention over sequences of many lengths and its gradients are 
       const auto one = B::attention(q.data().rows(first, last), k.data().rows(first, last), v.data().rows(first, last), alone,
                                     alone, options);
       CHECK(std::equal(one.span().begin(), one.span().end(), o.span().begin() + first * width));
+      for (int threads : {1, 3, 16}) {  // queries of a head are split
+        const Threads set(threads);
+        const auto again = B::attention(q.data(), k.data(), v.data(), offsets, offsets, options);
+        CHECK(std::equal(again.span().begin(), again.span().end(), o.span().begin()));
+      }
     });
   }
 }

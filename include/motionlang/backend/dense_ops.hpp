@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What all backends over Dense storage share: making tensors, and moving numbers without calculating.
+/// What all backends over Dense storage share: making tensors, moving numbers without calculating, and how a reduction is shared by threads.
 #pragma once
 
 #include <algorithm>  // fill, min
@@ -10,6 +10,20 @@
 #include <motionlang/core/parallel.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+/// A reduction along an axis of (outer, axis, inner), by all threads: of the last axis rows(first, last), rows of the memory; of another
+/// columns(i, first, last), columns of matrix i of `outer`.
+template <class Rows, class Columns>
+void for_reduction(const Shape& s, int axis, const Rows& rows, const Columns& columns) {
+  const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
+  if (inner == 1) return parallel_ranges(outer, n, rows);
+  if (outer == 1) return parallel_columns(n, inner, [&](Index first, Index last) { columns(0, first, last); });
+  parallel_ranges(outer, n * inner, [&](Index first, Index last) {
+    for (Index i = first; i < last; ++i) columns(i, 0, inner);
+  });
+}
+}  // namespace detail
 
 template <Scalar S>
 struct DenseOps {

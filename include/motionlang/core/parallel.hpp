@@ -200,9 +200,9 @@ namespace detail {
 inline constexpr Index worth_a_thread = 16384;  // numbers
 }
 
-/// Calls f(first, last) for pieces of 0 ... count-1 that are worth a thread each (`cost` numbers per element). Of elements of many numbers, such
-/// as rows, every thread has as many: in the next region it finds what it wrote in its cache. Pieces of single numbers begin at the same
-/// places for any number of threads: vectors and what is left beside them are the same.
+/// Calls f(first, last) for pieces of 0 ... count-1, in one piece what is not worth two threads (`cost` numbers per element). Of elements of
+/// many numbers, such as rows, every thread has as many: in the next region it finds what it wrote in its cache. Pieces of single numbers begin
+/// at the same places for any number of threads: vectors and what is left beside them are the same.
 template <class F>
 void parallel_ranges(Index count, Index cost, const F& f) {
   const Index grain = std::max<Index>(1, detail::worth_a_thread / std::max<Index>(1, cost));

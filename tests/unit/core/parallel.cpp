@@ -59,10 +59,11 @@ TEST_CASE("pieces: everything once, as many rows for each thread, single numbers
         CAPTURE(count);
         CAPTURE(cost);
         const auto pieces = pieces_of(count, cost);
-        ml::Index at = 0;
+        ml::Index at = 0, least = count, most = 0;
         for (const auto& [first, last] : pieces) {
           CHECK(first == at);
           CHECK(last > first);
+          least = std::min(least, last - first), most = std::max(most, last - first);
           at = last;
         }
         CHECK(at == count);
@@ -71,9 +72,15 @@ TEST_CASE("pieces: everything once, as many rows for each thread, single numbers
           CHECK(pieces == pieces_of(count, cost));
         } else if (pieces.size() > 1 && count >= threads) {
           CHECK((std::ssize(pieces) % threads == 0 || std::ssize(pieces) == count));
+          CHECK((threads == 1 || most - least <= 1));
         }
       }
     }
+    std::atomic<ml::Index> inside{0};
+    ml::parallel_for(5, [&](ml::Index) {
+      ml::parallel_ranges(1000, 512, [&](ml::Index first, ml::Index last) { inside += last - first; });
+    });
+    CHECK(inside == 5 * 1000);
   }
 }
 

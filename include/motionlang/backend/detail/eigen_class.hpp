@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// What a model needs of the Eigen backend: its operations, and of the bodies those of the kernels, arithmetic among them. Those
-/// that include Eigen, functions and reductions, come with <motionlang/backend/eigen.hpp>.
+/// that include Eigen, functions and maxima, come with <motionlang/backend/eigen.hpp>.
 #pragma once
 
 #include <motionlang/backend/dense_ops.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Functions and reductions of eigen.hpp. The only header that includes Eigen.
+/// Functions and maxima of eigen.hpp. The only header that includes Eigen.
 #pragma once
 
 #include <Eigen/Core>  // arrays
@@ -32,37 +32,6 @@ Dense<S> eigen_unary(Dense<S> a, F f) {
   parallel_ranges(a.count(), 1, [&](Index first, Index last) {
     eigen_map(out.data() + first, last - first) = f(eigen_map(std::as_const(a).data() + first, last - first));
   });
-  return out;
-}
-
-/// a is (outer, n, inner) -> (outer, inner). `whole` reduces an array to a number, `fold` takes one array into another.
-template <class S, class Whole, class Fold>
-Dense<S> eigen_reduce(const Dense<S>& a, int axis, S start, Whole whole, Fold fold) {
-  const Index outer = a.shape().count(0, axis), n = a.shape()[axis],
-              inner = a.shape().count(axis + 1, a.shape().rank());
-  Dense<S> out = Dense<S>::full(a.shape().without(axis), start);
-  if (n == 0) return out;
-  const auto fold_columns = [&](Index i, Index first, Index last) {
-    auto row = eigen_map(out.data() + i * inner + first, last - first);
-    for (Index l = 0; l < n; ++l) fold(row, eigen_map(a.data() + (i * n + l) * inner + first, last - first));
-  };
-  if (outer == 1) {
-    parallel_columns(n, inner, [&](Index first, Index last) {
-      if (inner != 1)
-        fold_columns(0, first, last);
-      else
-        out.data()[0] = whole(eigen_map(a.data(), n));
-    });
-  } else {
-    parallel_ranges(outer, n * inner, [&](Index first, Index last) {
-      for (Index i = first; i < last; ++i) {
-        if (inner != 1)
-          fold_columns(i, 0, inner);
-        else
-          out.data()[i] = whole(eigen_map(a.data() + i * n, n));
-      }
-    });
-  }
   return out;
 }
 
@@ -124,9 +93,20 @@ Dense<S> EigenBackend<S>::where_less(const tensor& a, const tensor& b, const ten
 }
 template <Scalar S>
 Dense<S> EigenBackend<S>::max(const tensor& a, int axis) {
-  return detail::eigen_reduce(
-      a, axis, -std::numeric_limits<S>::infinity(), [](const auto& x) { return x.maxCoeff(); },
-      [](auto& largest, const auto& x) { largest = largest.max(x); });
+  const Shape& s = a.shape();
+  const Index n = s[axis], inner = s.count(axis + 1, s.rank());
+  tensor out = tensor::full(s.without(axis), -std::numeric_limits<S>::infinity());
+  if (n == 0) return out;
+  const auto rows = [&](Index first, Index last) {
+    for (Index i = first; i < last; ++i) out.data()[i] = detail::eigen_map(a.data() + i * n, n).maxCoeff();
+  };
+  const auto columns = [&](Index i, Index first, Index last) {
+    auto largest = detail::eigen_map(out.data() + i * inner + first, last - first);
+    for (Index l = 0; l < n; ++l)
+      largest = largest.max(detail::eigen_map(a.data() + (i * n + l) * inner + first, last - first));
+  };
+  detail::for_reduction(s, axis, rows, columns);
+  return out;
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -8,6 +8,7 @@
 #include <array>      // axes, several gradients
 #include <atomic>     // a finding of several threads, the weight prepared next
 #include <memory>     // shared_ptr
+#include <numeric>    // gcd
 #include <utility>    // move
 
 #include <motionlang/backend/dense_ops.hpp>
@@ -153,10 +154,10 @@ Scratch<S> gemm_scratch(const Panels<S>& p) {
 }
 /// Whether every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that threads share. Its rows
 /// a thread finds where it wrote them, in its cache. Those of others come slowly: with 16 threads a byte costs about what five of panels do,
-/// which are fetched ahead. Not if there is much more of the panels, or the rows do not fill tiles.
+/// which are fetched ahead. Not if the rows are few and there is much more of the panels, or the rows do not fill tiles.
 inline bool takes_own_rows(Index each, Index a_bytes, Index panel_bytes, Index rows_at_once, Index tile_rows) {
   const bool fills_tiles = each > 0 && 4 * each >= 3 * tile_rows * parts(each, tile_rows);
-  return each >= rows_at_once / 4 || (fills_tiles && 5 * a_bytes >= panel_bytes);
+  return each >= std::max(tile_rows, rows_at_once / 4) || (fills_tiles && 5 * a_bytes >= panel_bytes);
 }
 /// How a product is shared by threads.
 struct Sharing {
@@ -300,9 +301,10 @@ template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
   with_attention_kernels<S>([&](const auto& kernel) {
     const Scratch<S> scratch(kernel.attention_scratch(k.longest(), t.width));
-    // Two tasks or more for every thread: where there are fewer heads, the queries of each are split.
-    const Index heads = q.count() * t.heads, enough = parallel_width() > 1 ? 2 * parallel_width() : 1;
-    const Index pieces = heads >= enough ? 1 : parts(enough, std::max<Index>(1, heads));
+    // Few heads: the queries of each are split, so that every thread has as many tasks. Each task packs keys and values.
+    const Index heads = q.count() * t.heads, threads = parallel_width();
+    const Index equal = heads < 4 * threads ? threads / std::gcd(heads, threads) : 1;
+    const Index pieces = std::clamp<Index>(equal, 1, std::max<Index>(1, parts(q.longest(), kernel.tile_rows)));
     parallel_for(heads * pieces, [&](Index task) {
       const Index i = task / pieces;
       if (q.length(i / t.heads) > 0)
@@ -415,20 +417,14 @@ Dense<S> KernelOps<S>::maximum(Dense<S> a, Dense<S> b) {
 template <Scalar S>
 Dense<S> KernelOps<S>::sum(const Dense<S>& a, int axis) {
   const Shape& s = a.shape();
-  const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
+  const Index n = s[axis], inner = s.count(axis + 1, s.rank());
   Dense<S> y(s.without(axis));
   const detail::Kernels<S>& kernel = detail::kernels<S>();
+  const auto rows = [&](Index first, Index last) { kernel.row_sums(a.data(), n, first, last, y.data()); };
   const auto columns = [&](Index i, Index first, Index last) {
     kernel.column_sums(a.data() + i * n * inner, n, inner, first, last, y.data() + i * inner);
   };
-  if (inner == 1)
-    parallel_ranges(outer, n, [&](Index first, Index last) { kernel.row_sums(a.data(), n, first, last, y.data()); });
-  else if (outer == 1)
-    parallel_columns(n, inner, [&](Index first, Index last) { columns(0, first, last); });
-  else
-    parallel_ranges(outer, n * inner, [&](Index first, Index last) {
-      for (Index i = first; i < last; ++i) columns(i, 0, inner);
-    });
+  detail::for_reduction(s, axis, rows, columns);
   return y;
 }
 
