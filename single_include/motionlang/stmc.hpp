@@ -1120,11 +1120,12 @@ struct ControlGroups {
     for_lines(processes, [&](const std::string& line) {  // number:controllers:path
       const std::size_t first = line.find(':'), second = line.find(':', first + 1);
       if (second == std::string::npos) return;
-      const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+      std::string controllers = line.substr(first, second - first + 1);
+      controllers.front() = controllers.back() = ',';
       const bool second_version = controllers == ",,";
       if (!second_version && controllers.find(",cpu,") == std::string::npos) return;
-      for (std::string path = line.substr(second + 1);;
-           path.resize(path.rfind('/'))) {  // the group, and those around it
+      // The group, and those around it.
+      for (std::string path = line.substr(second + 1);; path.resize(path.rfind('/'))) {
         if (path.ends_with('/')) path.pop_back();
         const std::string folder = root + (second_version ? "" : "/cpu") + path;
         least =
