@@ -224,10 +224,19 @@ struct Binary {
   S* y = nullptr;  // may be a or b
 };
 
+/// Products with the same panels by tiles of bfloat16, three for every float (float_tiles.inc).
+struct FloatTiles {
+  Index tile_rows;
+  Index (*gemm_rows)(Index k);
+  Index (*gemm_scratch)(Index k);
+  void (*gemm_block)(const Gemm<float>&, Index r0, Index r1, Index j0, Index j1, float* scratch);
+};
+
 /// Entry points of one instruction set.
 template <class S>
 struct Kernels {
   const char* name;
+  const FloatTiles* tiles;  // none: gemm_block is the fastest for all products
   Index panel_width, tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
@@ -649,8 +658,7 @@ template <class S>
 inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
 
 /// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
-constexpr Index rows_at_once(Index row_bytes, Index tile) {
-  constexpr Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
+constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
@@ -704,6 +712,7 @@ struct Rows {
   bool transposed;
 
   Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
+  Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
 };
 
 /// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
@@ -1530,6 +1539,8 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
+class PanelSplit;
+
 /// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
 template <class Element>
 struct TileProduct {
@@ -1545,6 +1556,7 @@ struct TileProduct {
   bool stream = false;             // c is written past the caches
   Index number = 0;                // of the tile among those of this panel
   bool first = true, last = true;  // piece of k
+  PanelSplit* next = nullptr;      // of floats in parts: the panel that is split meanwhile
 };
 
 /// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
@@ -1757,6 +1769,7 @@ template <class S>
 const Kernels<S>& table() {
   static constexpr Kernels<S> t{
       .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
+      .tiles = nullptr,
       .panel_width = panel_width<S>,
       .tile_rows = tile_rows,
       .gemm_rows = &gemm_rows<S>,
@@ -2152,8 +2165,7 @@ template <class S>
 inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
 
 /// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
-constexpr Index rows_at_once(Index row_bytes, Index tile) {
-  constexpr Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
+constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
@@ -2207,6 +2219,7 @@ struct Rows {
   bool transposed;
 
   Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
+  Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
 };
 
 /// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
@@ -3033,6 +3046,8 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
+class PanelSplit;
+
 /// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
 template <class Element>
 struct TileProduct {
@@ -3048,6 +3063,7 @@ struct TileProduct {
   bool stream = false;             // c is written past the caches
   Index number = 0;                // of the tile among those of this panel
   bool first = true, last = true;  // piece of k
+  PanelSplit* next = nullptr;      // of floats in parts: the panel that is split meanwhile
 };
 
 /// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
@@ -3260,6 +3276,7 @@ template <class S>
 const Kernels<S>& table() {
   static constexpr Kernels<S> t{
       .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
+      .tiles = nullptr,
       .panel_width = panel_width<S>,
       .tile_rows = tile_rows,
       .gemm_rows = &gemm_rows<S>,
@@ -3653,8 +3670,7 @@ template <class S>
 inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
 
 /// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
-constexpr Index rows_at_once(Index row_bytes, Index tile) {
-  constexpr Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
+constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
@@ -3708,6 +3724,7 @@ struct Rows {
   bool transposed;
 
   Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
+  Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
 };
 
 /// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
@@ -4534,6 +4551,8 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
+class PanelSplit;
+
 /// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
 template <class Element>
 struct TileProduct {
@@ -4549,6 +4568,7 @@ struct TileProduct {
   bool stream = false;             // c is written past the caches
   Index number = 0;                // of the tile among those of this panel
   bool first = true, last = true;  // piece of k
+  PanelSplit* next = nullptr;      // of floats in parts: the panel that is split meanwhile
 };
 
 /// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
@@ -4761,6 +4781,7 @@ template <class S>
 const Kernels<S>& table() {
   static constexpr Kernels<S> t{
       .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
+      .tiles = nullptr,
       .panel_width = panel_width<S>,
       .tile_rows = tile_rows,
       .gemm_rows = &gemm_rows<S>,
@@ -4864,17 +4885,72 @@ struct DotTile : RegisterTile<DotTile>, ConvertingTile {
   }
 };
 
+MOTIONLANG_INLINE bool any_nan(const Vec<float>& x) {
+  bool any = false;
+  for (int i = 0; i < lanes<float>; ++i) any |= x[i] != x[i];
+  return any;
+}
+
+/// The three parts of floats in a panel of `k` rows, filled up to whole tiles: [k / 32][part][pair of k][column][2]. The parts are cut off,
+/// not rounded: that takes a third of the time.
+class PanelSplit {
+ public:
+  static constexpr Index parts = 3;
+  Index each = 0;  // pairs of k with every step of a tile
+
+  PanelSplit() = default;
+  /// following: what is read after the panel; it is fetched into the second-level cache meanwhile.
+  PanelSplit(const float* panel, Index k, const void* following, std::uint16_t* out)
+      : from_(panel), following_(static_cast<const std::byte*>(following)), k_(k), depth_(bf16_depth(k)), begin_(out) {}
+  const std::uint16_t* begin() const { return begin_; }
+  /// Whether all numbers so far were finite.
+  bool sound() const { return !any_nan(left_); }
+
+  /// The next pairs of k.
+  MOTIONLANG_INLINE void some(Index pairs_of_k) {
+    for (const Index end = std::min(depth_, at_ + 2 * pairs_of_k); at_ < end; at_ += 2) {
+      const float* from = from_ + at_ * bf16_columns;
+      for (Index byte = 0; byte < 2 * pair_bytes; byte += 64) __builtin_prefetch(following_ + at_ * pair_bytes + byte, 0, 2);
+      std::uint16_t* out = begin_ + (at_ / 32 * 32 * parts + at_ % 32) * bf16_columns;
+#pragma GCC unroll 2
+      for (Index c = 0; c < bf16_columns; c += lanes<float>) {
+        Vec<float> even = at_ < k_ ? load(from + c) : Vec<float>{}, odd = at_ + 1 < k_ ? load(from + bf16_columns + c) : Vec<float>{};
+#pragma GCC unroll 3
+        for (Index p = 0; p < parts; ++p) {
+          if (p + 1 == parts) left_ += even + odd;
+          const Words first = (Words)even & 0xFFFF0000u, second = (Words)odd & 0xFFFF0000u;
+          store_words(out + p * 32 * bf16_columns + 2 * c, pairs(first, second));
+          even -= (Vec<float>)first, odd -= (Vec<float>)second;
+        }
+      }
+    }
+  }
+  void finish() { some(depth_); }
+
+ private:
+  const float* from_ = nullptr;
+  const std::byte* following_ = nullptr;
+  Index k_ = 0, depth_ = 0, at_ = 0;
+  std::uint16_t* begin_ = nullptr;
+  Vec<float> left_{};  // the sum of what the first two parts leave: NaN if a number is not finite
+};
+
 /// AMX: registers of 16 rows of 64 bytes; one instruction multiplies 16 x 32 by 32 x 16. Intel since Sapphire Rapids.
 /// Registers 0 1 / 2 3 are the sums of 32 rows and 32 columns, 4 5 the rows of A, 6 7 the columns of B.
 ///
-/// These instructions are 16 times as fast as those in float, so that everything else counts. The sums begin with the bias. A piece of a
-/// panel stays in the first-level cache while rows of A pass by it (tileloaddt1). What else is to be done with a tile is done beside the
+/// These instructions are 16 times as fast as those in float, so that everything else counts. The sums begin with the bias (of bfloat16). A
+/// piece of a panel stays in the first-level cache while rows of A pass by it (tileloaddt1). What else is to be done with a tile is done beside the
 /// products of the next one, some rows with every step of k: the vector units are idle then.
+///
+/// Parts: of every number; more than one are those of floats (float_tiles.inc). The parts of 32 numbers lie together, part after part.
+template <Index Parts>
 class AmxTile : public ConvertingTile {
  public:
   static constexpr const char* name = "amx";
+  static constexpr Index parts = Parts;
   static constexpr int rows = 32;
   static constexpr bool even = false;  // 32 rows cost as much as 17
+  static constexpr bool bias_first = parts == 1;  // else at last, as with multiply-adds
   static constexpr Index depth(Index k) { return bf16_depth(k); }
   static constexpr Index pieces(Index depth, Index tiles) { return tiles > 3 ? (depth + 511) / 512 : 1; }
 
@@ -4886,21 +4962,23 @@ class AmxTile : public ConvertingTile {
 
   void multiply(const TileProduct<Element>& t) {
     const bool lower = t.height > 16, once = t.first && t.last;
-    const bool direct = once && t.e.residual == nullptr && t.e.act == Activation::none && t.height == rows && t.columns == bf16_columns && !t.stream;
+    const bool direct = once && t.e.residual == nullptr && !t.e.accumulate && (bias_first || t.e.bias == nullptr) && t.e.act == Activation::none && t.height == rows && t.columns == bf16_columns && !t.stream;
     if (once) turn_ = 1 - turn_;
     float* own = sums_[once ? turn_ : t.number];
-    if (t.first) begin_with(t.e.bias, t.columns, lower);
+    if (t.first) begin_with(bias_first ? t.e.bias : nullptr, t.columns, lower);
     else load_sums(own, bf16_columns, lower);
     const Element* a = t.a;
     const std::uint16_t* panel = t.panel;
     const Index a_stride = 2 * t.pitch, steps = t.depth / 32;
     const Index put_each = (waiting_.height - put_ + steps - 1) / steps;
-    Ahead ahead = t.ahead;
+    const std::byte* ahead = t.ahead.at;
+    const Index ahead_bytes = 16 * t.ahead.step;  // with every step
     const auto products = [&]<bool panel_stays>() {
-      for (Index step = 0; step < steps; ++step, a += 32, panel += 32 * bf16_columns) {
+      for (Index step = 0; step < steps; ++step, a += 32 * parts, panel += 32 * parts * bf16_columns) {
         add_products<panel_stays>(a, a_stride, a + 16 * t.pitch, panel, lower);
-#pragma GCC unroll 16
-        for (int pair = 0; pair < 16; ++pair) ahead.fetch();
+        for (Index byte = 0; byte < ahead_bytes; byte += 64) __builtin_prefetch(ahead + byte, 0, 2);
+        ahead += ahead_bytes;
+        if constexpr (parts > 1) t.next->some(t.next->each);
         put(put_each);
       }
     };
@@ -4929,28 +5007,54 @@ class AmxTile : public ConvertingTile {
     }
     load_sums(bias, 0, lower);  // the same row, 16 times
   }
-  /// 32 rows (16 unless `lower`) of 32 numbers times 32 columns. What does not stay is loaded past the first-level cache. Memory is read, which
-  /// the compiler is not told: it knows of those instructions that begin and store the sums.
-  template <bool panel_stays>
-  MOTIONLANG_INLINE static void add_products(const Element* upper_rows, Index stride, const Element* lower_rows, const std::uint16_t* panel,
-                                             bool lower) {
-#define MOTIONLANG_LOAD(load_rows, load_columns)                                                     \
-  asm volatile(load_columns " (%0,%3,1), %%tmm6\n\t" load_rows " (%1,%2,1), %%tmm4\n\t"             \
-               load_columns " 64(%0,%3,1), %%tmm7\n\ttdpbf16ps %%tmm6, %%tmm4, %%tmm0\n\t"          \
-               "tdpbf16ps %%tmm7, %%tmm4, %%tmm1"                                                    \
-               :                                                                                     \
-               : "r"(panel), "r"(upper_rows), "r"(stride), "r"(Index{pair_bytes}));                  \
-  if (lower)                                                                                         \
-    asm volatile(load_rows " (%0,%1,1), %%tmm5\n\ttdpbf16ps %%tmm6, %%tmm5, %%tmm2\n\t"             \
-                 "tdpbf16ps %%tmm7, %%tmm5, %%tmm3"                                                  \
-                 :                                                                                   \
-                 : "r"(lower_rows), "r"(stride))
-    if constexpr (panel_stays) {
-      MOTIONLANG_LOAD("tileloaddt1", "tileloadd");
+  /// Part p of 32 rows (16 unless `lower`) of 32 numbers, into registers 4 and 5, and of 32 columns, into 6 and 7. What does not stay in the
+  /// first-level cache is loaded past it. Memory is read, which the compiler is not told: it knows of those instructions that begin and store
+  /// the sums.
+  template <Index p, bool stays>
+  MOTIONLANG_INLINE static void load_rows(const Element* upper, const Element* below, Index stride, bool lower) {
+    if constexpr (stays) {
+      asm volatile("tileloadd %c2(%0,%1,1), %%tmm4" : : "r"(upper), "r"(stride), "i"(64 * p));
+      if (lower) asm volatile("tileloadd %c2(%0,%1,1), %%tmm5" : : "r"(below), "r"(stride), "i"(64 * p));
     } else {
-      MOTIONLANG_LOAD("tileloadd", "tileloaddt1");
+      asm volatile("tileloaddt1 %c2(%0,%1,1), %%tmm4" : : "r"(upper), "r"(stride), "i"(64 * p));
+      if (lower) asm volatile("tileloaddt1 %c2(%0,%1,1), %%tmm5" : : "r"(below), "r"(stride), "i"(64 * p));
     }
-#undef MOTIONLANG_LOAD
+  }
+  template <Index p, bool stays>
+  MOTIONLANG_INLINE static void load_columns(const std::uint16_t* panel) {
+    constexpr Index at = p * 16 * pair_bytes;
+    if constexpr (stays) {
+      asm volatile("tileloadd %c2(%0,%1,1), %%tmm6\n\ttileloadd %c3(%0,%1,1), %%tmm7"
+                   :
+                   : "r"(panel), "r"(Index{pair_bytes}), "i"(at), "i"(at + 64));
+    } else {
+      asm volatile("tileloaddt1 %c2(%0,%1,1), %%tmm6\n\ttileloaddt1 %c3(%0,%1,1), %%tmm7"
+                   :
+                   : "r"(panel), "r"(Index{pair_bytes}), "i"(at), "i"(at + 64));
+    }
+  }
+  MOTIONLANG_INLINE static void add_loaded(bool lower) {
+    asm volatile("tdpbf16ps %tmm6, %tmm4, %tmm0\n\ttdpbf16ps %tmm7, %tmm4, %tmm1");
+    if (lower) asm volatile("tdpbf16ps %tmm6, %tmm5, %tmm2\n\ttdpbf16ps %tmm7, %tmm5, %tmm3");
+  }
+  /// 32 rows times 32 columns, 32 of k. Of parts the smallest products come first.
+  template <bool panel_stays>
+  MOTIONLANG_INLINE static void add_products(const Element* upper, Index stride, const Element* below, const std::uint16_t* panel, bool lower) {
+    const auto rows_part = [&]<Index p>(std::integral_constant<Index, p>) { load_rows<p, !panel_stays>(upper, below, stride, lower); };
+    const auto columns_part = [&]<Index p>(std::integral_constant<Index, p>) { load_columns<p, panel_stays>(panel); };
+    constexpr std::integral_constant<Index, 0> first;
+    if constexpr (parts == 1) {
+      columns_part(first), rows_part(first), add_loaded(lower);
+    } else {
+      constexpr std::integral_constant<Index, 1> second;
+      constexpr std::integral_constant<Index, 2> third;
+      rows_part(first), columns_part(third), add_loaded(lower);
+      columns_part(second), add_loaded(lower);
+      rows_part(second), add_loaded(lower);
+      columns_part(first), add_loaded(lower);
+      rows_part(third), add_loaded(lower);
+      rows_part(first), add_loaded(lower);
+    }
   }
   static void load_sums(const float* c, Index ldc, bool lower) {
     asm volatile("tileloadd (%0,%1,1), %%tmm0\n\ttileloadd 64(%0,%1,1), %%tmm1" : : "r"(c), "r"(4 * ldc) : "memory");
@@ -4969,10 +5073,14 @@ class AmxTile : public ConvertingTile {
     put_ += n;
     float *own = waiting_sums_ + first * bf16_columns, *c = w.c + first * w.ldc;
     const bool act = w.e.act != Activation::none;
-    for (Index r = 0; r < n && (w.e.residual != nullptr || !act); ++r) {
-      Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + lanes<float>);
+    const bool adds = w.e.residual != nullptr || w.e.accumulate || (!bias_first && w.e.bias != nullptr);
+    for (Index r = 0; r < n && (adds || !act); ++r) {
+      constexpr Index l = lanes<float>;
+      Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + l);
+      if (w.e.accumulate) c0 += load_first(c + r * w.ldc, w.columns), c1 += load_first(c + r * w.ldc + l, w.columns - l);
       Epilogue<float> e = w.e.from_row(first + r);
-      e.bias = nullptr, e.act = Activation::none;
+      if (bias_first) e.bias = nullptr;
+      e.accumulate = false, e.act = Activation::none;
       put_result<float, 1>(&c0, &c1, act || w.stream ? own + r * bf16_columns : c + r * w.ldc, w.ldc, w.columns, e);
     }
     if (act) activate_rows<float>(own, bf16_columns, n, w.columns, w.e.act, w.stream ? own : c, w.stream ? bf16_columns : w.ldc);
@@ -4985,6 +5093,172 @@ class AmxTile : public ConvertingTile {
   Index put_ = 0;   // rows that are put already
   Index turn_ = 0;  // which of two sums
 };
+using FloatTile = AmxTile<3>;
+//
+// Products of floats by AMX, which multiplies bfloat16 16 times as fast as other instructions multiply floats.
+//
+//   Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two floats the six largest
+//            are added up, the others are 2^-24 of the whole together, at most, and of either sign. The instruction adds up 32 products
+//            before it adds them to the sum, so that the error is about half of that of one multiply-add after the other.
+//   Panels   those of gemm.inc. A panel is split into scratch, beside the products with the panel before it, and so are the rows of A.
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache (2 MB where there is AMX) beside the split panel.
+//   Order    as in gemm.inc: depends on k alone.
+//   Limits   parts below 2^-126 count as 0. Rows of A and panels of B with a number that is not finite (or whose nearest bfloat16 is not:
+//            from 3.39e38 on) have no parts: they are multiplied by gemm.inc.
+
+/// 16 numbers, in parts: each the nearest bfloat16 to what those before it leave. What the last one leaves: 0, or NaN if there are no parts.
+MOTIONLANG_INLINE Vec<float> split_lanes(Vec<float> x, std::uint16_t* y) {
+#pragma GCC unroll 3
+  for (Index p = 0; p < FloatTile::parts; ++p) {
+    Halves part;
+    Words wide;
+    asm("vcvtneps2bf16 %2, %0\n\tvpmovzxwd %0, %1" : "=v"(part), "=v"(wide) : "v"(x));
+    *reinterpret_cast<LooseHalves*>(y + 32 * p) = part;
+    x -= (Vec<float>)(wide << 16);
+  }
+  return x;
+}
+/// `count` rows of A, k numbers each, filled up to `depth`: [row][k / 32][part][k]. Whether all numbers have parts.
+inline bool split_rows(const Rows<float>& a, Index count, Index k, Index depth, std::uint16_t* y, Index pitch) {
+  constexpr Index l = lanes<float>;
+  Vec<float> left{};
+  const auto place = [&](Index row, Index at) { return y + row * pitch + at / 32 * 32 * FloatTile::parts + at % 32; };
+  if (!a.transposed) {
+    for (Index r = 0; r < count; ++r) {
+      for (Index i = 0; i < depth; i += l) left += split_lanes(load_first(a.at + r * a.stride + i, k - i), place(r, i));
+    }
+    return !any_nan(left);
+  }
+  for (Index r = 0; r < count; r += l) {
+    for (Index i = 0; i < depth; i += l) {
+      Vec<float> square[lanes<float>];
+#pragma GCC unroll 16
+      for (int q = 0; q < lanes<float>; ++q) {
+        const float* from = a.at + (i + q) * a.stride + r;
+        if (i + q + l < k) __builtin_prefetch(from + l * a.stride);  // no prefetcher follows pieces so far apart
+        square[q] = load_first(from, i + q < k ? count - r : 0);
+      }
+      transpose_lanes<float>(square);
+      for (Index q = 0; q < std::min(count - r, l); ++q) left += split_lanes(square[q], place(r + q, i));
+    }
+  }
+  return !any_nan(left);
+}
+
+/// The rows and panels of a product that have numbers without parts, by multiply-adds.
+inline void multiply_odd_parts(const Gemm<float>& g, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+  const auto odd = [](const float* x, Index n) {
+    std::uint16_t parts[FloatTile::parts * 32];
+    bool found = false;
+    for (Index i = 0; i < n; i += lanes<float>) found |= any_nan(split_lanes(load_first(x + i, n - i), parts));
+    return found;
+  };
+  for (Index j = j0; j < j1; ++j) {
+    if (odd(g.panels + j * g.k * bf16_columns, g.k * bf16_columns)) gemm_block(g, r0, r1, j, j + 1, scratch);
+  }
+  const Rows<float> rows{g.a, g.lda, g.a_transposed};
+  for (Index r = r0; r < r1; ++r) {
+    bool found = false;
+    if (!rows.transposed) found = odd(rows.from(r).at, g.k);
+    for (Index k = 0; k < g.k && rows.transposed; ++k) found |= odd(rows.from(r).from_depth(k).at, 1);
+    if (found) gemm_block(g, r, r + 1, j0, j1, scratch);
+  }
+}
+
+/// How a product over k is split: blocks of k, and rows of A at a time.
+struct FloatBlocks {
+  Index all, count, depth, pitch, rows;  // depth: of a block at most; pitch: of rows in scratch
+
+  explicit FloatBlocks(Index k)
+      : all(bf16_depth(k)),
+        count((all + depth_block - 1) / depth_block),
+        depth(bf16_depth((all + count - 1) / count)),
+        pitch(depth * FloatTile::parts + 32),
+        rows(rows_at_once(2 * pitch, FloatTile::rows, 1280 * 1024)) {}
+};
+inline Index float_tile_rows(Index k) { return FloatBlocks(k).rows; }
+/// Numbers of scratch that float_tile_block needs.
+inline Index float_tile_scratch(Index k) {
+  const FloatBlocks split(k);
+  return (split.rows * split.pitch + 2 * split.depth * FloatTile::parts * bf16_columns) / 2;
+}
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
+inline void float_tile_block(const Gemm<float>& g, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+  bool sound = true;  // all numbers have parts
+  const FloatBlocks split(g.k);
+  const Index panel_size = split.depth * FloatTile::parts * bf16_columns;
+  auto* const panels = reinterpret_cast<std::uint16_t*>(scratch);  // two in turn
+  auto* const a = panels + 2 * panel_size;
+  const bool stream = split.count == 1 && streams(g, bf16_columns);
+  FloatTile tile;
+  FloatTile::begin();
+  constexpr Index unit = FloatTile::rows;
+  const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
+  const auto first_of = [&](Index block) { return 32 * part(split.all / 32, block, split.count); };
+  int turn = 0;
+  const auto splitting = [&](Index block, Index j) {
+    const Index begin = first_of(block), end = std::min(g.k, first_of(block + 1));
+    const float* from = g.panels + (j * g.k + begin) * bf16_columns;
+    const void* following = j + 1 < j1              ? from + g.k * bf16_columns
+                            : block + 1 < split.count ? g.panels + (j0 * g.k + end) * bf16_columns
+                                                      : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, from);
+    turn = 1 - turn;
+    return PanelSplit(from, end - begin, following, panels + turn * panel_size);
+  };
+  PanelSplit panel = splitting(0, j0);
+  for (Index row_block = 0; row_block < row_blocks; ++row_block) {
+    const Index top = r0 + unit * part(units, row_block, row_blocks);
+    const Index rows = std::min(r1, r0 + unit * part(units, row_block + 1, row_blocks)) - top, tiles = (rows + unit - 1) / unit;
+    for (Index block = 0; block < split.count; ++block) {
+      const Index begin = first_of(block), k = std::min(g.k, first_of(block + 1)) - begin, depth = bf16_depth(k);
+      sound &= split_rows(Rows<float>{g.a, g.lda, g.a_transposed}.from(top).from_depth(begin), rows, k, depth, a, split.pitch);
+      for (Index j = j0; j < j1; ++j) {
+        panel.finish();
+        sound &= panel.sound();
+        const bool next_block = j + 1 == j1, last = next_block && block + 1 == split.count && row_block + 1 == row_blocks;
+        PanelSplit next = last ? PanelSplit() : splitting((block + (next_block ? 1 : 0)) % split.count, next_block ? j0 : j + 1);
+        next.each = (16 + tiles - 1) / tiles;
+        for (Index t = 0; t < tiles; ++t) {
+          const Index first = t * unit, row = top + first, column = j * bf16_columns;
+          TileProduct<std::uint16_t> product{.a = a + first * split.pitch,
+                                             .pitch = split.pitch,
+                                             .height = std::min(rows - first, unit),
+                                             .panel = panel.begin(),
+                                             .depth = depth,
+                                             .c = g.c + row * g.ldc + column,
+                                             .ldc = g.ldc,
+                                             .columns = std::min(g.n - column, bf16_columns),
+                                             .stream = stream,
+                                             .next = &next};
+          product.e.accumulate = block > 0;
+          if (block + 1 == split.count) {
+            product.e.act = g.act;
+            if (g.bias != nullptr) product.e.bias = g.bias + column;
+            if (g.residual != nullptr) product.e.residual = g.residual + row * g.ldr + column, product.e.residual_stride = g.ldr;
+          }
+          tile.multiply(product);
+        }
+        panel = next;
+      }
+    }
+  }
+  tile.finish();
+  if (stream) end_of_streams();
+  FloatTile::end();
+  if (!sound) multiply_odd_parts(g, r0, r1, j0, j1, scratch);
+}
+
+/// The kernels of AVX-512, with AMX for products.
+inline const Kernels<float>& table_with_tiles() {
+  static constexpr FloatTiles tiles{FloatTile::rows, &float_tile_rows, &float_tile_scratch, &float_tile_block};
+  static const Kernels<float> t = [] {
+    Kernels<float> k = table<float>();
+    k.name = FloatTile::name, k.tiles = &tiles;
+    return k;
+  }();
+  return t;
+}
 }
 MOTIONLANG_TARGET_POP
 #undef MOTIONLANG_VECTOR_BYTES
@@ -5000,10 +5274,13 @@ const Kernels<S>* kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::table<S>();
 #if defined(MOTIONLANG_WIDE_KERNELS)
   if (isa == Isa::avx2) return processor_has(isa) ? &avx2::table<S>() : nullptr;
+  if constexpr (std::is_same_v<S, float>) {
+    if (isa == Isa::amx) return processor_has(isa) ? &avx512::table_with_tiles() : nullptr;
+  }
   if (isa != Isa::best) return processor_has(Isa::avx512) ? &avx512::table<S>() : nullptr;
 #endif
   if (isa != Isa::best) return nullptr;
-  for (Isa better : {Isa::avx512, Isa::avx2}) {
+  for (Isa better : {Isa::amx, Isa::avx512, Isa::avx2}) {
     if (const auto* k = kernels_for<S>(better)) return k;
   }
   return &portable::table<S>();
@@ -5017,7 +5294,7 @@ inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
   if (isa == Isa::avx2) return &avx2::bf16_table<avx2::WideningTile>();
   if (isa == Isa::avx512) return &avx512::bf16_table<avx512::WideningTile>();
   if (isa == Isa::avx512_bf16) return &avx512::bf16_table<avx512::DotTile>();
-  if (isa == Isa::amx) return &avx512::bf16_table<avx512::AmxTile>();
+  if (isa == Isa::amx) return &avx512::bf16_table<avx512::AmxTile<1>>();
   if (const auto* k = bf16_kernels_for(Isa::amx)) return k;
   if (!has_amx_bf16()) {
     if (const auto* k = bf16_kernels_for(Isa::avx512_bf16)) return k;

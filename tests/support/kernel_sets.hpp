@@ -26,9 +26,9 @@ struct Instead {
 template <class S, class F>
 void with_every_kernel(F f) {
   using motionlang::detail::Isa;
-  for (const Isa isa : {Isa::portable, Isa::avx2, Isa::avx512}) {
+  for (const Isa isa : {Isa::portable, Isa::avx2, Isa::avx512, Isa::amx}) {
     const auto* kernels = motionlang::detail::kernels_for<S>(isa);
-    if (kernels == nullptr) continue;
+    if (kernels == nullptr || (isa == Isa::amx && kernels->tiles == nullptr)) continue;
     INFO(kernels->name);
     const Instead scope(motionlang::detail::current_kernels<S>(), kernels);
     f();

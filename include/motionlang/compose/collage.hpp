@@ -8,6 +8,7 @@
 #include <map>     // equal sequences
 
 #include <motionlang/compose/combine.hpp>
+#include <motionlang/core/rows_together.hpp>
 #include <motionlang/diffusion/denoiser.hpp>
 #include <motionlang/diffusion/guidance.hpp>
 #include <motionlang/diffusion/sampler.hpp>
@@ -139,6 +140,7 @@ class Collage {
 
   /// What the network makes of all jobs, one after the other.
   Tensor<B, 2> denoised(const Tensor<B, 2>& x, Index t) const {
+    const detail::RowsTogether in_any_batch(detail::RowsTogether::many);
     const auto of = [&](const Batch& b) {
       const PoolVector<Index> steps(static_cast<std::size_t>(b.uses.rows()), t);
       return denoise_with_texts(*denoiser_, Sequences<B>(gather(x, b.rows), b.frames), b.uses, steps, b.text).rows;
@@ -164,6 +166,7 @@ class Collage {
   }
 
   void build_batch() {
+    const detail::RowsTogether in_any_batch(detail::RowsTogether::many);
     const Index null = texts_.count() - 1;
     std::vector<std::pair<Job, Job>> crops;  // with its text, and without
     std::map<Job, Index> begin;              // of all jobs, where their rows begin in the batch

@@ -8,6 +8,7 @@
 #include <map>  // texts that are the same
 
 #include <motionlang/compose/collage.hpp>
+#include <motionlang/core/rows_together.hpp>
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/systems/detail/stmc_class.hpp>
 
@@ -116,6 +117,7 @@ auto Stmc<B, D, E>::encode(const BatchPlan& plan) const -> PlanTexts {
       which.push_back(place->second);
     }
   }
+  const detail::RowsTogether beside_any_others(detail::RowsTogether::few);
   auto features = text_encoder.template encode<B>(std::span<const std::string>(texts));
   features.tokens.rows = text_normalizer.normalize(features.tokens.rows);
   if (denoiser.traits().empty_text_is_null) {

@@ -17,6 +17,7 @@
 #include <motionlang/backend/kernel_ops.hpp>
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/precision.hpp>
+#include <motionlang/core/rows_together.hpp>
 #include <motionlang/core/thread_object.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -144,13 +145,22 @@ Dense<S> window_matrix(const Dense<S>& weight) {
   return DenseOps<S>::permute(weight, axes).reshaped(Shape{weight.shape()[0], weight.shape()[1] * weight.shape()[2]});
 }
 
-/// Scratch of products with such panels.
+/// Tiles for a product of m x k and k x n in floats, if there are any that are faster than multiply-adds: of less, splitting panels and rows
+/// takes as long as is saved. That depends on the product, not on how its rows are shared: the same numbers for any number of threads.
 template <class S>
-Scratch<S> gemm_scratch(const Panels<S>& p) {
+const FloatTiles* float_tiles(Index m, Index n, Index k) {
+  const Index rows = RowsTogether::count() > 0 ? RowsTogether::count() : m;
+  const bool pays = rows >= 128 && n >= 128 && k >= 128 && rows * n >= (k < 256 ? 131072 : 32768);
+  return pays ? kernels<S>().tiles : nullptr;
+}
+/// Scratch of products of at most so many rows with such panels.
+template <class S>
+Scratch<S> gemm_scratch(const Panels<S>& p, Index rows) {
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) return Scratch<S>(current_bf16_kernels()->gemm_scratch(p.k));
   }
-  return Scratch<S>(kernels<S>().gemm_scratch(p.k));
+  const FloatTiles* tiles = float_tiles<S>(rows, p.n, p.k);
+  return Scratch<S>(std::max(tiles == nullptr ? 0 : tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
 }
 /// Whether every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that threads share. Its rows
 /// a thread finds where it wrote them, in its cache. Those of others come slowly: with 16 threads a byte costs about what five of panels do,
@@ -189,10 +199,10 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
   if (g.m == 0 || g.n == 0) return;
   const bool split = worth_threads(g.m, g.n, g.k);
   const Index width = p.width(), a_bytes = g.m * g.k * static_cast<Index>(sizeof(S));
-  const auto run = [&](const auto& kernel, const auto& multiply) {
+  const auto run = [&](const auto& kernel, Index pieces, const auto& multiply) {
     Sharing how{.rows_at_once = kernel.gemm_rows(g.k)};
     how.own_rows = takes_own_rows(g.m / parallel_width(), a_bytes, p.bytes(), how.rows_at_once, kernel.tile_rows);
-    if (p.kernels != nullptr && parallel_width() > 2) how.pieces = 3;  // bfloat16: rows would be rounded as often
+    how.pieces = pieces;
     for_blocks(g.m, p.count(), split, how, [&](Index r0, Index r1, Index j0, Index j1) {
       multiply(r0, r1, j0, j1);
       behind(r0, r1, j0 * width, std::min(g.n, j1 * width));
@@ -201,15 +211,21 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) {
       const Bf16Kernels& kernel = *current_bf16_kernels();
-      run(kernel, [&](Index r0, Index r1, Index j0, Index j1) {
+      run(kernel, 1, [&](Index r0, Index r1, Index j0, Index j1) {  // rows would be rounded for every piece
         kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch.mine());
       });
       return;
     }
   }
-  const Kernels<S>& kernel = kernels<S>();
   g.panels = p.data();
-  run(kernel, [&](Index r0, Index r1, Index j0, Index j1) { kernel.gemm_block(g, r0, r1, j0, j1, scratch.mine()); });
+  const auto run_floats = [&](const auto& kernel, Index pieces) {
+    run(kernel, pieces,
+        [&](Index r0, Index r1, Index j0, Index j1) { kernel.gemm_block(g, r0, r1, j0, j1, scratch.mine()); });
+  };
+  if constexpr (std::is_same_v<S, float>) {
+    if (const FloatTiles* tiles = float_tiles<S>(g.m, g.n, g.k)) return run_floats(*tiles, 1);
+  }
+  run_floats(*p.kernels, parallel_width() > 2 ? 3 : 1);
 }
 
 /// How many of `count` products of m x k and k x n are made by one thread each: as long as there is one for every thread. The rest is made by
@@ -220,7 +236,11 @@ inline Index products_apart(Index count, Index m, Index n, Index k) {
 /// product(i) for 0 ... count-1.
 template <class F>
 void for_products(Index count, Index apart, const F& product) {
-  parallel_for(apart, product);
+  const Index together = RowsTogether::count();
+  parallel_for(apart, [&](Index i) {
+    const RowsTogether as_here(together);
+    product(i);
+  });
   for (Index i = apart; i < count; ++i) product(i);
 }
 
@@ -263,7 +283,7 @@ Dense<S> convolve(const Dense<S>& x, const Offsets& before, const Offsets& after
                   const S* bias, Index stride, Index padding, Activation act) {
   const WithMargins<S> margins(x, before, padding);
   Dense<S> y(Shape{after.rows(), matrix.n});
-  const Scratch<S> scratch = gemm_scratch(matrix);
+  const Scratch<S> scratch = gemm_scratch(matrix, after.longest());
   for_products(after.count(), products_apart(after.count(), after.longest(), matrix.n, matrix.k), [&](Index s) {
     run_gemm(Gemm<S>{.m = after.length(s),
                      .n = matrix.n,
@@ -322,14 +342,14 @@ void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, co
 }
 
 /// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums in the same
-/// order as with panels of the weight, so the same bits.
+/// order as with panels of the weight, so the same bits (of multiply-adds; tiles do not treat both sides alike).
 template <class S>
 Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bias, Activation act, const S* residual) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
   const auto panels = pack_panels(x.data(), k, m, Index{1}, k);
   Dense<S> z(Shape{n, m}), y(Shape{m, n});
   run_gemm(Gemm<S>{.m = n, .n = m, .k = k, .a = weight.data(), .lda = k, .c = z.data(), .ldc = m}, panels,
-           gemm_scratch(panels));
+           gemm_scratch(panels, n));
   const Transposed<S> t{
       .z = z.data(), .bias = bias, .residual = residual, .rows = m, .width = n, .act = act, .y = y.data()};
   constexpr Index columns = 64;
@@ -441,7 +461,7 @@ Dense<S> KernelOps<S>::matmul(const Dense<S>& a, const Dense<S>& b, bool transpo
   PoolVector<detail::Panels<S>> rooms;  // one for every thread that packs
   for (int i = 0; i < (apart > 0 ? parallel_width() : 1); ++i)
     rooms.push_back(detail::panels_for<S>(k, n, detail::precision_of<S>()));
-  const auto scratch = detail::gemm_scratch(rooms[0]);
+  const auto scratch = detail::gemm_scratch(rooms[0], m);
   detail::for_products(count, apart, [&](Index i) {
     auto& panels = rooms[rooms.size() == 1 ? 0 : static_cast<std::size_t>(thread_number())];
     detail::pack_into(panels, b.data() + i * k * n, transpose_b ? 1 : n, transpose_b ? k : 1);
@@ -505,7 +525,8 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
   };
   if (ready == nullptr) {
     if (detail::wanted_kernels<S>() != nullptr && m > 0 &&
-        m * (n + k) < n * k) {  // x and y are smaller than the weight
+        m * (n + k) < n * k &&  // x and y are smaller than the weight
+        detail::float_tiles<S>(m, n, k) == nullptr) {
       y = detail::exchanged_linear(x, weight, bias == nullptr ? nullptr : bias->data(), act,
                                    residual == nullptr || !last ? nullptr : residual->data());
       behind(0, m, 0, n);
@@ -529,7 +550,7 @@ Dense<S> KernelOps<S>::linear(const Dense<S>& x, const Dense<S>& weight, const D
                       .act = act,
                       .after = ready == &packed ? nullptr : prepared->next.load(std::memory_order_relaxed),
                       .after_bytes = ready == &packed ? 0 : prepared->next_bytes.load(std::memory_order_relaxed)},
-      *ready, detail::gemm_scratch(*ready), behind);
+      *ready, detail::gemm_scratch(*ready, m), behind);
   return y;
 }
 

@@ -105,10 +105,19 @@ struct Binary {
   S* y = nullptr;  // may be a or b
 };
 
+/// Products with the same panels by tiles of bfloat16, three for every float (float_tiles.inc).
+struct FloatTiles {
+  Index tile_rows;
+  Index (*gemm_rows)(Index k);
+  Index (*gemm_scratch)(Index k);
+  void (*gemm_block)(const Gemm<float>&, Index r0, Index r1, Index j0, Index j1, float* scratch);
+};
+
 /// Entry points of one instruction set.
 template <class S>
 struct Kernels {
   const char* name;
+  const FloatTiles* tiles;  // none: gemm_block is the fastest for all products
   Index panel_width, tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
@@ -213,6 +222,19 @@ MOTIONLANG_TARGET_POP
 MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512 ",avx512bf16,amx-tile,amx-bf16")
 namespace motionlang::inline MOTIONLANG_ABI::detail::avx512 {
 #include <motionlang/backend/detail/bf16_x86.inc>
+//
+#include <motionlang/backend/detail/float_tiles.inc>
+
+/// The kernels of AVX-512, with AMX for products.
+inline const Kernels<float>& table_with_tiles() {
+  static constexpr FloatTiles tiles{FloatTile::rows, &float_tile_rows, &float_tile_scratch, &float_tile_block};
+  static const Kernels<float> t = [] {
+    Kernels<float> k = table<float>();
+    k.name = FloatTile::name, k.tiles = &tiles;
+    return k;
+  }();
+  return t;
+}
 }
 MOTIONLANG_TARGET_POP
 #undef MOTIONLANG_VECTOR_BYTES
@@ -228,10 +250,13 @@ const Kernels<S>* kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::table<S>();
 #if defined(MOTIONLANG_WIDE_KERNELS)
   if (isa == Isa::avx2) return processor_has(isa) ? &avx2::table<S>() : nullptr;
+  if constexpr (std::is_same_v<S, float>) {
+    if (isa == Isa::amx) return processor_has(isa) ? &avx512::table_with_tiles() : nullptr;
+  }
   if (isa != Isa::best) return processor_has(Isa::avx512) ? &avx512::table<S>() : nullptr;
 #endif
   if (isa != Isa::best) return nullptr;
-  for (Isa better : {Isa::avx512, Isa::avx2}) {
+  for (Isa better : {Isa::amx, Isa::avx512, Isa::avx2}) {
     if (const auto* k = kernels_for<S>(better)) return k;
   }
   return &portable::table<S>();
@@ -245,7 +270,7 @@ inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
   if (isa == Isa::avx2) return &avx2::bf16_table<avx2::WideningTile>();
   if (isa == Isa::avx512) return &avx512::bf16_table<avx512::WideningTile>();
   if (isa == Isa::avx512_bf16) return &avx512::bf16_table<avx512::DotTile>();
-  if (isa == Isa::amx) return &avx512::bf16_table<avx512::AmxTile>();
+  if (isa == Isa::amx) return &avx512::bf16_table<avx512::AmxTile<1>>();
   if (const auto* k = bf16_kernels_for(Isa::amx)) return k;
   if (!has_amx_bf16()) {
     if (const auto* k = bf16_kernels_for(Isa::avx512_bf16)) return k;
