@@ -88,9 +88,9 @@ Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index wid
     const bool grouped = offsets.rows() > at_once || !share_sequences(offsets, order, threads).empty();
     if (grouped && !context.dropout) {
       typename B::tensor y(Shape{results.rows(), width});
-      const Index together = RowsTogether::count() > 0 ? RowsTogether::count() : offsets.rows();
+      const Index counted = RowsTogether::count() > 0 ? RowsTogether::count() : offsets.rows();
       const auto put = [&, out = y.data()](std::span<const Index> which) {
-        const RowsTogether as_all(together);
+        const RowsTogether as_all(counted);
         const auto rows = f(which);
         const auto* from = rows.span().data();
         for (Index s : which) {
