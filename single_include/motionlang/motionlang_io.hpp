@@ -15683,7 +15683,6 @@ inline std::string metadata_real_text(double x) {
   append_python_float(out, x);
   return out;
 }
-inline std::string precision_name() { return product_precision() == Precision::bf16 ? "bf16" : "fp32"; }
 /// "x0/007": names whose order is that of the numbers, below 1000.
 inline std::string numbered_name(const char* what, std::size_t i) {
   const std::string digits = std::to_string(i);
@@ -15704,7 +15703,7 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
       {"record", "stmc"},
       {"format", "1"},
       {"model", detail::weights_checksum(stmc)},
-      {"precision", detail::precision_name()},
+      {"precision", precision_name(product_precision())},
       {"seed", text(record.rng.seed)},
       {"stream", text(record.rng.stream)},
       {"timelines", text(record.timelines.size())},
@@ -15782,8 +15781,9 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
     raise<config_error>(
         102, name, ": made with weights of checksum ", word("model"), ", these have ", model,
         "; the checksum of the same weights is another in another scalar, which other backends may use");
-  if (word("precision") != detail::precision_name())
-    raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", detail::precision_name());
+  const std::string precision = precision_name(product_precision());
+  if (word("precision") != precision)
+    raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", precision);
   StmcRecord<B> out{.rng = {.seed = whole("seed"), .stream = whole("stream")}};
   out.rows = detail::metadata_size(m, "rows", latest_time, name);
   out.exact = word("exact") == "1";

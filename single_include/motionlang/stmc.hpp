@@ -2897,7 +2897,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-/// Each has those before it; the last two differ from avx512 in products only, avx512_bf16 in those of bfloat16.
+/// Each has those before it; the last two differ from avx512 in products of bfloat16 only.
 enum class Isa { portable, avx2, avx512, avx512_bf16, amx, best };
 
 #if defined(__x86_64__)
@@ -3055,7 +3055,7 @@ struct Binary {
   S* y = nullptr;  // may be a or b
 };
 
-/// Products with the same panels by tiles of bfloat16, three for every float (float_tiles.inc).
+/// Products with the same panels by tiles of bfloat16, three for every float (Precision::bf16x3, float_tiles.inc).
 struct FloatTiles {
   Index tile_rows;
   Index (*gemm_rows)(Index k);
@@ -3067,7 +3067,7 @@ struct FloatTiles {
 template <class S>
 struct Kernels {
   const char* name;
-  const FloatTiles* tiles;  // none: gemm_block is the fastest for all products
+  const FloatTiles* tiles;  // none: all products by gemm_block
   Index panel_width, tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
@@ -8170,15 +8170,29 @@ inline const Bf16Kernels*& current_bf16_kernels() {
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// fp32  the numbers as they are, sums in float. With AMX (amx, core/instruction_set.hpp) products of many rows are calculated from three
-///       bfloat16 for each float, which together are the float: 1.2 to 1.7 times as fast, half the error, other last digits. So the last
-///       digits of a few rows may differ alone and in a larger batch; MOTIONLANG_KERNELS=avx512 multiplies both alike.
-/// bf16  both factors rounded to bfloat16 (8 bits of significand), products and sums in float: half the memory for
-///       prepared weights, and up to ten times the speed where the processor has instructions for it. An element of a
-///       product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|, besides the rounding of
-///       the sum, of which a bias may be the first number. Numbers below 2^-126 may count as 0.
-///       All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
-enum class Precision { fp32, bf16 };
+/// fp32    the numbers as they are.
+/// bf16    both factors rounded to bfloat16 (8 bits of significand), products and sums in float: half the memory for
+///         prepared weights, and up to ten times the speed where the processor has instructions for it. An element of a
+///         product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|, besides the rounding of
+///         the sum, of which a bias may be the first number. Numbers below 2^-126 may count as 0.
+/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added up; from 128 rows on, else and on other processors
+///         the same as fp32. Half the error of fp32, other last digits (those of a few rows may differ alone and in a larger batch). On two
+///         threads large products take 0.6 to 0.9 of the time; on 8 and 16 threads of one machine they took 1.1 to 2 times as long, as all
+///         instructions of AMX are slower there when every core uses them. So it is for few threads: try it.
+///         All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
+enum class Precision { fp32, bf16, bf16x3 };
+
+/// "fp32", ...
+inline const char* precision_name(Precision p) {
+  return p == Precision::bf16 ? "bf16" : p == Precision::bf16x3 ? "bf16x3" : "fp32";
+}
+/// The opposite. Nothing if no precision is called so.
+inline std::optional<Precision> precision_named(std::string_view name) {
+  for (const Precision p : {Precision::fp32, Precision::bf16, Precision::bf16x3}) {
+    if (name == precision_name(p)) return p;
+  }
+  return {};
+}
 
 namespace detail {
 inline std::atomic<Precision>& current_product_precision() {
@@ -8190,7 +8204,7 @@ inline std::atomic<Precision>& current_product_precision() {
 inline Precision product_precision() { return detail::current_product_precision().load(std::memory_order_relaxed); }
 
 /// Changes the precision of products for the whole process. Weights that were prepared in another precision are packed anew at every
-/// use: set it before preparing a model.
+/// use (but fp32 and bf16x3 use the same): set it before preparing a model.
 inline void set_product_precision(Precision p) { detail::current_product_precision().store(p, std::memory_order_relaxed); }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -8356,10 +8370,11 @@ Dense<S> window_matrix(const Dense<S>& weight) {
   return DenseOps<S>::permute(weight, axes).reshaped(Shape{weight.shape()[0], weight.shape()[1] * weight.shape()[2]});
 }
 
-/// Tiles for a product of m x k and k x n in floats, if there are any that are faster than multiply-adds: of less, splitting panels and rows
+/// Tiles for a product of m x k and k x n in bf16x3, if there are any that are faster than multiply-adds: of less, splitting panels and rows
 /// takes as long as is saved. That depends on the product, not on how its rows are shared: the same numbers for any number of threads.
 template <class S>
 const FloatTiles* float_tiles(Index m, Index n, Index k) {
+  if (precision_of<S>() != Precision::bf16x3) return nullptr;
   const Index rows = RowsTogether::count() > 0 ? RowsTogether::count() : m;
   const bool pays = rows >= 128 && n >= 128 && k >= 128 && rows * n >= (k < 256 ? 131072 : 32768);
   return pays ? kernels<S>().tiles : nullptr;

@@ -16,16 +16,15 @@ namespace bench {
 
 namespace ml = motionlang;
 
-/// [THREADS] [--bf16 | --fp32] [WORK ...]: all threads of the machine and all works unless said; with --bf16 the products of the whole program
-/// are computed in bfloat16.
+/// [THREADS] [--fp32 | --bf16 | --bf16x3] [WORK ...]: all threads of the machine, products in fp32 and all works unless said.
 struct Arguments {
   std::set<std::string> works;
 
   Arguments(int argc, char** argv) {
     for (int i = 1; i < argc; ++i) {
       const std::string word = argv[i];
-      if (word == "--bf16" || word == "--fp32")
-        ml::set_product_precision(word == "--bf16" ? ml::Precision::bf16 : ml::Precision::fp32);
+      if (const auto precision = word.starts_with("--") ? ml::precision_named(word.substr(2)) : std::nullopt)
+        ml::set_product_precision(*precision);
       else if (i == 1)
         ml::set_thread_count(std::atoi(argv[i]));
       else

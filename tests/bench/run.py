@@ -64,6 +64,8 @@ TABLE = [
     Row("product", "", "native"), Row("product", "median", "native", ">= 0.97"),
     Row("product", "", "onednn"), Row("product", "median", "onednn"), Row("product", "", "onednn", "", "bf16", kernels="avx512_bf16" if HAS_AMX else ""),
     Row("product_gelu", "", "onednn"), Row("product_batched", "", "onednn"),
+    *[row for work in ("product", "product_gelu", "mdm_step") for row in peaks(work, "bf16x3", "", "") if HAS_AMX],
+    *[Row(work, "", "torch", "", "bf16x3", "fp32") for work in ("mdm_step", "mdm_ragged", "tmr_encoder", "distilbert", "clip_text") if HAS_AMX],
     *peaks("product_gelu", "fp32", ">= 0.88", ""), *peaks("product_batched", "fp32", "", ""),
     Row("xtensor", "", "eigen", "<= 1.03"),
     Row("mdm_step", "B=1", "torch", "<= 0.76"), Row("mdm_step", "B=3", "torch", "<= 0.82"), Row("mdm_step", "B=8", "torch", "<= 0.74"),
@@ -135,7 +137,7 @@ class Programs:
     def __init__(self, build, threads, python):
         self.bench, self.threads, self.python = build / "tests/bench", threads, python
         self.missing, self.torch_environment = {}, {}
-        self.arguments = lambda precision: ["--bf16"] if precision == "bf16" else []
+        self.arguments = lambda precision: [] if precision == "fp32" else [f"--{precision}"]
 
     def ours(self, work, precision, kernels):
         command = [self.bench / f"bench_{PROGRAM.get(work, 'denoiser')}", self.threads, *self.arguments(precision), work]
@@ -251,7 +253,7 @@ def gather(table, rounds):
 
 
 def title(line):
-    return f"{line['work']}{' bf16' if line['precision'] == 'bf16' else ''}"
+    return f"{line['work']}{'' if line['precision'] == 'fp32' else ' ' + line['precision']}"
 
 
 def against(line):

@@ -12,8 +12,7 @@
 ///     layer norm   rows have mean 0 and variance 1; layer_norm(a x + c) = layer_norm(x) for a > 0
 ///     attention    one key: its value; equal keys: the mean of the values; the order of keys and a shift of all keys do
 ///                  not matter; heads are independent; a causal row does not see later ones
-///     batch        the rows of a sequence have the same bits alone, in a batch, on any number of threads (in products by AMX, which are
-///                  of 128 rows at least, on any number of threads and in any batch that has as many)
+///     batch        the rows of a sequence have the same bits alone, in a batch, on any number of threads
 #pragma once
 
 #include <doctest/doctest.h>

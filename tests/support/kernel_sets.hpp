@@ -22,7 +22,17 @@ struct Instead {
   T before;
 };
 
-/// Calls f() with the kernels for S of each.
+/// Products in a precision, as long as this lives.
+struct InPrecision {
+  explicit InPrecision(motionlang::Precision p) { motionlang::set_product_precision(p); }
+  ~InPrecision() { motionlang::set_product_precision(before); }
+  InPrecision(const InPrecision&) = delete;
+  InPrecision& operator=(const InPrecision&) = delete;
+
+  motionlang::Precision before = motionlang::product_precision();
+};
+
+/// Calls f() with the kernels for S of each, with those of AMX in bf16x3.
 template <class S, class F>
 void with_every_kernel(F f) {
   using motionlang::detail::Isa;
@@ -31,6 +41,7 @@ void with_every_kernel(F f) {
     if (kernels == nullptr || (isa == Isa::amx && kernels->tiles == nullptr)) continue;
     INFO(kernels->name);
     const Instead scope(motionlang::detail::current_kernels<S>(), kernels);
+    const InPrecision precision(isa == Isa::amx ? motionlang::Precision::bf16x3 : motionlang::Precision::fp32);
     f();
   }
 }
@@ -44,10 +55,7 @@ void with_every_bf16_kernel(F f) {
     if (kernels == nullptr) continue;
     INFO(kernels->name);
     const Instead scope(motionlang::detail::current_bf16_kernels(), kernels);
-    const struct Bf16 {
-      Bf16() { motionlang::set_product_precision(motionlang::Precision::bf16); }
-      ~Bf16() { motionlang::set_product_precision(motionlang::Precision::fp32); }
-    } precision;
+    const InPrecision precision(motionlang::Precision::bf16);
     f();
   }
 }

@@ -28,7 +28,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-/// Each has those before it; the last two differ from avx512 in products only, avx512_bf16 in those of bfloat16.
+/// Each has those before it; the last two differ from avx512 in products of bfloat16 only.
 enum class Isa { portable, avx2, avx512, avx512_bf16, amx, best };
 
 #if defined(__x86_64__)

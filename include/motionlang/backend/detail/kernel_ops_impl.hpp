@@ -145,10 +145,11 @@ Dense<S> window_matrix(const Dense<S>& weight) {
   return DenseOps<S>::permute(weight, axes).reshaped(Shape{weight.shape()[0], weight.shape()[1] * weight.shape()[2]});
 }
 
-/// Tiles for a product of m x k and k x n in floats, if there are any that are faster than multiply-adds: of less, splitting panels and rows
+/// Tiles for a product of m x k and k x n in bf16x3, if there are any that are faster than multiply-adds: of less, splitting panels and rows
 /// takes as long as is saved. That depends on the product, not on how its rows are shared: the same numbers for any number of threads.
 template <class S>
 const FloatTiles* float_tiles(Index m, Index n, Index k) {
+  if (precision_of<S>() != Precision::bf16x3) return nullptr;
   const Index rows = RowsTogether::count() > 0 ? RowsTogether::count() : m;
   const bool pays = rows >= 128 && n >= 128 && k >= 128 && rows * n >= (k < 256 ? 131072 : 32768);
   return pays ? kernels<S>().tiles : nullptr;

@@ -105,7 +105,7 @@ struct Binary {
   S* y = nullptr;  // may be a or b
 };
 
-/// Products with the same panels by tiles of bfloat16, three for every float (float_tiles.inc).
+/// Products with the same panels by tiles of bfloat16, three for every float (Precision::bf16x3, float_tiles.inc).
 struct FloatTiles {
   Index tile_rows;
   Index (*gemm_rows)(Index k);
@@ -117,7 +117,7 @@ struct FloatTiles {
 template <class S>
 struct Kernels {
   const char* name;
-  const FloatTiles* tiles;  // none: gemm_block is the fastest for all products
+  const FloatTiles* tiles;  // none: all products by gemm_block
   Index panel_width, tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers

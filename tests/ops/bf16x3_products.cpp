@@ -1,4 +1,4 @@
-// Products of floats by tiles (float_tiles.inc): as exact as multiply-adds, the same bits for any number of threads, the same NaN and
+// Products in bf16x3, of floats by tiles (float_tiles.inc): as exact as multiply-adds, the same bits for any number of threads, the same NaN and
 // infinities. Where the processor has no such tiles there is nothing to test.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/core/rows_together.hpp>
@@ -31,6 +31,7 @@ std::vector<float> numbers(const Floats& x) { return {x.span().begin(), x.span()
 template <class F>
 auto with(ml::detail::Isa isa, F f) {
   const kernel_sets::Instead scope(ml::detail::current_kernels<float>(), ml::detail::kernels_for<float>(isa));
+  const kernel_sets::InPrecision precision(ml::Precision::bf16x3);
   return f();
 }
 template <class F>
@@ -73,7 +74,7 @@ Errors errors(const Floats& c, const Floats& a, const Floats& b, bool ta, bool t
 
 }  // namespace
 
-TEST_CASE("tiles: every form of the product is more exact than multiply-adds") {
+TEST_CASE("bf16x3: every form of the product is more exact than multiply-adds") {
   if (!has_tiles()) return;
   for (const auto& size : {std::array<Index, 3>{256, 512, 128}, {270, 600, 129}, {129, 300, 1030}, {300, 140, 2080}}) {
     const Index m = size[0], n = size[1], k = size[2];
@@ -92,7 +93,7 @@ TEST_CASE("tiles: every form of the product is more exact than multiply-adds") {
   }
 }
 
-TEST_CASE("tiles: numbers far from 1, and of one sign") {
+TEST_CASE("bf16x3: numbers far from 1, and of one sign") {
   if (!has_tiles()) return;
   const Index m = 130, n = 384, k = 300;
   for (const float scale : {1e-15f, 1e-3f, 1e15f}) {
@@ -107,7 +108,7 @@ TEST_CASE("tiles: numbers far from 1, and of one sign") {
 }
 
 TEST_CASE(
-    "tiles: bias, residual and nonlinearity; prepared or not, any number of threads, the same bits; parts of a batch "
+    "bf16x3: bias, residual and nonlinearity; prepared or not, any number of threads, the same bits; parts of a batch "
     "as the whole") {
   if (!has_tiles()) return;
   for (const auto& size : {std::array<Index, 2>{400, 305}, {512, 1300}}) {
@@ -154,7 +155,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("tiles: a row or column that is not finite has what multiply-adds make of it, the others keep their bits") {
+TEST_CASE("bf16x3: a row or column that is not finite has what multiply-adds make of it, the others keep their bits") {
   if (!has_tiles()) return;
   constexpr float infinity = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
   const Index m = 140, n = 420, k = 1100;
