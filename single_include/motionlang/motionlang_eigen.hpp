@@ -4910,7 +4910,8 @@ class PanelSplit {
   MOTIONLANG_INLINE void some(Index pairs_of_k) {
     for (const Index end = std::min(depth_, at_ + 2 * pairs_of_k); at_ < end; at_ += 2) {
       const float* from = from_ + at_ * bf16_columns;
-      for (Index byte = 0; byte < 2 * pair_bytes; byte += 64) __builtin_prefetch(following_ + at_ * pair_bytes + byte, 0, 2);
+      constexpr Index row_bytes = 4 * bf16_columns;
+      for (Index byte = 0; byte < 2 * row_bytes; byte += 64) __builtin_prefetch(following_ + at_ * row_bytes + byte, 0, 2);
       std::uint16_t* out = begin_ + (at_ / 32 * 32 * parts + at_ % 32) * bf16_columns;
 #pragma GCC unroll 2
       for (Index c = 0; c < bf16_columns; c += lanes<float>) {
@@ -4962,7 +4963,8 @@ class AmxTile : public ConvertingTile {
 
   void multiply(const TileProduct<Element>& t) {
     const bool lower = t.height > 16, once = t.first && t.last;
-    const bool direct = once && t.e.residual == nullptr && !t.e.accumulate && (bias_first || t.e.bias == nullptr) && t.e.act == Activation::none && t.height == rows && t.columns == bf16_columns && !t.stream;
+    const bool plain = t.e.residual == nullptr && !t.e.accumulate && (bias_first || t.e.bias == nullptr) && t.e.act == Activation::none;
+    const bool direct = once && plain && t.height == rows && t.columns == bf16_columns && !t.stream;
     if (once) turn_ = 1 - turn_;
     float* own = sums_[once ? turn_ : t.number];
     if (t.first) begin_with(bias_first ? t.e.bias : nullptr, t.columns, lower);
@@ -5037,7 +5039,7 @@ class AmxTile : public ConvertingTile {
     asm volatile("tdpbf16ps %tmm6, %tmm4, %tmm0\n\ttdpbf16ps %tmm7, %tmm4, %tmm1");
     if (lower) asm volatile("tdpbf16ps %tmm6, %tmm5, %tmm2\n\ttdpbf16ps %tmm7, %tmm5, %tmm3");
   }
-  /// 32 rows times 32 columns, 32 of k. Of parts the smallest products come first.
+  /// 32 rows times 32 columns, 32 of k. Of parts the largest product comes last; the order saves loads.
   template <bool panel_stays>
   MOTIONLANG_INLINE static void add_products(const Element* upper, Index stride, const Element* below, const std::uint16_t* panel, bool lower) {
     const auto rows_part = [&]<Index p>(std::integral_constant<Index, p>) { load_rows<p, !panel_stays>(upper, below, stride, lower); };
@@ -5077,6 +5079,7 @@ class AmxTile : public ConvertingTile {
     for (Index r = 0; r < n && (adds || !act); ++r) {
       constexpr Index l = lanes<float>;
       Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + l);
+      // Not by put_result, which may be given other rows than those of c.
       if (w.e.accumulate) c0 += load_first(c + r * w.ldc, w.columns), c1 += load_first(c + r * w.ldc + l, w.columns - l);
       Epilogue<float> e = w.e.from_row(first + r);
       if (bias_first) e.bias = nullptr;
@@ -5098,12 +5101,12 @@ using FloatTile = AmxTile<3>;
 // Products of floats by AMX, which multiplies bfloat16 16 times as fast as other instructions multiply floats.
 //
 //   Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two floats the six largest
-//            are added up, the others are 2^-24 of the whole together, at most, and of either sign. The instruction adds up 32 products
+//            are added up, the others are at most 3 2^-24 of the whole together, a tenth of that mostly, and of either sign. The instruction adds up 32 products
 //            before it adds them to the sum, so that the error is about half of that of one multiply-add after the other.
 //   Panels   those of gemm.inc. A panel is split into scratch, beside the products with the panel before it, and so are the rows of A.
 //   Block    up to 1024 of k at a time: rows of A stay in the second-level cache (2 MB where there is AMX) beside the split panel.
 //   Order    as in gemm.inc: depends on k alone.
-//   Limits   parts below 2^-126 count as 0. Rows of A and panels of B with a number that is not finite (or whose nearest bfloat16 is not:
+//   Limits   parts and their products below 2^-126 count as 0: exact are products of more than 2^-108. A sum that overflows may be NaN. Rows of A and panels of B with a number that is not finite (or whose nearest bfloat16 is not:
 //            from 3.39e38 on) have no parts: they are multiplied by gemm.inc.
 
 /// 16 numbers, in parts: each the nearest bfloat16 to what those before it leave. What the last one leaves: 0, or NaN if there are no parts.
@@ -5147,21 +5150,18 @@ inline bool split_rows(const Rows<float>& a, Index count, Index k, Index depth, 
 
 /// The rows and panels of a product that have numbers without parts, by multiply-adds.
 inline void multiply_odd_parts(const Gemm<float>& g, Index r0, Index r1, Index j0, Index j1, float* scratch) {
-  const auto odd = [](const float* x, Index n) {
-    std::uint16_t parts[FloatTile::parts * 32];
-    bool found = false;
-    for (Index i = 0; i < n; i += lanes<float>) found |= any_nan(split_lanes(load_first(x + i, n - i), parts));
-    return found;
-  };
   for (Index j = j0; j < j1; ++j) {
-    if (odd(g.panels + j * g.k * bf16_columns, g.k * bf16_columns)) gemm_block(g, r0, r1, j, j + 1, scratch);
+    Mask<float> found{};
+    const float* panel = g.panels + j * g.k * bf16_columns;
+    for (Index i = 0; i < g.k * bf16_columns; i += lanes<float>) find_not_finite<float>(load(panel + i), found);
+    if (any_negative<float>(found)) gemm_block(g, r0, r1, j, j + 1, scratch);
   }
   const Rows<float> rows{g.a, g.lda, g.a_transposed};
   for (Index r = r0; r < r1; ++r) {
-    bool found = false;
-    if (!rows.transposed) found = odd(rows.from(r).at, g.k);
-    for (Index k = 0; k < g.k && rows.transposed; ++k) found |= odd(rows.from(r).from_depth(k).at, 1);
-    if (found) gemm_block(g, r, r + 1, j0, j1, scratch);
+    std::uint16_t parts[FloatTile::parts * 32];
+    bool sound = true;
+    for (Index k = 0; k < g.k; ++k) sound &= split_rows(rows.from(r).from_depth(k), 1, 1, 32, parts, 0);
+    if (!sound) gemm_block(g, r, r + 1, j0, j1, scratch);
   }
 }
 

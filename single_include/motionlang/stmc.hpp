@@ -7741,7 +7741,8 @@ class PanelSplit {
   MOTIONLANG_INLINE void some(Index pairs_of_k) {
     for (const Index end = std::min(depth_, at_ + 2 * pairs_of_k); at_ < end; at_ += 2) {
       const float* from = from_ + at_ * bf16_columns;
-      for (Index byte = 0; byte < 2 * pair_bytes; byte += 64) __builtin_prefetch(following_ + at_ * pair_bytes + byte, 0, 2);
+      constexpr Index row_bytes = 4 * bf16_columns;
+      for (Index byte = 0; byte < 2 * row_bytes; byte += 64) __builtin_prefetch(following_ + at_ * row_bytes + byte, 0, 2);
       std::uint16_t* out = begin_ + (at_ / 32 * 32 * parts + at_ % 32) * bf16_columns;
 #pragma GCC unroll 2
       for (Index c = 0; c < bf16_columns; c += lanes<float>) {
@@ -7793,7 +7794,8 @@ class AmxTile : public ConvertingTile {
 
   void multiply(const TileProduct<Element>& t) {
     const bool lower = t.height > 16, once = t.first && t.last;
-    const bool direct = once && t.e.residual == nullptr && !t.e.accumulate && (bias_first || t.e.bias == nullptr) && t.e.act == Activation::none && t.height == rows && t.columns == bf16_columns && !t.stream;
+    const bool plain = t.e.residual == nullptr && !t.e.accumulate && (bias_first || t.e.bias == nullptr) && t.e.act == Activation::none;
+    const bool direct = once && plain && t.height == rows && t.columns == bf16_columns && !t.stream;
     if (once) turn_ = 1 - turn_;
     float* own = sums_[once ? turn_ : t.number];
     if (t.first) begin_with(bias_first ? t.e.bias : nullptr, t.columns, lower);
@@ -7868,7 +7870,7 @@ class AmxTile : public ConvertingTile {
     asm volatile("tdpbf16ps %tmm6, %tmm4, %tmm0\n\ttdpbf16ps %tmm7, %tmm4, %tmm1");
     if (lower) asm volatile("tdpbf16ps %tmm6, %tmm5, %tmm2\n\ttdpbf16ps %tmm7, %tmm5, %tmm3");
   }
-  /// 32 rows times 32 columns, 32 of k. Of parts the smallest products come first.
+  /// 32 rows times 32 columns, 32 of k. Of parts the largest product comes last; the order saves loads.
   template <bool panel_stays>
   MOTIONLANG_INLINE static void add_products(const Element* upper, Index stride, const Element* below, const std::uint16_t* panel, bool lower) {
     const auto rows_part = [&]<Index p>(std::integral_constant<Index, p>) { load_rows<p, !panel_stays>(upper, below, stride, lower); };
@@ -7908,6 +7910,7 @@ class AmxTile : public ConvertingTile {
     for (Index r = 0; r < n && (adds || !act); ++r) {
       constexpr Index l = lanes<float>;
       Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + l);
+      // Not by put_result, which may be given other rows than those of c.
       if (w.e.accumulate) c0 += load_first(c + r * w.ldc, w.columns), c1 += load_first(c + r * w.ldc + l, w.columns - l);
       Epilogue<float> e = w.e.from_row(first + r);
       if (bias_first) e.bias = nullptr;
@@ -7929,12 +7932,12 @@ using FloatTile = AmxTile<3>;
 // Products of floats by AMX, which multiplies bfloat16 16 times as fast as other instructions multiply floats.
 //
 //   Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two floats the six largest
-//            are added up, the others are 2^-24 of the whole together, at most, and of either sign. The instruction adds up 32 products
+//            are added up, the others are at most 3 2^-24 of the whole together, a tenth of that mostly, and of either sign. The instruction adds up 32 products
 //            before it adds them to the sum, so that the error is about half of that of one multiply-add after the other.
 //   Panels   those of gemm.inc. A panel is split into scratch, beside the products with the panel before it, and so are the rows of A.
 //   Block    up to 1024 of k at a time: rows of A stay in the second-level cache (2 MB where there is AMX) beside the split panel.
 //   Order    as in gemm.inc: depends on k alone.
-//   Limits   parts below 2^-126 count as 0. Rows of A and panels of B with a number that is not finite (or whose nearest bfloat16 is not:
+//   Limits   parts and their products below 2^-126 count as 0: exact are products of more than 2^-108. A sum that overflows may be NaN. Rows of A and panels of B with a number that is not finite (or whose nearest bfloat16 is not:
 //            from 3.39e38 on) have no parts: they are multiplied by gemm.inc.
 
 /// 16 numbers, in parts: each the nearest bfloat16 to what those before it leave. What the last one leaves: 0, or NaN if there are no parts.
@@ -7978,21 +7981,18 @@ inline bool split_rows(const Rows<float>& a, Index count, Index k, Index depth, 
 
 /// The rows and panels of a product that have numbers without parts, by multiply-adds.
 inline void multiply_odd_parts(const Gemm<float>& g, Index r0, Index r1, Index j0, Index j1, float* scratch) {
-  const auto odd = [](const float* x, Index n) {
-    std::uint16_t parts[FloatTile::parts * 32];
-    bool found = false;
-    for (Index i = 0; i < n; i += lanes<float>) found |= any_nan(split_lanes(load_first(x + i, n - i), parts));
-    return found;
-  };
   for (Index j = j0; j < j1; ++j) {
-    if (odd(g.panels + j * g.k * bf16_columns, g.k * bf16_columns)) gemm_block(g, r0, r1, j, j + 1, scratch);
+    Mask<float> found{};
+    const float* panel = g.panels + j * g.k * bf16_columns;
+    for (Index i = 0; i < g.k * bf16_columns; i += lanes<float>) find_not_finite<float>(load(panel + i), found);
+    if (any_negative<float>(found)) gemm_block(g, r0, r1, j, j + 1, scratch);
   }
   const Rows<float> rows{g.a, g.lda, g.a_transposed};
   for (Index r = r0; r < r1; ++r) {
-    bool found = false;
-    if (!rows.transposed) found = odd(rows.from(r).at, g.k);
-    for (Index k = 0; k < g.k && rows.transposed; ++k) found |= odd(rows.from(r).from_depth(k).at, 1);
-    if (found) gemm_block(g, r, r + 1, j0, j1, scratch);
+    std::uint16_t parts[FloatTile::parts * 32];
+    bool sound = true;
+    for (Index k = 0; k < g.k; ++k) sound &= split_rows(rows.from(r).from_depth(k), 1, 1, 32, parts, 0);
+    if (!sound) gemm_block(g, r, r + 1, j0, j1, scratch);
   }
 }
 
@@ -8176,7 +8176,7 @@ namespace motionlang::inline MOTIONLANG_ABI {
 ///         product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|, besides the rounding of
 ///         the sum, of which a bias may be the first number. Numbers below 2^-126 may count as 0.
 /// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added up; from 128 rows on, else and on other processors
-///         the same as fp32. Half the error of fp32, other last digits (those of a few rows may differ alone and in a larger batch). On two
+///         the same as fp32. Half the error of fp32 while products are above 2^-108 (below 2^-126 they count as 0), other last digits (those of a few rows may differ alone and in a larger batch). On two
 ///         threads large products take 0.6 to 0.9 of the time; on 8 and 16 threads of one machine they took 1.1 to 2 times as long, as all
 ///         instructions of AMX are slower there when every core uses them. So it is for few threads: try it.
 ///         All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
@@ -8216,9 +8216,10 @@ inline void set_product_precision(Precision p) { detail::current_product_precisi
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-/// While it lives, products of this thread count as parts of one of so many rows, unless another lives already. Which instructions are the
-/// fastest depends on the number of rows, and with them the last digit: where that must not depend on how rows are shared by threads, or on
-/// what else is in a batch, say so by this.
+/// While it lives, products of this thread count as parts of one of so many rows (0: each as what it is), unless another lives already. In
+/// bf16x3 the instructions depend on the number of rows, and with them the last digit: where that must not depend on how rows are shared by
+/// threads, or on what else is in a batch, say so by this. As `many`, a product of a few rows takes up to four times as long. Threads that
+/// help have to be told (for_products, in_groups).
 class RowsTogether {
  public:
   static constexpr Index few = 1, many = 1 << 20;
@@ -10281,7 +10282,8 @@ struct DenoiserTraits {
 
 /// A network that cleans noisy sequences given a text for each.
 ///     x (frames of all sequences, features), t (one step number per sequence), text (one per sequence) -> as x
-/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws)
+/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), but for last
+///          digits in bf16x3 (core/precision.hpp)
 /// Models   MdmSmplDenoiser, MdmDenoiser, MotionDiffuseDenoiser, and yours
 template <class D, class B>
 concept Denoiser = Module<D> &&
@@ -10996,9 +10998,10 @@ Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets&
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
-/// While it lives, products of this thread count as parts of one of so many rows, unless another lives already. Which instructions are the
-/// fastest depends on the number of rows, and with them the last digit: where that must not depend on how rows are shared by threads, or on
-/// what else is in a batch, say so by this.
+/// While it lives, products of this thread count as parts of one of so many rows (0: each as what it is), unless another lives already. In
+/// bf16x3 the instructions depend on the number of rows, and with them the last digit: where that must not depend on how rows are shared by
+/// threads, or on what else is in a batch, say so by this. As `many`, a product of a few rows takes up to four times as long. Threads that
+/// help have to be told (for_products, in_groups).
 class RowsTogether {
  public:
   static constexpr Index few = 1, many = 1 << 20;
@@ -11121,15 +11124,20 @@ void put_shares(const Offsets& offsets, std::span<const Index> order, const Sequ
 /// gradients are kept or dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index width, const Context& context, F f) {
+  const auto whole = [&] {
+    PoolVector<Index> all;
+    for (Index s = 0; s < offsets.count(); ++s) all.push_back(s);
+    return f(std::span<const Index>(all));
+  };
   if constexpr (requires { B::rows_in_cache(); }) {
-    const Index threads = parallel_width(), at_once = B::rows_in_cache();
+    const RowsTogether in_any_groups(offsets.rows());
+    const Index threads = parallel_width(), at_once = B::rows_in_cache(), together = RowsTogether::count();
     const PoolVector<Index> order = longest_first(offsets);
     const bool grouped = offsets.rows() > at_once || !share_sequences(offsets, order, threads).empty();
     if (grouped && !context.dropout) {
       typename B::tensor y(Shape{results.rows(), width});
-      const Index counted = RowsTogether::count() > 0 ? RowsTogether::count() : offsets.rows();
       const auto put = [&, out = y.data()](std::span<const Index> which) {
-        const RowsTogether as_all(counted);
+        const RowsTogether as_here(together);
         const auto rows = f(which);
         const auto* from = rows.span().data();
         for (Index s : which) {
@@ -11140,19 +11148,18 @@ Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index wid
       };
       for (std::span<const Index> left(order); !left.empty();) {
         const SequenceShares shares = share_sequences(offsets, left, threads);
-        const auto together = shares.empty() ? first_group(offsets, left, at_once) : left.first(shares.size());
+        const auto next = shares.empty() ? first_group(offsets, left, at_once) : left.first(shares.size());
         if (shares.empty())
-          put(together);
+          put(next);
         else
-          put_shares(offsets, together, shares, threads, at_once / threads, put);
-        left = left.subspan(together.size());
+          put_shares(offsets, next, shares, threads, at_once / threads, put);
+        left = left.subspan(next.size());
       }
       return Tensor<B, 2>(std::move(y));
     }
+    return whole();
   }
-  PoolVector<Index> all;
-  for (Index s = 0; s < offsets.count(); ++s) all.push_back(s);
-  return f(std::span<const Index>(all));
+  return whole();
 }
 /// The same with f(some), `some` being these sequences of x, and results as wide as x.
 template <Backend B, class F>
@@ -12363,7 +12370,7 @@ Tensor<B, 2> one_hot(std::span<const Index> labels, Index classes) {
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// Turns texts into vectors: one sequence of tokens for each, a single row if it pools.
-/// Laws     a text gives the same features alone and among others; "" is a text like any other
+/// Laws     a text gives the same features alone and among others (but for last digits in bf16x3); "" is a text like any other
 /// Models   CaptionEncoder, and yours
 template <class E, class B>
 concept TextEncoder = requires(const E& e, std::span<const std::string> texts) {

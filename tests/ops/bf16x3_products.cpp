@@ -96,10 +96,11 @@ TEST_CASE("bf16x3: every form of the product is more exact than multiply-adds") 
 TEST_CASE("bf16x3: numbers far from 1, and of one sign") {
   if (!has_tiles()) return;
   const Index m = 130, n = 384, k = 300;
-  for (const float scale : {1e-15f, 1e-3f, 1e15f}) {
+  for (const auto& scale :
+       {std::array{1e-15f, 1e15f}, {1e-3f, 1e3f}, {1e15f, 1e-15f}, {1e-15f, 1e-15f}, {1e15f, 1e15f}}) {
     Floats a = normal(m, k, 3), b = normal(k, n, 4);
-    for (Index i = 0; i < m * k; ++i) a.data()[i] = std::abs(a.data()[i]) * scale;
-    for (Index i = 0; i < k * n; ++i) b.data()[i] = std::abs(b.data()[i]) / scale;
+    for (Index i = 0; i < m * k; ++i) a.data()[i] = std::abs(a.data()[i]) * scale[0];
+    for (Index i = 0; i < k * n; ++i) b.data()[i] = std::abs(b.data()[i]) * scale[1];
     const auto product = [&] { return B::matmul(a, b, false, false); };
     const Errors e = errors(with_tiles(product), a, b, false, false);
     CHECK(e.largest < 1e-6);

@@ -5,6 +5,7 @@
 #include <motionlang/io/stmc_record.hpp>
 
 #include "../support/check_error.hpp"
+#include "../support/kernel_sets.hpp"
 #include "../support/small_denoisers.hpp"
 #include "../support/temporary_folder.hpp"
 
@@ -196,4 +197,23 @@ TEST_CASE("a record in a file: the same run, refused for another model") {
               "[motionlang.config.102]");
   ml::write_safetensors(folder / "other", {}, {{"model", "stmc"}});
   CHECK_ERROR(ml::load_stmc_record<B>(ml::SafetensorsFile::open(folder / "other"), model), "[motionlang.config.103]");
+}
+
+TEST_CASE("bf16x3: after an edit the bits are those of a whole run, of a model that is wide enough for tiles") {
+  auto config = small::config();
+  config.denoiser.latent_dim = 256, config.denoiser.ff_size = 512;
+  const auto model = small::model<B>(config);
+  const auto before = chain(seven), after = edited_chain();
+  const auto in_fp32 = numbers(model.generate(std::vector{after}, rng, {.steps = 3}));
+  const kernel_sets::InPrecision precision(ml::Precision::bf16x3);
+  for (const Index overlap : {0, 4}) {
+    const ml::StmcOptions options{.overlap = overlap, .steps = 3};
+    const auto whole = numbers(model.generate(std::vector{after}, rng, options));
+    const auto again = rerun(model, {before}, {after}, options);
+    CHECK(again.motions == whole);
+    CHECK(again.reuse.exact);
+    CHECK(again.reuse.work < again.reuse.whole_work);
+  }
+  if (ml::detail::kernels<float>().tiles != nullptr)
+    CHECK(numbers(model.generate(std::vector{after}, rng, {.steps = 3})) != in_fp32);
 }

@@ -82,15 +82,20 @@ void put_shares(const Offsets& offsets, std::span<const Index> order, const Sequ
 /// gradients are kept or dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index width, const Context& context, F f) {
+  const auto whole = [&] {
+    PoolVector<Index> all;
+    for (Index s = 0; s < offsets.count(); ++s) all.push_back(s);
+    return f(std::span<const Index>(all));
+  };
   if constexpr (requires { B::rows_in_cache(); }) {
-    const Index threads = parallel_width(), at_once = B::rows_in_cache();
+    const RowsTogether in_any_groups(offsets.rows());
+    const Index threads = parallel_width(), at_once = B::rows_in_cache(), together = RowsTogether::count();
     const PoolVector<Index> order = longest_first(offsets);
     const bool grouped = offsets.rows() > at_once || !share_sequences(offsets, order, threads).empty();
     if (grouped && !context.dropout) {
       typename B::tensor y(Shape{results.rows(), width});
-      const Index counted = RowsTogether::count() > 0 ? RowsTogether::count() : offsets.rows();
       const auto put = [&, out = y.data()](std::span<const Index> which) {
-        const RowsTogether as_all(counted);
+        const RowsTogether as_here(together);
         const auto rows = f(which);
         const auto* from = rows.span().data();
         for (Index s : which) {
@@ -101,19 +106,18 @@ Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index wid
       };
       for (std::span<const Index> left(order); !left.empty();) {
         const SequenceShares shares = share_sequences(offsets, left, threads);
-        const auto together = shares.empty() ? first_group(offsets, left, at_once) : left.first(shares.size());
+        const auto next = shares.empty() ? first_group(offsets, left, at_once) : left.first(shares.size());
         if (shares.empty())
-          put(together);
+          put(next);
         else
-          put_shares(offsets, together, shares, threads, at_once / threads, put);
-        left = left.subspan(together.size());
+          put_shares(offsets, next, shares, threads, at_once / threads, put);
+        left = left.subspan(next.size());
       }
       return Tensor<B, 2>(std::move(y));
     }
+    return whole();
   }
-  PoolVector<Index> all;
-  for (Index s = 0; s < offsets.count(); ++s) all.push_back(s);
-  return f(std::span<const Index>(all));
+  return whole();
 }
 /// The same with f(some), `some` being these sequences of x, and results as wide as x.
 template <Backend B, class F>

@@ -1,14 +1,18 @@
 // Sequences in groups: who gets which, and that every row of the result comes from its sequence.
 #include <algorithm>
+#include <array>
 #include <mutex>
 #include <numeric>
 
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
+#include <motionlang/nn/sequence_vae.hpp>
+#include <motionlang/nn/transformer_decoder.hpp>
 #include <motionlang/nn/transformer_encoder.hpp>
 
 #include "../../support/check_error.hpp"
+#include "../../support/kernel_sets.hpp"
 #include "../../support/tensors.hpp"
 #include "../../support/threads.hpp"
 
@@ -145,4 +149,28 @@ TEST_CASE("sequences that end alike: the same bits as one by one, on any number 
   CHECK(ml::repeat_sequences(x, Offsets{1, 2}).offsets == Offsets{2, 1, 1});
   CHECK(tensors::same_bits(ml::repeat_sequences(x, Offsets{0, 2})[1], x[1]));
   CHECK_ERROR(ml::repeat_sequences(x, Offsets{1}), "[motionlang.shape.204] repeat_lengths");
+}
+
+TEST_CASE("bf16x3: whether a product is worth tiles depends on all rows, not on how many threads share them") {
+  using F = ml::EigenBackend<float>;
+  const kernel_sets::InPrecision precision(ml::Precision::bf16x3);
+  ml::Philox rng{.seed = 1};
+  const ml::TransformerConfig config{.d_model = 256, .heads = 4, .d_ff = 512, .layers = 1};
+  const ml::TransformerEncoder<F> encoder(config, rng);
+  const ml::TransformerDecoder<F> decoder(config, rng);
+  const auto sequences = [](Index length, std::uint64_t seed) {
+    return ml::Sequences<F>(tensors::normal<F, 2>({20 * length, 256}, seed), Offsets::equal(20, length));
+  };
+  const auto x = sequences(70, 1), memory = sequences(5, 2), one = sequences(1, 3);
+  const auto all = [&] {
+    return std::array{encoder(x).rows, ml::encode_tokens(encoder, x, 2, 0.0).rows, decoder(x, memory).rows,
+                      decoder(x, one).rows};
+  };
+  const Threads single(1);
+  const auto expected = all();
+  for (int threads : {2, 3, 16}) {
+    const Threads set(threads);
+    const auto got = all();
+    for (std::size_t i = 0; i < got.size(); ++i) CHECK(tensors::same_bits(got[i], expected[i]));
+  }
 }
