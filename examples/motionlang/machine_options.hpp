@@ -22,10 +22,8 @@ struct MachineOptions {
     command
         .add_option("--precision", precision,
                     "Of products: fp32, or bf16 (factors rounded to 8 bits, sums in float): up to several times faster "
-                    "where the "
-                    "processor multiplies bfloat16; packed weights take half the memory; or bf16x3 (three bfloat16 for "
-                    "a float, as exact "
-                    "as fp32): faster on few threads with AMX")
+                    "where the processor multiplies bfloat16; packed weights take half the memory; or bf16x3 (three "
+                    "bfloat16 for a float, as exact as fp32): faster on few threads with AMX")
         ->check(CLI::IsMember({"fp32", "bf16", "bf16x3"}))
         ->capture_default_str();
   }

@@ -2403,11 +2403,11 @@ namespace motionlang::inline MOTIONLANG_ABI {
 ///         prepared weights, and up to ten times the speed where the processor has instructions for it. An element of a
 ///         product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|, besides the rounding of
 ///         the sum, of which a bias may be the first number. Numbers below 2^-126 may count as 0.
-/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added up; from 128 rows on, else and on other processors
-///         the same as fp32. Half the error of fp32 while products are above 2^-108 (below 2^-126 they count as 0), other last digits (those of a few rows may differ alone and in a larger batch). On two
-///         threads large products take 0.6 to 0.9 of the time; on 8 and 16 threads of one machine they took 1.1 to 2 times as long, as all
-///         instructions of AMX are slower there when every core uses them. So it is for few threads: try it.
-///         All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
+/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added up. From 128 rows on; else, and on other processors,
+///         fp32. Half its error while products are above 2^-108 (below 2^-126 they count as 0), other last digits (those of a few rows may
+///         differ alone and in a larger batch). For few threads: with two, large products take 0.6 to 0.9 of the time; with 8 and 16 of one
+///         machine they took 1.1 to 2.3 times as long, as all instructions of AMX are slower there when every core uses them.
+/// All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
 enum class Precision { fp32, bf16, bf16x3 };
 
 /// "fp32", ...

@@ -3,7 +3,7 @@
 // file of weights. And how long a program takes from its start to the end of its first denoising step, and its memory then (start).
 // Every run is a program of its own: this one, started again.
 //
-// usage: bench_generate [THREADS] [--bf16] [stmc_full stmc_bundled start ...]
+// usage: bench_generate [THREADS] [--bf16 | --bf16x3] [stmc_full stmc_bundled start ...]
 #include <motionlang/io/stmc_file.hpp>
 #include <motionlang/stmc.hpp>
 

@@ -55,8 +55,11 @@ def peaks(work, precision, each, median, kernels=""):
 PROCESSOR = pathlib.Path("/proc/cpuinfo")
 HAS_AMX = PROCESSOR.exists() and "amx_bf16" in PROCESSOR.read_text().split()
 PRODUCTS_BF16 = peaks("product", "bf16", ">= 0.90", ">= 0.94", "avx512_bf16" if HAS_AMX else "")
+BF16X3 = []  # without AMX it is fp32
 if HAS_AMX:
     PRODUCTS_BF16 += peaks("product", "bf16", "", "")
+    BF16X3 += [Row(work, "", "peak", "", "bf16x3") for work in ("product", "product_gelu", "mdm_step")]
+    BF16X3 += [Row(work, "", "torch", "", "bf16x3", "fp32") for work in ("mdm_step", "mdm_ragged", "tmr_encoder", "distilbert", "clip_text")]
 
 
 TABLE = [
@@ -64,8 +67,7 @@ TABLE = [
     Row("product", "", "native"), Row("product", "median", "native", ">= 0.97"),
     Row("product", "", "onednn"), Row("product", "median", "onednn"), Row("product", "", "onednn", "", "bf16", kernels="avx512_bf16" if HAS_AMX else ""),
     Row("product_gelu", "", "onednn"), Row("product_batched", "", "onednn"),
-    *[row for work in ("product", "product_gelu", "mdm_step") for row in peaks(work, "bf16x3", "", "") if HAS_AMX],
-    *[Row(work, "", "torch", "", "bf16x3", "fp32") for work in ("mdm_step", "mdm_ragged", "tmr_encoder", "distilbert", "clip_text") if HAS_AMX],
+    *BF16X3,
     *peaks("product_gelu", "fp32", ">= 0.88", ""), *peaks("product_batched", "fp32", "", ""),
     Row("xtensor", "", "eigen", "<= 1.03"),
     Row("mdm_step", "B=1", "torch", "<= 0.76"), Row("mdm_step", "B=3", "torch", "<= 0.82"), Row("mdm_step", "B=8", "torch", "<= 0.74"),

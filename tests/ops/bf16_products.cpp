@@ -94,11 +94,10 @@ TEST_CASE("bf16: prepared weights, any batch and any number of threads give the 
         CHECK(std::equal(one.begin(), one.end(), expected.begin() + row * n));
       }
       // A weight that was prepared in another precision is not used by mistake.
-      ml::set_product_precision(ml::Precision::fp32);
+      const kernel_sets::InPrecision precision(ml::Precision::fp32);
       const auto exact = run(x.data(), w.data(), residual.data());
       CHECK(run(x.data(), prepared, residual.data()) == exact);
       CHECK(exact != expected);
-      ml::set_product_precision(ml::Precision::bf16);
     });
   }
 }

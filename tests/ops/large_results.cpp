@@ -44,7 +44,7 @@ TEST_CASE_TEMPLATE("every instruction set", S, float, double) {
     check_large<S>(8203, 512);
     check_large<S>(8203, 520);   // the last panel is not whole
     check_large<S>(1030, 1024);  // rows a multiple of the page size apart
-    check_large<S>(1200, 1024, 130);
+    check_large<S>(1200, 1024, 130);  // the whole and its parts, of 200 rows each, large enough for tiles of floats
     check_large<S>(8200, 520, 260);
   });
 }
