@@ -163,8 +163,8 @@ struct Gemm {
   Index after_bytes = 0;
 
   /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if there is no `after`.
-  const void* following(Index first, Index count, const void* otherwise) const {
-    return after == nullptr ? otherwise : after + after_bytes / 64 * first / count * 64;
+  const std::byte* following(Index first, Index count, const void* otherwise) const {
+    return after == nullptr ? static_cast<const std::byte*>(otherwise) : after + after_bytes / 64 * first / count * 64;
   }
 };
 
@@ -641,11 +641,15 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
-//            of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Stream   what is larger than the caches is written past them (streams).
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of the panel that follows,
-//            be it of the product that follows.
+//   Block    up to 1024 of k at a time: rows of A and a group of panel slices stay in the second-level cache. Eight panels at a time: the
+//            block of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches (far): a tile's rows
+//            times all panels of a group, then the next rows, so that rows of the result are written a piece after the other. Every line is
+//            fetched before it is overwritten; lines that follow each other the processor fetches by itself, and of pages fewer are needed
+//            at a time (two lines of every row took 7 to 12 % of the time of 1632 x 512 x 1536 on one thread, a part of that not with pages
+//            of 2 MB).
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what follows: of the
+//            panels of the next group, be it of the product that follows, and, with the first group, of the next rows of A.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -654,11 +658,12 @@ inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
 inline constexpr Index most_tiles = 16;  // of rows in a block
+inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  // for rows of A, and as much for a group of panels
 template <class S>
 inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
 
-/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
-constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64) {
+/// Rows of A, `row_bytes` each, in a block of so many bytes: at most most_tiles tiles.
+constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
@@ -716,16 +721,17 @@ struct Rows {
 };
 
 /// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
-/// panel (bfloat16: pair of rows). Where a row is two lines long, a tile alone fetches the first half of the next panel only: every
-/// other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 % slower from memory).
+/// panel (bfloat16: pair of rows). What is more than that is left: where a row is two lines long, a tile alone fetches the first half of the
+/// next panel only, as every other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 %
+/// slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share t of `tiles` of so many rows of a panel, whose bytes begin at `next`.
-  MOTIONLANG_INLINE static Ahead share(const void* next, Index row_bytes, Index rows, Index t, Index tiles) {
-    const Index step = std::min<Index>(64, row_bytes / tiles);
-    return {static_cast<const std::byte*>(next) + t * step * rows, step};
+  /// Share i of n of `bytes` that begin at `next`, in so many steps.
+  MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
+    const Index step = std::min<Index>(64, bytes / std::max<Index>(1, n * steps));
+    return {next + i * step * steps, step};
   }
   MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
 };
@@ -858,25 +864,6 @@ TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
   return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
 
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
-/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
-/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
-template <class S>
-bool streams(const Gemm<S>& g, Index columns) {
-  constexpr Index near = 4 << 20, all = 16 << 20;
-  const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(S)); };
-  const bool whole_lines = g.n % columns == 0 && bytes(columns) % 64 == 0 && bytes(g.ldc) % 64 == 0 &&
-                           reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
-  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near : all);
-}
-/// Rows of one panel's width, from where a tile has put them.
-template <class S>
-void stream_rows(const S* from, Index rows, Index columns, S* to, Index ldc) {
-  for (Index r = 0; r < rows; ++r, from += columns, to += ldc) {
-    for (Index i = 0; i < columns; i += lanes<S>) store_stream(to + i, load(from + i));
-  }
-}
-
 /// First row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
@@ -887,7 +874,7 @@ struct Blocks {
 
   explicit Blocks(Index k)
       : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
-        rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows)) {}
+        rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows, half_cache)) {}
 };
 template <class S>
 Index gemm_rows(Index k) {
@@ -914,61 +901,105 @@ void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, 
   }
 }
 
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
+/// What is made at a time: of k the part k0 ... k1-1 of rows top ... below-1 times panels left ... right-1.
 template <class S>
-void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
-  constexpr Index w = panel_width<S>;
-  const Blocks<S> split(g.k);
-  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
-  const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
-  const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
-  const Index pieces = (j1 - j0 + wide - 1) / wide;
-  const bool stream = blocks == 1 && streams(g, w);
-  alignas(64) S result[static_cast<std::size_t>(tile_rows * w)];
-  for (Index row_piece = 0; row_piece < row_blocks; ++row_piece) {
-    const Index top = r0 + part(r1 - r0, row_piece, row_blocks), rows = r0 + part(r1 - r0, row_piece + 1, row_blocks) - top;
-    const Index tiles = (rows + tile_rows - 1) / tile_rows;
-    for (Index piece = 0; piece < pieces * blocks; ++piece) {
-      const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
-      const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
-      const Index pitch = depth + 16;
-      if (g.a_transposed) {
-        copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, rows, g.m - top, scratch);
-      } else if (copy) {
-        for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
-      }
-      const auto tile_of_a = [&](Index t, Index first) -> Rows<S> {
-        if (g.a_transposed) return {scratch + t * depth * tile_pitch<S>, tile_pitch<S>, true};
-        return copy ? Rows<S>{scratch + first * pitch, pitch, false} : Rows<S>{g.a + (top + first) * g.lda + k0, g.lda, false};
-      };
-      Epilogue<S> e;
-      e.accumulate = block > 0;
-      for (Index j = left; j < right; ++j) {
-        const S* panel = g.panels + (j * g.k + k0) * w;
-        const void* following = j + 1 < right          ? panel + g.k * w
-                                : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
-                                : right < j1           ? g.panels + right * g.k * w
-                                : top + rows < r1      ? g.panels + j0 * g.k * w
-                                                       : g.following(j0, (g.n + w - 1) / w, panel);
-        const Index columns = g.n - j * w;
-        for (Index t = 0; t < tiles; ++t) {
-          const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
-          if (block + 1 == blocks) {
-            e.bias = g.bias == nullptr ? nullptr : g.bias + j * w;
-            e.residual = g.residual == nullptr ? nullptr : g.residual + row * g.ldr + j * w;
-            e.residual_stride = g.ldr;
-            e.act = g.act;
-          }
-          S* c = g.c + row * g.ldc + j * w;
-          tile_of<S>(height, g.a_transposed, columns)(tile_of_a(t, first), panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
-                             Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
-          if (stream) stream_rows(result, height, w, c, g.ldc);
+struct GemmPiece {
+  static constexpr Index w = panel_width<S>;
+  const Gemm<S>& g;
+  S* scratch;
+  bool copies, far;                   // rows of A are copied; the result is larger than the nearer caches
+  Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
+  Index left = 0, right = 0;
+  Index k0 = 0, k1 = 0;
+  const std::byte* next = nullptr;  // panels that are read after it
+  Index next_bytes = std::numeric_limits<Index>::max();
+
+  Index depth() const { return k1 - k0; }
+  Index pitch() const { return depth() + 16; }
+  static const std::byte* bytes_of(const S* x) { return reinterpret_cast<const std::byte*>(x); }
+  static Index bytes(Index count) { return count * static_cast<Index>(sizeof(S)); }
+  const S* slice(Index panel) const { return g.panels + (panel * g.k + k0) * w; }
+
+  Rows<S> rows_of(Index tile, Index row) const {
+    if (g.a_transposed) return {scratch + tile * depth() * tile_pitch<S>, tile_pitch<S>, true};
+    if (copies) return {scratch + (row - top) * pitch(), pitch(), false};
+    return {g.a + row * g.lda + k0, g.lda, false};
+  }
+  void copy_rows(Index first, Index last) const {
+    for (Index r = first; r < last; ++r) {
+      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes(depth())));
+    }
+  }
+  /// What a tile puts into its columns of a panel.
+  Epilogue<S> epilogue(Index row, Index panel) const {
+    Epilogue<S> e{.accumulate = k0 > 0};
+    if (k1 < g.k) return e;
+    e.act = g.act;
+    if (g.bias != nullptr) e.bias = g.bias + panel * w;
+    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + panel * w, e.residual_stride = g.ldr;
+    return e;
+  }
+
+  void multiply() const {
+    const Index depth = k1 - k0, tiles = (below - top + tile_rows - 1) / tile_rows;
+    const bool whole = depth == g.k, transposed = g.a_transposed;
+    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes(depth * w))) : 1;
+    const Index groups = (right - left + together - 1) / together;
+    if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
+    else if (copies && !far) copy_rows(top, below);
+    for (Index group = 0; group < groups; ++group) {
+      const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
+      const Index panels = j1 - j0, panel_bytes = bytes(panels * depth * w);
+      const std::byte* next_panels = j1 < right ? bytes_of(slice(j1)) : next;
+      const Index next_panel_bytes = j1 < right ? panel_bytes : std::min(panel_bytes, next_bytes);
+      for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
+        height = top + part(below - top, t + 1, tiles) - row;
+        const Index next_row = row + height;
+        if (copies && far && !transposed && group == 0) copy_rows(row, next_row);
+        // With half of the first panels the next rows are fetched, if they lie together.
+        const bool fetches_rows = far && group == 0 && whole && !transposed && next_row < end;
+        const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
+        for (Index i = 0; i < panels; ++i) {
+          const Index j = j0 + i, columns = g.n - j * w;
+          const Ahead ahead = i < row_panels ? Ahead::share(bytes_of(g.a + next_row * g.lda), bytes(std::min(height, end - next_row) * g.lda), i,
+                                                            row_panels, depth)
+                                             : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, g.c + row * g.ldc + j * w, g.ldc, columns, epilogue(row, j),
+                                                  ahead);
         }
       }
     }
   }
-  if (stream) end_of_streams();
+};
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
+template <class S>
+void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
+  const Blocks<S> split(g.k);
+  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
+  const bool copies = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
+  const Index wide = copies || blocks == 1 ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
+  const bool far = g.m * g.n * static_cast<Index>(sizeof(S)) > 4 << 20;
+  for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
+    const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
+    GemmPiece<S> piece{.g = g,
+                       .scratch = scratch,
+                       .copies = copies,
+                       .far = far,
+                       .top = r0 + part(r1 - r0, row_block, row_blocks),
+                       .below = r0 + part(r1 - r0, row_block + 1, row_blocks),
+                       .end = r1,
+                       .left = left,
+                       .right = std::min(j1, left + wide),
+                       .k0 = part(g.k, block, blocks),
+                       .k1 = part(g.k, block + 1, blocks)};
+    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1, last = next_rows && piece.below == r1;
+    const S* next = g.panels + ((next_rows ? j0 : next_columns ? piece.right : left) * g.k + (next_columns ? 0 : piece.k1)) * piece.w;
+    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : piece.bytes_of(next);
+    if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
+    piece.multiply();
+  }
 }
 //
 // Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
@@ -1539,6 +1570,22 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
+/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
+/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+inline bool streams(const Gemm<float>& g) {
+  constexpr Index near = 4 << 20, all = 16 << 20;
+  const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(float)); };
+  const bool whole_lines = g.n % bf16_columns == 0 && bytes(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near : all);
+}
+/// Rows of one panel's width, from where a tile has put them.
+inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
+  for (Index r = 0; r < rows; ++r, from += bf16_columns, to += ldc) {
+    for (Index i = 0; i < bf16_columns; i += lanes<float>) store_stream(to + i, load(from + i));
+  }
+}
+
 class PanelSplit;
 
 /// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
@@ -1579,7 +1626,7 @@ struct RegisterTile {
     if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
     alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
     rows_of(t.a, t.pitch, t.panel, t.depth, result, bf16_columns, t.columns, t.e, t.ahead);
-    stream_rows(result, t.height, bf16_columns, t.c, t.ldc);
+    stream_rows(result, t.height, t.c, t.ldc);
   }
   void finish() {}
 };
@@ -1640,7 +1687,7 @@ void round_rows(const Rows<float>& a, Index count, Index k, Index depth, typenam
 /// Rows of A in scratch at once, and their distance.
 template <class Tile>
 Index bf16_rows(Index k) {
-  return rows_at_once(bf16_depth(k) * static_cast<Index>(sizeof(typename Tile::Element)), Tile::rows);
+  return rows_at_once(bf16_depth(k) * static_cast<Index>(sizeof(typename Tile::Element)), Tile::rows, half_cache / 2 * 3);
 }
 template <class Tile>
 constexpr Index bf16_pitch(Index depth) {
@@ -1658,7 +1705,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
-  const bool stream = streams(g, bf16_columns);
+  const bool stream = streams(g);
   Tile tile;
   Tile::begin();
   constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
@@ -1670,10 +1717,9 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
     round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
       const std::uint16_t* panel = panels + j * depth * bf16_columns;
-      const auto* following = static_cast<const std::byte*>(
-          j + 1 < j1        ? panel + depth * bf16_columns
-          : top + rows < r1 ? panels + j0 * depth * bf16_columns
-                            : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, panel));
+      const bool last = j + 1 == j1 && top + rows == r1;
+      const auto* next = reinterpret_cast<const std::byte*>(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
+      const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
       for (Index step = 0; step < pieces * tiles; ++step) {
         const Index piece = step / tiles, t = step % tiles;
         const Index k0 = 32 * part(depth / 32, piece, pieces), k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
@@ -1689,7 +1735,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
                                      .ldc = g.ldc,
                                      .columns = std::min(g.n - column, bf16_columns),
                                      .e = {.act = g.act},
-                                     .ahead = Ahead::share(following + k0 / 2 * pair_bytes, pair_bytes, (k1 - k0) / 2, t, tiles),
+                                     .ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2),
                                      .panel_stays = tiles > 1,
                                      .stream = stream,
                                      .number = t,
@@ -2148,11 +2194,15 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
-//            of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Stream   what is larger than the caches is written past them (streams).
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of the panel that follows,
-//            be it of the product that follows.
+//   Block    up to 1024 of k at a time: rows of A and a group of panel slices stay in the second-level cache. Eight panels at a time: the
+//            block of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches (far): a tile's rows
+//            times all panels of a group, then the next rows, so that rows of the result are written a piece after the other. Every line is
+//            fetched before it is overwritten; lines that follow each other the processor fetches by itself, and of pages fewer are needed
+//            at a time (two lines of every row took 7 to 12 % of the time of 1632 x 512 x 1536 on one thread, a part of that not with pages
+//            of 2 MB).
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what follows: of the
+//            panels of the next group, be it of the product that follows, and, with the first group, of the next rows of A.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -2161,11 +2211,12 @@ inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
 inline constexpr Index most_tiles = 16;  // of rows in a block
+inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  // for rows of A, and as much for a group of panels
 template <class S>
 inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
 
-/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
-constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64) {
+/// Rows of A, `row_bytes` each, in a block of so many bytes: at most most_tiles tiles.
+constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
@@ -2223,16 +2274,17 @@ struct Rows {
 };
 
 /// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
-/// panel (bfloat16: pair of rows). Where a row is two lines long, a tile alone fetches the first half of the next panel only: every
-/// other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 % slower from memory).
+/// panel (bfloat16: pair of rows). What is more than that is left: where a row is two lines long, a tile alone fetches the first half of the
+/// next panel only, as every other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 %
+/// slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share t of `tiles` of so many rows of a panel, whose bytes begin at `next`.
-  MOTIONLANG_INLINE static Ahead share(const void* next, Index row_bytes, Index rows, Index t, Index tiles) {
-    const Index step = std::min<Index>(64, row_bytes / tiles);
-    return {static_cast<const std::byte*>(next) + t * step * rows, step};
+  /// Share i of n of `bytes` that begin at `next`, in so many steps.
+  MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
+    const Index step = std::min<Index>(64, bytes / std::max<Index>(1, n * steps));
+    return {next + i * step * steps, step};
   }
   MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
 };
@@ -2365,25 +2417,6 @@ TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
   return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
 
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
-/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
-/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
-template <class S>
-bool streams(const Gemm<S>& g, Index columns) {
-  constexpr Index near = 4 << 20, all = 16 << 20;
-  const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(S)); };
-  const bool whole_lines = g.n % columns == 0 && bytes(columns) % 64 == 0 && bytes(g.ldc) % 64 == 0 &&
-                           reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
-  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near : all);
-}
-/// Rows of one panel's width, from where a tile has put them.
-template <class S>
-void stream_rows(const S* from, Index rows, Index columns, S* to, Index ldc) {
-  for (Index r = 0; r < rows; ++r, from += columns, to += ldc) {
-    for (Index i = 0; i < columns; i += lanes<S>) store_stream(to + i, load(from + i));
-  }
-}
-
 /// First row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
@@ -2394,7 +2427,7 @@ struct Blocks {
 
   explicit Blocks(Index k)
       : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
-        rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows)) {}
+        rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows, half_cache)) {}
 };
 template <class S>
 Index gemm_rows(Index k) {
@@ -2421,61 +2454,105 @@ void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, 
   }
 }
 
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
+/// What is made at a time: of k the part k0 ... k1-1 of rows top ... below-1 times panels left ... right-1.
 template <class S>
-void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
-  constexpr Index w = panel_width<S>;
-  const Blocks<S> split(g.k);
-  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
-  const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
-  const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
-  const Index pieces = (j1 - j0 + wide - 1) / wide;
-  const bool stream = blocks == 1 && streams(g, w);
-  alignas(64) S result[static_cast<std::size_t>(tile_rows * w)];
-  for (Index row_piece = 0; row_piece < row_blocks; ++row_piece) {
-    const Index top = r0 + part(r1 - r0, row_piece, row_blocks), rows = r0 + part(r1 - r0, row_piece + 1, row_blocks) - top;
-    const Index tiles = (rows + tile_rows - 1) / tile_rows;
-    for (Index piece = 0; piece < pieces * blocks; ++piece) {
-      const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
-      const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
-      const Index pitch = depth + 16;
-      if (g.a_transposed) {
-        copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, rows, g.m - top, scratch);
-      } else if (copy) {
-        for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
-      }
-      const auto tile_of_a = [&](Index t, Index first) -> Rows<S> {
-        if (g.a_transposed) return {scratch + t * depth * tile_pitch<S>, tile_pitch<S>, true};
-        return copy ? Rows<S>{scratch + first * pitch, pitch, false} : Rows<S>{g.a + (top + first) * g.lda + k0, g.lda, false};
-      };
-      Epilogue<S> e;
-      e.accumulate = block > 0;
-      for (Index j = left; j < right; ++j) {
-        const S* panel = g.panels + (j * g.k + k0) * w;
-        const void* following = j + 1 < right          ? panel + g.k * w
-                                : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
-                                : right < j1           ? g.panels + right * g.k * w
-                                : top + rows < r1      ? g.panels + j0 * g.k * w
-                                                       : g.following(j0, (g.n + w - 1) / w, panel);
-        const Index columns = g.n - j * w;
-        for (Index t = 0; t < tiles; ++t) {
-          const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
-          if (block + 1 == blocks) {
-            e.bias = g.bias == nullptr ? nullptr : g.bias + j * w;
-            e.residual = g.residual == nullptr ? nullptr : g.residual + row * g.ldr + j * w;
-            e.residual_stride = g.ldr;
-            e.act = g.act;
-          }
-          S* c = g.c + row * g.ldc + j * w;
-          tile_of<S>(height, g.a_transposed, columns)(tile_of_a(t, first), panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
-                             Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
-          if (stream) stream_rows(result, height, w, c, g.ldc);
+struct GemmPiece {
+  static constexpr Index w = panel_width<S>;
+  const Gemm<S>& g;
+  S* scratch;
+  bool copies, far;                   // rows of A are copied; the result is larger than the nearer caches
+  Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
+  Index left = 0, right = 0;
+  Index k0 = 0, k1 = 0;
+  const std::byte* next = nullptr;  // panels that are read after it
+  Index next_bytes = std::numeric_limits<Index>::max();
+
+  Index depth() const { return k1 - k0; }
+  Index pitch() const { return depth() + 16; }
+  static const std::byte* bytes_of(const S* x) { return reinterpret_cast<const std::byte*>(x); }
+  static Index bytes(Index count) { return count * static_cast<Index>(sizeof(S)); }
+  const S* slice(Index panel) const { return g.panels + (panel * g.k + k0) * w; }
+
+  Rows<S> rows_of(Index tile, Index row) const {
+    if (g.a_transposed) return {scratch + tile * depth() * tile_pitch<S>, tile_pitch<S>, true};
+    if (copies) return {scratch + (row - top) * pitch(), pitch(), false};
+    return {g.a + row * g.lda + k0, g.lda, false};
+  }
+  void copy_rows(Index first, Index last) const {
+    for (Index r = first; r < last; ++r) {
+      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes(depth())));
+    }
+  }
+  /// What a tile puts into its columns of a panel.
+  Epilogue<S> epilogue(Index row, Index panel) const {
+    Epilogue<S> e{.accumulate = k0 > 0};
+    if (k1 < g.k) return e;
+    e.act = g.act;
+    if (g.bias != nullptr) e.bias = g.bias + panel * w;
+    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + panel * w, e.residual_stride = g.ldr;
+    return e;
+  }
+
+  void multiply() const {
+    const Index depth = k1 - k0, tiles = (below - top + tile_rows - 1) / tile_rows;
+    const bool whole = depth == g.k, transposed = g.a_transposed;
+    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes(depth * w))) : 1;
+    const Index groups = (right - left + together - 1) / together;
+    if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
+    else if (copies && !far) copy_rows(top, below);
+    for (Index group = 0; group < groups; ++group) {
+      const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
+      const Index panels = j1 - j0, panel_bytes = bytes(panels * depth * w);
+      const std::byte* next_panels = j1 < right ? bytes_of(slice(j1)) : next;
+      const Index next_panel_bytes = j1 < right ? panel_bytes : std::min(panel_bytes, next_bytes);
+      for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
+        height = top + part(below - top, t + 1, tiles) - row;
+        const Index next_row = row + height;
+        if (copies && far && !transposed && group == 0) copy_rows(row, next_row);
+        // With half of the first panels the next rows are fetched, if they lie together.
+        const bool fetches_rows = far && group == 0 && whole && !transposed && next_row < end;
+        const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
+        for (Index i = 0; i < panels; ++i) {
+          const Index j = j0 + i, columns = g.n - j * w;
+          const Ahead ahead = i < row_panels ? Ahead::share(bytes_of(g.a + next_row * g.lda), bytes(std::min(height, end - next_row) * g.lda), i,
+                                                            row_panels, depth)
+                                             : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, g.c + row * g.ldc + j * w, g.ldc, columns, epilogue(row, j),
+                                                  ahead);
         }
       }
     }
   }
-  if (stream) end_of_streams();
+};
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
+template <class S>
+void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
+  const Blocks<S> split(g.k);
+  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
+  const bool copies = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
+  const Index wide = copies || blocks == 1 ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
+  const bool far = g.m * g.n * static_cast<Index>(sizeof(S)) > 4 << 20;
+  for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
+    const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
+    GemmPiece<S> piece{.g = g,
+                       .scratch = scratch,
+                       .copies = copies,
+                       .far = far,
+                       .top = r0 + part(r1 - r0, row_block, row_blocks),
+                       .below = r0 + part(r1 - r0, row_block + 1, row_blocks),
+                       .end = r1,
+                       .left = left,
+                       .right = std::min(j1, left + wide),
+                       .k0 = part(g.k, block, blocks),
+                       .k1 = part(g.k, block + 1, blocks)};
+    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1, last = next_rows && piece.below == r1;
+    const S* next = g.panels + ((next_rows ? j0 : next_columns ? piece.right : left) * g.k + (next_columns ? 0 : piece.k1)) * piece.w;
+    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : piece.bytes_of(next);
+    if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
+    piece.multiply();
+  }
 }
 //
 // Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
@@ -3046,6 +3123,22 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
+/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
+/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+inline bool streams(const Gemm<float>& g) {
+  constexpr Index near = 4 << 20, all = 16 << 20;
+  const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(float)); };
+  const bool whole_lines = g.n % bf16_columns == 0 && bytes(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near : all);
+}
+/// Rows of one panel's width, from where a tile has put them.
+inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
+  for (Index r = 0; r < rows; ++r, from += bf16_columns, to += ldc) {
+    for (Index i = 0; i < bf16_columns; i += lanes<float>) store_stream(to + i, load(from + i));
+  }
+}
+
 class PanelSplit;
 
 /// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
@@ -3086,7 +3179,7 @@ struct RegisterTile {
     if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
     alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
     rows_of(t.a, t.pitch, t.panel, t.depth, result, bf16_columns, t.columns, t.e, t.ahead);
-    stream_rows(result, t.height, bf16_columns, t.c, t.ldc);
+    stream_rows(result, t.height, t.c, t.ldc);
   }
   void finish() {}
 };
@@ -3147,7 +3240,7 @@ void round_rows(const Rows<float>& a, Index count, Index k, Index depth, typenam
 /// Rows of A in scratch at once, and their distance.
 template <class Tile>
 Index bf16_rows(Index k) {
-  return rows_at_once(bf16_depth(k) * static_cast<Index>(sizeof(typename Tile::Element)), Tile::rows);
+  return rows_at_once(bf16_depth(k) * static_cast<Index>(sizeof(typename Tile::Element)), Tile::rows, half_cache / 2 * 3);
 }
 template <class Tile>
 constexpr Index bf16_pitch(Index depth) {
@@ -3165,7 +3258,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
-  const bool stream = streams(g, bf16_columns);
+  const bool stream = streams(g);
   Tile tile;
   Tile::begin();
   constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
@@ -3177,10 +3270,9 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
     round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
       const std::uint16_t* panel = panels + j * depth * bf16_columns;
-      const auto* following = static_cast<const std::byte*>(
-          j + 1 < j1        ? panel + depth * bf16_columns
-          : top + rows < r1 ? panels + j0 * depth * bf16_columns
-                            : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, panel));
+      const bool last = j + 1 == j1 && top + rows == r1;
+      const auto* next = reinterpret_cast<const std::byte*>(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
+      const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
       for (Index step = 0; step < pieces * tiles; ++step) {
         const Index piece = step / tiles, t = step % tiles;
         const Index k0 = 32 * part(depth / 32, piece, pieces), k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
@@ -3196,7 +3288,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
                                      .ldc = g.ldc,
                                      .columns = std::min(g.n - column, bf16_columns),
                                      .e = {.act = g.act},
-                                     .ahead = Ahead::share(following + k0 / 2 * pair_bytes, pair_bytes, (k1 - k0) / 2, t, tiles),
+                                     .ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2),
                                      .panel_stays = tiles > 1,
                                      .stream = stream,
                                      .number = t,
@@ -3653,11 +3745,15 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: a panel slice and a block of A stay in the second-level cache. Eight panels at a time: the block
-//            of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Stream   what is larger than the caches is written past them (streams).
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of the panel that follows,
-//            be it of the product that follows.
+//   Block    up to 1024 of k at a time: rows of A and a group of panel slices stay in the second-level cache. Eight panels at a time: the
+//            block of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches (far): a tile's rows
+//            times all panels of a group, then the next rows, so that rows of the result are written a piece after the other. Every line is
+//            fetched before it is overwritten; lines that follow each other the processor fetches by itself, and of pages fewer are needed
+//            at a time (two lines of every row took 7 to 12 % of the time of 1632 x 512 x 1536 on one thread, a part of that not with pages
+//            of 2 MB).
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what follows: of the
+//            panels of the next group, be it of the product that follows, and, with the first group, of the next rows of A.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -3666,11 +3762,12 @@ inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
 inline constexpr Index most_tiles = 16;  // of rows in a block
+inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  // for rows of A, and as much for a group of panels
 template <class S>
 inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
 
-/// Rows of A, `row_bytes` each, in a block: most of a second-level cache (1 MB where vectors are wide), at most most_tiles tiles.
-constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes = 768 * 1024 * MOTIONLANG_VECTOR_BYTES / 64) {
+/// Rows of A, `row_bytes` each, in a block of so many bytes: at most most_tiles tiles.
+constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
 }
 
@@ -3728,16 +3825,17 @@ struct Rows {
 };
 
 /// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
-/// panel (bfloat16: pair of rows). Where a row is two lines long, a tile alone fetches the first half of the next panel only: every
-/// other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 % slower from memory).
+/// panel (bfloat16: pair of rows). What is more than that is left: where a row is two lines long, a tile alone fetches the first half of the
+/// next panel only, as every other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 %
+/// slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share t of `tiles` of so many rows of a panel, whose bytes begin at `next`.
-  MOTIONLANG_INLINE static Ahead share(const void* next, Index row_bytes, Index rows, Index t, Index tiles) {
-    const Index step = std::min<Index>(64, row_bytes / tiles);
-    return {static_cast<const std::byte*>(next) + t * step * rows, step};
+  /// Share i of n of `bytes` that begin at `next`, in so many steps.
+  MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
+    const Index step = std::min<Index>(64, bytes / std::max<Index>(1, n * steps));
+    return {next + i * step * steps, step};
   }
   MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
 };
@@ -3870,25 +3968,6 @@ TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
   return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
 
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
-/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
-/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
-template <class S>
-bool streams(const Gemm<S>& g, Index columns) {
-  constexpr Index near = 4 << 20, all = 16 << 20;
-  const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(S)); };
-  const bool whole_lines = g.n % columns == 0 && bytes(columns) % 64 == 0 && bytes(g.ldc) % 64 == 0 &&
-                           reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
-  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near : all);
-}
-/// Rows of one panel's width, from where a tile has put them.
-template <class S>
-void stream_rows(const S* from, Index rows, Index columns, S* to, Index ldc) {
-  for (Index r = 0; r < rows; ++r, from += columns, to += ldc) {
-    for (Index i = 0; i < columns; i += lanes<S>) store_stream(to + i, load(from + i));
-  }
-}
-
 /// First row of part i of n nearly equal parts.
 MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
 
@@ -3899,7 +3978,7 @@ struct Blocks {
 
   explicit Blocks(Index k)
       : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
-        rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows)) {}
+        rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows, half_cache)) {}
 };
 template <class S>
 Index gemm_rows(Index k) {
@@ -3926,61 +4005,105 @@ void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, 
   }
 }
 
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
+/// What is made at a time: of k the part k0 ... k1-1 of rows top ... below-1 times panels left ... right-1.
 template <class S>
-void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
-  constexpr Index w = panel_width<S>;
-  const Blocks<S> split(g.k);
-  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: copy them side by side.
-  const bool copy = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
-  const Index wide = copy ? std::max<Index>(1, j1 - j0) : panel_block;  // what is copied is copied once
-  const Index pieces = (j1 - j0 + wide - 1) / wide;
-  const bool stream = blocks == 1 && streams(g, w);
-  alignas(64) S result[static_cast<std::size_t>(tile_rows * w)];
-  for (Index row_piece = 0; row_piece < row_blocks; ++row_piece) {
-    const Index top = r0 + part(r1 - r0, row_piece, row_blocks), rows = r0 + part(r1 - r0, row_piece + 1, row_blocks) - top;
-    const Index tiles = (rows + tile_rows - 1) / tile_rows;
-    for (Index piece = 0; piece < pieces * blocks; ++piece) {
-      const Index block = piece % blocks, left = j0 + piece / blocks * wide, right = std::min(j1, left + wide);
-      const Index k0 = part(g.k, block, blocks), k1 = part(g.k, block + 1, blocks), depth = k1 - k0;
-      const Index pitch = depth + 16;
-      if (g.a_transposed) {
-        copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, rows, g.m - top, scratch);
-      } else if (copy) {
-        for (Index r = 0; r < rows; ++r) std::memcpy(scratch + r * pitch, g.a + (top + r) * g.lda + k0, static_cast<std::size_t>(depth) * sizeof(S));
-      }
-      const auto tile_of_a = [&](Index t, Index first) -> Rows<S> {
-        if (g.a_transposed) return {scratch + t * depth * tile_pitch<S>, tile_pitch<S>, true};
-        return copy ? Rows<S>{scratch + first * pitch, pitch, false} : Rows<S>{g.a + (top + first) * g.lda + k0, g.lda, false};
-      };
-      Epilogue<S> e;
-      e.accumulate = block > 0;
-      for (Index j = left; j < right; ++j) {
-        const S* panel = g.panels + (j * g.k + k0) * w;
-        const void* following = j + 1 < right          ? panel + g.k * w
-                                : block + 1 < blocks   ? g.panels + (left * g.k + k1) * w
-                                : right < j1           ? g.panels + right * g.k * w
-                                : top + rows < r1      ? g.panels + j0 * g.k * w
-                                                       : g.following(j0, (g.n + w - 1) / w, panel);
-        const Index columns = g.n - j * w;
-        for (Index t = 0; t < tiles; ++t) {
-          const Index first = part(rows, t, tiles), height = part(rows, t + 1, tiles) - first, row = top + first;
-          if (block + 1 == blocks) {
-            e.bias = g.bias == nullptr ? nullptr : g.bias + j * w;
-            e.residual = g.residual == nullptr ? nullptr : g.residual + row * g.ldr + j * w;
-            e.residual_stride = g.ldr;
-            e.act = g.act;
-          }
-          S* c = g.c + row * g.ldc + j * w;
-          tile_of<S>(height, g.a_transposed, columns)(tile_of_a(t, first), panel, depth, stream ? result : c, stream ? w : g.ldc, columns, e,
-                             Ahead::share(following, w * static_cast<Index>(sizeof(S)), depth, t, tiles));
-          if (stream) stream_rows(result, height, w, c, g.ldc);
+struct GemmPiece {
+  static constexpr Index w = panel_width<S>;
+  const Gemm<S>& g;
+  S* scratch;
+  bool copies, far;                   // rows of A are copied; the result is larger than the nearer caches
+  Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
+  Index left = 0, right = 0;
+  Index k0 = 0, k1 = 0;
+  const std::byte* next = nullptr;  // panels that are read after it
+  Index next_bytes = std::numeric_limits<Index>::max();
+
+  Index depth() const { return k1 - k0; }
+  Index pitch() const { return depth() + 16; }
+  static const std::byte* bytes_of(const S* x) { return reinterpret_cast<const std::byte*>(x); }
+  static Index bytes(Index count) { return count * static_cast<Index>(sizeof(S)); }
+  const S* slice(Index panel) const { return g.panels + (panel * g.k + k0) * w; }
+
+  Rows<S> rows_of(Index tile, Index row) const {
+    if (g.a_transposed) return {scratch + tile * depth() * tile_pitch<S>, tile_pitch<S>, true};
+    if (copies) return {scratch + (row - top) * pitch(), pitch(), false};
+    return {g.a + row * g.lda + k0, g.lda, false};
+  }
+  void copy_rows(Index first, Index last) const {
+    for (Index r = first; r < last; ++r) {
+      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes(depth())));
+    }
+  }
+  /// What a tile puts into its columns of a panel.
+  Epilogue<S> epilogue(Index row, Index panel) const {
+    Epilogue<S> e{.accumulate = k0 > 0};
+    if (k1 < g.k) return e;
+    e.act = g.act;
+    if (g.bias != nullptr) e.bias = g.bias + panel * w;
+    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + panel * w, e.residual_stride = g.ldr;
+    return e;
+  }
+
+  void multiply() const {
+    const Index depth = k1 - k0, tiles = (below - top + tile_rows - 1) / tile_rows;
+    const bool whole = depth == g.k, transposed = g.a_transposed;
+    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes(depth * w))) : 1;
+    const Index groups = (right - left + together - 1) / together;
+    if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
+    else if (copies && !far) copy_rows(top, below);
+    for (Index group = 0; group < groups; ++group) {
+      const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
+      const Index panels = j1 - j0, panel_bytes = bytes(panels * depth * w);
+      const std::byte* next_panels = j1 < right ? bytes_of(slice(j1)) : next;
+      const Index next_panel_bytes = j1 < right ? panel_bytes : std::min(panel_bytes, next_bytes);
+      for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
+        height = top + part(below - top, t + 1, tiles) - row;
+        const Index next_row = row + height;
+        if (copies && far && !transposed && group == 0) copy_rows(row, next_row);
+        // With half of the first panels the next rows are fetched, if they lie together.
+        const bool fetches_rows = far && group == 0 && whole && !transposed && next_row < end;
+        const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
+        for (Index i = 0; i < panels; ++i) {
+          const Index j = j0 + i, columns = g.n - j * w;
+          const Ahead ahead = i < row_panels ? Ahead::share(bytes_of(g.a + next_row * g.lda), bytes(std::min(height, end - next_row) * g.lda), i,
+                                                            row_panels, depth)
+                                             : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, g.c + row * g.ldc + j * w, g.ldc, columns, epilogue(row, j),
+                                                  ahead);
         }
       }
     }
   }
-  if (stream) end_of_streams();
+};
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
+template <class S>
+void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
+  const Blocks<S> split(g.k);
+  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
+  const bool copies = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
+  const Index wide = copies || blocks == 1 ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
+  const bool far = g.m * g.n * static_cast<Index>(sizeof(S)) > 4 << 20;
+  for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
+    const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
+    GemmPiece<S> piece{.g = g,
+                       .scratch = scratch,
+                       .copies = copies,
+                       .far = far,
+                       .top = r0 + part(r1 - r0, row_block, row_blocks),
+                       .below = r0 + part(r1 - r0, row_block + 1, row_blocks),
+                       .end = r1,
+                       .left = left,
+                       .right = std::min(j1, left + wide),
+                       .k0 = part(g.k, block, blocks),
+                       .k1 = part(g.k, block + 1, blocks)};
+    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1, last = next_rows && piece.below == r1;
+    const S* next = g.panels + ((next_rows ? j0 : next_columns ? piece.right : left) * g.k + (next_columns ? 0 : piece.k1)) * piece.w;
+    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : piece.bytes_of(next);
+    if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
+    piece.multiply();
+  }
 }
 //
 // Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
@@ -4551,6 +4674,22 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
+/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
+/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+inline bool streams(const Gemm<float>& g) {
+  constexpr Index near = 4 << 20, all = 16 << 20;
+  const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(float)); };
+  const bool whole_lines = g.n % bf16_columns == 0 && bytes(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near : all);
+}
+/// Rows of one panel's width, from where a tile has put them.
+inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
+  for (Index r = 0; r < rows; ++r, from += bf16_columns, to += ldc) {
+    for (Index i = 0; i < bf16_columns; i += lanes<float>) store_stream(to + i, load(from + i));
+  }
+}
+
 class PanelSplit;
 
 /// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
@@ -4591,7 +4730,7 @@ struct RegisterTile {
     if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
     alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
     rows_of(t.a, t.pitch, t.panel, t.depth, result, bf16_columns, t.columns, t.e, t.ahead);
-    stream_rows(result, t.height, bf16_columns, t.c, t.ldc);
+    stream_rows(result, t.height, t.c, t.ldc);
   }
   void finish() {}
 };
@@ -4652,7 +4791,7 @@ void round_rows(const Rows<float>& a, Index count, Index k, Index depth, typenam
 /// Rows of A in scratch at once, and their distance.
 template <class Tile>
 Index bf16_rows(Index k) {
-  return rows_at_once(bf16_depth(k) * static_cast<Index>(sizeof(typename Tile::Element)), Tile::rows);
+  return rows_at_once(bf16_depth(k) * static_cast<Index>(sizeof(typename Tile::Element)), Tile::rows, half_cache / 2 * 3);
 }
 template <class Tile>
 constexpr Index bf16_pitch(Index depth) {
@@ -4670,7 +4809,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
-  const bool stream = streams(g, bf16_columns);
+  const bool stream = streams(g);
   Tile tile;
   Tile::begin();
   constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
@@ -4682,10 +4821,9 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
     round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
       const std::uint16_t* panel = panels + j * depth * bf16_columns;
-      const auto* following = static_cast<const std::byte*>(
-          j + 1 < j1        ? panel + depth * bf16_columns
-          : top + rows < r1 ? panels + j0 * depth * bf16_columns
-                            : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, panel));
+      const bool last = j + 1 == j1 && top + rows == r1;
+      const auto* next = reinterpret_cast<const std::byte*>(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
+      const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
       for (Index step = 0; step < pieces * tiles; ++step) {
         const Index piece = step / tiles, t = step % tiles;
         const Index k0 = 32 * part(depth / 32, piece, pieces), k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
@@ -4701,7 +4839,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
                                      .ldc = g.ldc,
                                      .columns = std::min(g.n - column, bf16_columns),
                                      .e = {.act = g.act},
-                                     .ahead = Ahead::share(following + k0 / 2 * pair_bytes, pair_bytes, (k1 - k0) / 2, t, tiles),
+                                     .ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2),
                                      .panel_stays = tiles > 1,
                                      .stream = stream,
                                      .number = t,
@@ -4900,8 +5038,8 @@ class PanelSplit {
 
   PanelSplit() = default;
   /// following: what is read after the panel; it is fetched into the second-level cache meanwhile.
-  PanelSplit(const float* panel, Index k, const void* following, std::uint16_t* out)
-      : from_(panel), following_(static_cast<const std::byte*>(following)), k_(k), depth_(bf16_depth(k)), begin_(out) {}
+  PanelSplit(const float* panel, Index k, const std::byte* following, std::uint16_t* out)
+      : from_(panel), following_(following), k_(k), depth_(bf16_depth(k)), begin_(out) {}
   const std::uint16_t* begin() const { return begin_; }
   /// Whether all numbers so far were finite.
   bool sound() const { return !any_nan(left_); }
@@ -5087,7 +5225,7 @@ class AmxTile : public ConvertingTile {
       put_result<float, 1>(&c0, &c1, act || w.stream ? own + r * bf16_columns : c + r * w.ldc, w.ldc, w.columns, e);
     }
     if (act) activate_rows<float>(own, bf16_columns, n, w.columns, w.e.act, w.stream ? own : c, w.stream ? bf16_columns : w.ldc);
-    if (w.stream) stream_rows(own, n, bf16_columns, c, w.ldc);
+    if (w.stream) stream_rows(own, n, c, w.ldc);
   }
 
   alignas(64) float sums_[most_tiles][rows * bf16_columns];  // of the tiles of a panel, or of two tiles in turn
@@ -5190,7 +5328,7 @@ inline void float_tile_block(const Gemm<float>& g, Index r0, Index r1, Index j0,
   const Index panel_size = split.depth * FloatTile::parts * bf16_columns;
   auto* const panels = reinterpret_cast<std::uint16_t*>(scratch);  // two in turn
   auto* const a = panels + 2 * panel_size;
-  const bool stream = split.count == 1 && streams(g, bf16_columns);
+  const bool stream = split.count == 1 && streams(g);
   FloatTile tile;
   FloatTile::begin();
   constexpr Index unit = FloatTile::rows;
@@ -5200,9 +5338,11 @@ inline void float_tile_block(const Gemm<float>& g, Index r0, Index r1, Index j0,
   const auto splitting = [&](Index block, Index j) {
     const Index begin = first_of(block), end = std::min(g.k, first_of(block + 1));
     const float* from = g.panels + (j * g.k + begin) * bf16_columns;
-    const void* following = j + 1 < j1              ? from + g.k * bf16_columns
-                            : block + 1 < split.count ? g.panels + (j0 * g.k + end) * bf16_columns
-                                                      : g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, from);
+    const float* next = j + 1 < j1 ? from + g.k * bf16_columns
+                                   : g.panels + (j0 * g.k + (block + 1 < split.count ? end : 0)) * bf16_columns;
+    const bool last = j + 1 == j1 && block + 1 == split.count;
+    const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next)
+                                 : reinterpret_cast<const std::byte*>(next);
     turn = 1 - turn;
     return PanelSplit(from, end - begin, following, panels + turn * panel_size);
   };

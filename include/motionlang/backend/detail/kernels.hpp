@@ -44,8 +44,8 @@ struct Gemm {
   Index after_bytes = 0;
 
   /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if there is no `after`.
-  const void* following(Index first, Index count, const void* otherwise) const {
-    return after == nullptr ? otherwise : after + after_bytes / 64 * first / count * 64;
+  const std::byte* following(Index first, Index count, const void* otherwise) const {
+    return after == nullptr ? static_cast<const std::byte*>(otherwise) : after + after_bytes / 64 * first / count * 64;
   }
 };
 
