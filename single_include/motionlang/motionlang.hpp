@@ -30230,16 +30230,16 @@ struct Rows {
 };
 
 /// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
-/// panel (bfloat16: pair of rows). What is more than that is left: where a row is two lines long, a tile alone fetches the first half of the
-/// next panel only, as every other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 %
-/// slower from memory).
+/// panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a tile alone fetches the first half of
+/// the next panel only: every other line of the whole would confuse the processor, which fetches by itself lines that follow each other
+/// (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share i of n of `bytes` that begin at `next`, in so many steps.
+  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between them.
   MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
-    const Index step = std::min<Index>(64, bytes / std::max<Index>(1, n * steps));
+    const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
     return {next + i * step * steps, step};
   }
   MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
@@ -30467,14 +30467,15 @@ struct GemmPiece {
         if (copies && far && !transposed && group == 0) copy_rows(row, next_row);
         // With half of the first panels the next rows are fetched, if they lie together.
         const bool fetches_rows = far && group == 0 && whole && !transposed && next_row < end;
+        const Index next_row_bytes = fetches_rows ? bytes(std::min(height, end - next_row) * g.lda) : 0;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead = i < row_panels ? Ahead::share(bytes_of(g.a + next_row * g.lda), bytes(std::min(height, end - next_row) * g.lda), i,
-                                                            row_panels, depth)
-                                             : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
-          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, g.c + row * g.ldc + j * w, g.ldc, columns, epilogue(row, j),
-                                                  ahead);
+          const Ahead ahead = i < row_panels
+                                  ? Ahead::share(bytes_of(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          S* c = g.c + row * g.ldc + j * w;
+          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, epilogue(row, j), ahead);
         }
       }
     }
@@ -31783,16 +31784,16 @@ struct Rows {
 };
 
 /// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
-/// panel (bfloat16: pair of rows). What is more than that is left: where a row is two lines long, a tile alone fetches the first half of the
-/// next panel only, as every other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 %
-/// slower from memory).
+/// panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a tile alone fetches the first half of
+/// the next panel only: every other line of the whole would confuse the processor, which fetches by itself lines that follow each other
+/// (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share i of n of `bytes` that begin at `next`, in so many steps.
+  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between them.
   MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
-    const Index step = std::min<Index>(64, bytes / std::max<Index>(1, n * steps));
+    const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
     return {next + i * step * steps, step};
   }
   MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
@@ -32020,14 +32021,15 @@ struct GemmPiece {
         if (copies && far && !transposed && group == 0) copy_rows(row, next_row);
         // With half of the first panels the next rows are fetched, if they lie together.
         const bool fetches_rows = far && group == 0 && whole && !transposed && next_row < end;
+        const Index next_row_bytes = fetches_rows ? bytes(std::min(height, end - next_row) * g.lda) : 0;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead = i < row_panels ? Ahead::share(bytes_of(g.a + next_row * g.lda), bytes(std::min(height, end - next_row) * g.lda), i,
-                                                            row_panels, depth)
-                                             : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
-          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, g.c + row * g.ldc + j * w, g.ldc, columns, epilogue(row, j),
-                                                  ahead);
+          const Ahead ahead = i < row_panels
+                                  ? Ahead::share(bytes_of(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          S* c = g.c + row * g.ldc + j * w;
+          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, epilogue(row, j), ahead);
         }
       }
     }
@@ -33334,16 +33336,16 @@ struct Rows {
 };
 
 /// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
-/// panel (bfloat16: pair of rows). What is more than that is left: where a row is two lines long, a tile alone fetches the first half of the
-/// next panel only, as every other line of the whole would confuse the processor, which fetches by itself lines that follow each other (20 %
-/// slower from memory).
+/// panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a tile alone fetches the first half of
+/// the next panel only: every other line of the whole would confuse the processor, which fetches by itself lines that follow each other
+/// (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share i of n of `bytes` that begin at `next`, in so many steps.
+  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between them.
   MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
-    const Index step = std::min<Index>(64, bytes / std::max<Index>(1, n * steps));
+    const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
     return {next + i * step * steps, step};
   }
   MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
@@ -33571,14 +33573,15 @@ struct GemmPiece {
         if (copies && far && !transposed && group == 0) copy_rows(row, next_row);
         // With half of the first panels the next rows are fetched, if they lie together.
         const bool fetches_rows = far && group == 0 && whole && !transposed && next_row < end;
+        const Index next_row_bytes = fetches_rows ? bytes(std::min(height, end - next_row) * g.lda) : 0;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead = i < row_panels ? Ahead::share(bytes_of(g.a + next_row * g.lda), bytes(std::min(height, end - next_row) * g.lda), i,
-                                                            row_panels, depth)
-                                             : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
-          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, g.c + row * g.ldc + j * w, g.ldc, columns, epilogue(row, j),
-                                                  ahead);
+          const Ahead ahead = i < row_panels
+                                  ? Ahead::share(bytes_of(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          S* c = g.c + row * g.ldc + j * w;
+          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, epilogue(row, j), ahead);
         }
       }
     }
@@ -34748,13 +34751,14 @@ using FloatTile = AmxTile<3>;
 // Products of floats by AMX, which multiplies bfloat16 16 times as fast as other instructions multiply floats.
 //
 //   Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two floats the six largest
-//            are added up, the others are at most 3 2^-24 of the whole together, a tenth of that mostly, and of either sign. The instruction adds up 32 products
-//            before it adds them to the sum, so that the error is about half of that of one multiply-add after the other.
+//            are added up, the others are at most 3 2^-24 of the whole together, a tenth of that mostly, and of either sign. The instruction
+//            adds up 32 products before it adds them to the sum, so that the error is about half of that of one multiply-add after the other.
 //   Panels   those of gemm.inc. A panel is split into scratch, beside the products with the panel before it, and so are the rows of A.
 //   Block    up to 1024 of k at a time: rows of A stay in the second-level cache (2 MB where there is AMX) beside the split panel.
 //   Order    as in gemm.inc: depends on k alone.
-//   Limits   parts and their products below 2^-126 count as 0: exact are products of more than 2^-108. A sum that overflows may be NaN. Rows of A and panels of B with a number that is not finite (or whose nearest bfloat16 is not:
-//            from 3.39e38 on) have no parts: they are multiplied by gemm.inc.
+//   Limits   parts and their products below 2^-126 count as 0: exact are products of more than 2^-108. A sum that overflows may be NaN. Rows
+//            of A and panels of B with a number that is not finite (or whose nearest bfloat16 is not: from 3.39e38 on) have no parts: they
+//            are multiplied by gemm.inc.
 
 /// 16 numbers, in parts: each the nearest bfloat16 to what those before it leave. What the last one leaves: 0, or NaN if there are no parts.
 MOTIONLANG_INLINE Vec<float> split_lanes(Vec<float> x, std::uint16_t* y) {
