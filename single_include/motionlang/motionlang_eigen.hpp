@@ -641,13 +641,12 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A and a group of panel slices stay in the second-level cache. Eight panels at a time: the
-//            block of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches (far): a tile's rows
-//            times all panels of a group, then the next rows, so that rows of the result are written a piece after the other. Every line is
-//            fetched before it is overwritten; lines that follow each other the processor fetches by itself, and of pages fewer are needed
-//            at a time (two lines of every row took 7 to 12 % of the time of 1632 x 512 x 1536 on one thread, a part of that not with pages
-//            of 2 MB).
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them. If k is in
+//            several blocks, eight panels at a time: what the next 1024 of k are added to stays there as well. (All panels at a time where
+//            A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches and k is one block:
+//            a tile's rows times a group of panels, then the next rows. So longer pieces of the result's rows are written, one after the
+//            other: the lines under them, which come from memory first, the processor fetches by itself, and fewer pages are in use.
 //   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what follows: of the
 //            panels of the next group, be it of the product that follows, and, with the first group, of the next rows of A.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
@@ -658,6 +657,7 @@ inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
 inline constexpr Index most_tiles = 16;  // of rows in a block
+inline constexpr Index near_caches = 4 << 20;  // bytes
 inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  // for rows of A, and as much for a group of panels
 template <class S>
 inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
@@ -907,11 +907,11 @@ struct GemmPiece {
   static constexpr Index w = panel_width<S>;
   const Gemm<S>& g;
   S* scratch;
-  bool copies, far;                   // rows of A are copied; the result is larger than the nearer caches
+  bool copies, far;                   // rows of A are copied as they are; the result is larger than the nearer caches
   Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
   Index left = 0, right = 0;
   Index k0 = 0, k1 = 0;
-  const std::byte* next = nullptr;  // panels that are read after it
+  const std::byte* next = nullptr;  // panels that are read after it: at last the first ones once more, if nothing else is known
   Index next_bytes = std::numeric_limits<Index>::max();
 
   Index depth() const { return k1 - k0; }
@@ -955,9 +955,9 @@ struct GemmPiece {
       for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
-        if (copies && far && !transposed && group == 0) copy_rows(row, next_row);
+        if (copies && far && group == 0) copy_rows(row, next_row);
         // With half of the first panels the next rows are fetched, if they lie together.
-        const bool fetches_rows = far && group == 0 && whole && !transposed && next_row < end;
+        const bool fetches_rows = far && group == 0 && whole && !transposed && g.lda <= g.k && next_row < end;
         const Index next_row_bytes = fetches_rows ? bytes(std::min(height, end - next_row) * g.lda) : 0;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         for (Index i = 0; i < panels; ++i) {
@@ -979,9 +979,10 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
-  const bool copies = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
-  const Index wide = copies || blocks == 1 ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
-  const bool far = g.m * g.n * static_cast<Index>(sizeof(S)) > 4 << 20;
+  const bool copies = !g.a_transposed && (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
+  const bool all_panels = copies || g.a_transposed || blocks == 1;
+  const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
+  const bool far = g.m * g.n * static_cast<Index>(sizeof(S)) > near_caches;
   for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
     const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
     GemmPiece<S> piece{.g = g,
@@ -1575,10 +1576,10 @@ inline constexpr Index pair_bytes = 4 * bf16_columns;
 /// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
 /// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
 inline bool streams(const Gemm<float>& g) {
-  constexpr Index near = 4 << 20, all = 16 << 20;
+  constexpr Index all = 16 << 20;
   const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(float)); };
   const bool whole_lines = g.n % bf16_columns == 0 && bytes(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
-  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near : all);
+  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near_caches : all);
 }
 /// Rows of one panel's width, from where a tile has put them.
 inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
@@ -1727,6 +1728,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
         const Index row = top + first, column = j * bf16_columns;
+        const auto ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
         TileProduct<Element> product{.a = a + first * pitch + k0,
                                      .pitch = pitch,
                                      .height = height,
@@ -1736,7 +1738,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
                                      .ldc = g.ldc,
                                      .columns = std::min(g.n - column, bf16_columns),
                                      .e = {.act = g.act},
-                                     .ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2),
+                                     .ahead = ahead,
                                      .panel_stays = tiles > 1,
                                      .stream = stream,
                                      .number = t,
@@ -2195,13 +2197,12 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A and a group of panel slices stay in the second-level cache. Eight panels at a time: the
-//            block of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches (far): a tile's rows
-//            times all panels of a group, then the next rows, so that rows of the result are written a piece after the other. Every line is
-//            fetched before it is overwritten; lines that follow each other the processor fetches by itself, and of pages fewer are needed
-//            at a time (two lines of every row took 7 to 12 % of the time of 1632 x 512 x 1536 on one thread, a part of that not with pages
-//            of 2 MB).
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them. If k is in
+//            several blocks, eight panels at a time: what the next 1024 of k are added to stays there as well. (All panels at a time where
+//            A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches and k is one block:
+//            a tile's rows times a group of panels, then the next rows. So longer pieces of the result's rows are written, one after the
+//            other: the lines under them, which come from memory first, the processor fetches by itself, and fewer pages are in use.
 //   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what follows: of the
 //            panels of the next group, be it of the product that follows, and, with the first group, of the next rows of A.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
@@ -2212,6 +2213,7 @@ inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
 inline constexpr Index most_tiles = 16;  // of rows in a block
+inline constexpr Index near_caches = 4 << 20;  // bytes
 inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  // for rows of A, and as much for a group of panels
 template <class S>
 inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
@@ -2461,11 +2463,11 @@ struct GemmPiece {
   static constexpr Index w = panel_width<S>;
   const Gemm<S>& g;
   S* scratch;
-  bool copies, far;                   // rows of A are copied; the result is larger than the nearer caches
+  bool copies, far;                   // rows of A are copied as they are; the result is larger than the nearer caches
   Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
   Index left = 0, right = 0;
   Index k0 = 0, k1 = 0;
-  const std::byte* next = nullptr;  // panels that are read after it
+  const std::byte* next = nullptr;  // panels that are read after it: at last the first ones once more, if nothing else is known
   Index next_bytes = std::numeric_limits<Index>::max();
 
   Index depth() const { return k1 - k0; }
@@ -2509,9 +2511,9 @@ struct GemmPiece {
       for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
-        if (copies && far && !transposed && group == 0) copy_rows(row, next_row);
+        if (copies && far && group == 0) copy_rows(row, next_row);
         // With half of the first panels the next rows are fetched, if they lie together.
-        const bool fetches_rows = far && group == 0 && whole && !transposed && next_row < end;
+        const bool fetches_rows = far && group == 0 && whole && !transposed && g.lda <= g.k && next_row < end;
         const Index next_row_bytes = fetches_rows ? bytes(std::min(height, end - next_row) * g.lda) : 0;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         for (Index i = 0; i < panels; ++i) {
@@ -2533,9 +2535,10 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
-  const bool copies = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
-  const Index wide = copies || blocks == 1 ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
-  const bool far = g.m * g.n * static_cast<Index>(sizeof(S)) > 4 << 20;
+  const bool copies = !g.a_transposed && (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
+  const bool all_panels = copies || g.a_transposed || blocks == 1;
+  const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
+  const bool far = g.m * g.n * static_cast<Index>(sizeof(S)) > near_caches;
   for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
     const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
     GemmPiece<S> piece{.g = g,
@@ -3129,10 +3132,10 @@ inline constexpr Index pair_bytes = 4 * bf16_columns;
 /// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
 /// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
 inline bool streams(const Gemm<float>& g) {
-  constexpr Index near = 4 << 20, all = 16 << 20;
+  constexpr Index all = 16 << 20;
   const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(float)); };
   const bool whole_lines = g.n % bf16_columns == 0 && bytes(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
-  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near : all);
+  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near_caches : all);
 }
 /// Rows of one panel's width, from where a tile has put them.
 inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
@@ -3281,6 +3284,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
         const Index row = top + first, column = j * bf16_columns;
+        const auto ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
         TileProduct<Element> product{.a = a + first * pitch + k0,
                                      .pitch = pitch,
                                      .height = height,
@@ -3290,7 +3294,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
                                      .ldc = g.ldc,
                                      .columns = std::min(g.n - column, bf16_columns),
                                      .e = {.act = g.act},
-                                     .ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2),
+                                     .ahead = ahead,
                                      .panel_stays = tiles > 1,
                                      .stream = stream,
                                      .number = t,
@@ -3747,13 +3751,12 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A and a group of panel slices stay in the second-level cache. Eight panels at a time: the
-//            block of C that the next 1024 of k are added to stays there as well. (All panels at a time where A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches (far): a tile's rows
-//            times all panels of a group, then the next rows, so that rows of the result are written a piece after the other. Every line is
-//            fetched before it is overwritten; lines that follow each other the processor fetches by itself, and of pages fewer are needed
-//            at a time (two lines of every row took 7 to 12 % of the time of 1632 x 512 x 1536 on one thread, a part of that not with pages
-//            of 2 MB).
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them. If k is in
+//            several blocks, eight panels at a time: what the next 1024 of k are added to stays there as well. (All panels at a time where
+//            A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches and k is one block:
+//            a tile's rows times a group of panels, then the next rows. So longer pieces of the result's rows are written, one after the
+//            other: the lines under them, which come from memory first, the processor fetches by itself, and fewer pages are in use.
 //   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what follows: of the
 //            panels of the next group, be it of the product that follows, and, with the first group, of the next rows of A.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
@@ -3764,6 +3767,7 @@ inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
 inline constexpr Index most_tiles = 16;  // of rows in a block
+inline constexpr Index near_caches = 4 << 20;  // bytes
 inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  // for rows of A, and as much for a group of panels
 template <class S>
 inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
@@ -4013,11 +4017,11 @@ struct GemmPiece {
   static constexpr Index w = panel_width<S>;
   const Gemm<S>& g;
   S* scratch;
-  bool copies, far;                   // rows of A are copied; the result is larger than the nearer caches
+  bool copies, far;                   // rows of A are copied as they are; the result is larger than the nearer caches
   Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
   Index left = 0, right = 0;
   Index k0 = 0, k1 = 0;
-  const std::byte* next = nullptr;  // panels that are read after it
+  const std::byte* next = nullptr;  // panels that are read after it: at last the first ones once more, if nothing else is known
   Index next_bytes = std::numeric_limits<Index>::max();
 
   Index depth() const { return k1 - k0; }
@@ -4061,9 +4065,9 @@ struct GemmPiece {
       for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
-        if (copies && far && !transposed && group == 0) copy_rows(row, next_row);
+        if (copies && far && group == 0) copy_rows(row, next_row);
         // With half of the first panels the next rows are fetched, if they lie together.
-        const bool fetches_rows = far && group == 0 && whole && !transposed && next_row < end;
+        const bool fetches_rows = far && group == 0 && whole && !transposed && g.lda <= g.k && next_row < end;
         const Index next_row_bytes = fetches_rows ? bytes(std::min(height, end - next_row) * g.lda) : 0;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         for (Index i = 0; i < panels; ++i) {
@@ -4085,9 +4089,10 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
-  const bool copies = g.a_transposed || (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
-  const Index wide = copies || blocks == 1 ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
-  const bool far = g.m * g.n * static_cast<Index>(sizeof(S)) > 4 << 20;
+  const bool copies = !g.a_transposed && (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
+  const bool all_panels = copies || g.a_transposed || blocks == 1;
+  const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
+  const bool far = g.m * g.n * static_cast<Index>(sizeof(S)) > near_caches;
   for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
     const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
     GemmPiece<S> piece{.g = g,
@@ -4681,10 +4686,10 @@ inline constexpr Index pair_bytes = 4 * bf16_columns;
 /// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
 /// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
 inline bool streams(const Gemm<float>& g) {
-  constexpr Index near = 4 << 20, all = 16 << 20;
+  constexpr Index all = 16 << 20;
   const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(float)); };
   const bool whole_lines = g.n % bf16_columns == 0 && bytes(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
-  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near : all);
+  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near_caches : all);
 }
 /// Rows of one panel's width, from where a tile has put them.
 inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
@@ -4833,6 +4838,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
         const Index row = top + first, column = j * bf16_columns;
+        const auto ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
         TileProduct<Element> product{.a = a + first * pitch + k0,
                                      .pitch = pitch,
                                      .height = height,
@@ -4842,7 +4848,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
                                      .ldc = g.ldc,
                                      .columns = std::min(g.n - column, bf16_columns),
                                      .e = {.act = g.act},
-                                     .ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2),
+                                     .ahead = ahead,
                                      .panel_stays = tiles > 1,
                                      .stream = stream,
                                      .number = t,
@@ -5241,15 +5247,16 @@ using FloatTile = AmxTile<3>;
 //
 // Products of floats by AMX, which multiplies bfloat16 16 times as fast as other instructions multiply floats.
 //
-//   Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two floats the six largest
-//            are added up, the others are at most 3 2^-24 of the whole together, a tenth of that mostly, and of either sign. The instruction
-//            adds up 32 products before it adds them to the sum, so that the error is about half of that of one multiply-add after the other.
+//   Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two floats the six
+//            largest are added up, the others are at most 3 2^-24 of the whole together, a tenth of that mostly, and of either sign. The
+//            instruction adds up 32 products before it adds them to the sum, so that the error is about half of that of one multiply-add
+//            after the other.
 //   Panels   those of gemm.inc. A panel is split into scratch, beside the products with the panel before it, and so are the rows of A.
 //   Block    up to 1024 of k at a time: rows of A stay in the second-level cache (2 MB where there is AMX) beside the split panel.
 //   Order    as in gemm.inc: depends on k alone.
-//   Limits   parts and their products below 2^-126 count as 0: exact are products of more than 2^-108. A sum that overflows may be NaN. Rows
-//            of A and panels of B with a number that is not finite (or whose nearest bfloat16 is not: from 3.39e38 on) have no parts: they
-//            are multiplied by gemm.inc.
+//   Limits   parts and their products below 2^-126 count as 0: exact are products of more than 2^-108. A sum that overflows may be NaN.
+//            Rows of A and panels of B with a number that is not finite (or whose nearest bfloat16 is not: from 3.39e38 on) have no parts:
+//            they are multiplied by gemm.inc.
 
 /// 16 numbers, in parts: each the nearest bfloat16 to what those before it leave. What the last one leaves: 0, or NaN if there are no parts.
 MOTIONLANG_INLINE Vec<float> split_lanes(Vec<float> x, std::uint16_t* y) {
@@ -5339,18 +5346,18 @@ inline void float_tile_block(const Gemm<float>& g, Index r0, Index r1, Index j0,
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   const auto first_of = [&](Index block) { return 32 * part(split.all / 32, block, split.count); };
   int turn = 0;
-  const auto splitting = [&](Index block, Index j) {
+  const auto splitting = [&](Index row_block, Index block, Index j) {
     const Index begin = first_of(block), end = std::min(g.k, first_of(block + 1));
     const float* from = g.panels + (j * g.k + begin) * bf16_columns;
     const float* next = j + 1 < j1 ? from + g.k * bf16_columns
                                    : g.panels + (j0 * g.k + (block + 1 < split.count ? end : 0)) * bf16_columns;
-    const bool last = j + 1 == j1 && block + 1 == split.count;
+    const bool last = j + 1 == j1 && block + 1 == split.count && row_block + 1 == row_blocks;
     const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next)
                                  : reinterpret_cast<const std::byte*>(next);
     turn = 1 - turn;
     return PanelSplit(from, end - begin, following, panels + turn * panel_size);
   };
-  PanelSplit panel = splitting(0, j0);
+  PanelSplit panel = splitting(0, 0, j0);
   for (Index row_block = 0; row_block < row_blocks; ++row_block) {
     const Index top = r0 + unit * part(units, row_block, row_blocks);
     const Index rows = std::min(r1, r0 + unit * part(units, row_block + 1, row_blocks)) - top, tiles = (rows + unit - 1) / unit;
@@ -5360,8 +5367,8 @@ inline void float_tile_block(const Gemm<float>& g, Index r0, Index r1, Index j0,
       for (Index j = j0; j < j1; ++j) {
         panel.finish();
         sound &= panel.sound();
-        const bool next_block = j + 1 == j1, last = next_block && block + 1 == split.count && row_block + 1 == row_blocks;
-        PanelSplit next = last ? PanelSplit() : splitting((block + (next_block ? 1 : 0)) % split.count, next_block ? j0 : j + 1);
+        const Index next_block = block + (j + 1 == j1 ? 1 : 0), next_rows = row_block + next_block / split.count;
+        PanelSplit next = next_rows == row_blocks ? PanelSplit() : splitting(next_rows, next_block % split.count, j + 1 == j1 ? j0 : j + 1);
         next.each = (16 + tiles - 1) / tiles;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = t * unit, row = top + first, column = j * bf16_columns;

@@ -28,7 +28,8 @@ void check_large(Index m, Index n, Index k = 5) {
   for (int threads : {1, 2}) {
     const Threads set(threads);
     const auto whole = ml::linear(x, weight, &bias, ml::Activation::relu, &residual),
-               plain = ml::linear(x, weight, no_bias);
+               plain = ml::linear(x, weight, no_bias),
+               added = ml::linear(x, weight, no_bias, ml::Activation::none, &residual);
     CHECK(tensors::same_bits(ml::matmul(turned, weight, {.transpose_a = true, .transpose_b = true}), plain));
     for (Index top = 0; top < m; top += few) {
       const Index end = std::min(m, top + few);
@@ -36,6 +37,8 @@ void check_large(Index m, Index n, Index k = 5) {
       CHECK(tensors::same_bits(ml::slice(whole, 0, top, end),
                                ml::linear(rows, weight, &bias, ml::Activation::relu, &rest)));
       CHECK(tensors::same_bits(ml::slice(plain, 0, top, end), ml::linear(rows, weight, no_bias)));
+      CHECK(tensors::same_bits(ml::slice(added, 0, top, end),
+                               ml::linear(rows, weight, no_bias, ml::Activation::none, &rest)));
     }
   }
 }
@@ -49,7 +52,9 @@ TEST_CASE_TEMPLATE("every instruction set", S, float, double) {
     check_large<S>(1030, 1024);  // rows a multiple of the page size apart
     check_large<S>(1200, 1024, 130);  // the whole and its parts, of 200 rows each, large enough for tiles of floats
     check_large<S>(8200, 520, 260);
-    check_large<S>(2200, 520, 1024);  // rows that are copied, a few panels at a time
+    check_large<S>(2200, 520, 1024);   // rows that are copied, a few panels at a time
+    check_large<S>(1200, 1000, 1100);  // k in blocks
+    check_large<S>(1200, 1000, 2048);
   });
 }
 
