@@ -941,10 +941,11 @@ struct GemmPiece {
   }
 
   void multiply() const {
-    const Index depth = k1 - k0, tiles = (below - top + tile_rows - 1) / tile_rows;
+    const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
     const bool whole = depth == g.k, transposed = g.a_transposed;
     const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
+    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a tile's when it is next.
     if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
     else if (copies && !far) copy_rows(top, below);
     for (Index group = 0; group < groups; ++group) {
@@ -956,10 +957,10 @@ struct GemmPiece {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
         if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together.
-        const bool fetches_rows = far && group == 0 && whole && !transposed && g.lda <= g.k && next_row < end;
-        const Index next_row_bytes = fetches_rows ? bytes(std::min(height, end - next_row) * g.lda) : 0;
+        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time: none.)
+        const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
+        const Index next_row_bytes = bytes(std::min(height, end - next_row) * g.lda);
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
           const Ahead ahead = i < row_panels
@@ -979,10 +980,10 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
-  const bool copies = !g.a_transposed && (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
+  const bool copies = !g.a_transposed && GemmPiece<S>::bytes(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
-  const bool far = g.m * g.n * static_cast<Index>(sizeof(S)) > near_caches;
+  const bool far = GemmPiece<S>::bytes(g.m * g.n) > near_caches;
   for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
     const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
     GemmPiece<S> piece{.g = g,
@@ -2497,10 +2498,11 @@ struct GemmPiece {
   }
 
   void multiply() const {
-    const Index depth = k1 - k0, tiles = (below - top + tile_rows - 1) / tile_rows;
+    const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
     const bool whole = depth == g.k, transposed = g.a_transposed;
     const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
+    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a tile's when it is next.
     if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
     else if (copies && !far) copy_rows(top, below);
     for (Index group = 0; group < groups; ++group) {
@@ -2512,10 +2514,10 @@ struct GemmPiece {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
         if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together.
-        const bool fetches_rows = far && group == 0 && whole && !transposed && g.lda <= g.k && next_row < end;
-        const Index next_row_bytes = fetches_rows ? bytes(std::min(height, end - next_row) * g.lda) : 0;
+        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time: none.)
+        const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
+        const Index next_row_bytes = bytes(std::min(height, end - next_row) * g.lda);
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
           const Ahead ahead = i < row_panels
@@ -2535,10 +2537,10 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
-  const bool copies = !g.a_transposed && (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
+  const bool copies = !g.a_transposed && GemmPiece<S>::bytes(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
-  const bool far = g.m * g.n * static_cast<Index>(sizeof(S)) > near_caches;
+  const bool far = GemmPiece<S>::bytes(g.m * g.n) > near_caches;
   for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
     const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
     GemmPiece<S> piece{.g = g,
@@ -4051,10 +4053,11 @@ struct GemmPiece {
   }
 
   void multiply() const {
-    const Index depth = k1 - k0, tiles = (below - top + tile_rows - 1) / tile_rows;
+    const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
     const bool whole = depth == g.k, transposed = g.a_transposed;
     const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
+    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a tile's when it is next.
     if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
     else if (copies && !far) copy_rows(top, below);
     for (Index group = 0; group < groups; ++group) {
@@ -4066,10 +4069,10 @@ struct GemmPiece {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
         if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together.
-        const bool fetches_rows = far && group == 0 && whole && !transposed && g.lda <= g.k && next_row < end;
-        const Index next_row_bytes = fetches_rows ? bytes(std::min(height, end - next_row) * g.lda) : 0;
+        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time: none.)
+        const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
+        const Index next_row_bytes = bytes(std::min(height, end - next_row) * g.lda);
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
           const Ahead ahead = i < row_panels
@@ -4089,10 +4092,10 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
-  const bool copies = !g.a_transposed && (g.lda * static_cast<Index>(sizeof(S))) % 4096 == 0;
+  const bool copies = !g.a_transposed && GemmPiece<S>::bytes(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
-  const bool far = g.m * g.n * static_cast<Index>(sizeof(S)) > near_caches;
+  const bool far = GemmPiece<S>::bytes(g.m * g.n) > near_caches;
   for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
     const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
     GemmPiece<S> piece{.g = g,
