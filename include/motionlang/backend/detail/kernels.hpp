@@ -18,6 +18,7 @@
 #include <type_traits>  // conditional
 #include <utility>      // integer_sequence
 
+#include <motionlang/backend/detail/gelu_table.hpp>
 #include <motionlang/core/activation.hpp>
 #include <motionlang/core/concepts.hpp>
 #include <motionlang/core/dropout.hpp>

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+/// What gelu(x) lacks to relu(x), as polynomials of degree 4 around 0, 1/4, 2/4, ... 31/4.
+///
+/// gelu(x) = x Phi(x) = max(x, 0) - g(|x|),   g(c) = c (1 - Phi(c)) (Hendrycks and Gimpel 2016, Phi: normal distribution function).
+/// g is bounded by 0.17 and dies out above c = 5.5. Processors that look up 32 numbers in one instruction so take 14 instructions.
+#pragma once
+
+#include <motionlang/core/concepts.hpp>
+
+namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// g(i / 4 + d) = sum over n of by_power[n][i] d^n for |d| <= 1/8. Wrong by 2e-8 at most, by 5e-9 of g for i = 0.
+struct GeluTable {
+  static constexpr int cells = 32, degree = 4;
+  static constexpr double width = 0.25;
+  alignas(64) float by_power[degree + 1][cells];
+};
+
+/// Taylor's series in every cell, whose powers 5, 6 and 7 are replaced by lower ones (Chebyshev's economisation).
+constexpr GeluTable make_gelu_table() {
+  constexpr int terms = 30;
+  GeluTable table{};
+  double density = 0.39894228040143268, above = 0.5;  // phi and 1 - Phi at the middle of the cell
+  for (int i = 0; i < GeluTable::cells; ++i) {
+    const double c = GeluTable::width * i;
+    double p[terms] = {density}, q[terms] = {above}, g[terms] = {c * above};
+    for (int n = 1; n < terms; ++n) {
+      p[n] = -(c * p[n - 1] + (n > 1 ? p[n - 2] : 0)) / n;  // phi' = -x phi
+      q[n] = -p[n - 1] / n;
+      g[n] = c * q[n] + q[n - 1];
+    }
+    double scale = 1;  // u = d / (1/8)
+    for (int n = 0; n < 8; ++n, scale *= GeluTable::width / 2) g[n] *= scale;
+    // T_n(u) / 2^(n - 1) is taken away from u^n: what is left has lower powers, and nothing is nearer to u^n in -1 ... 1.
+    g[5] += g[7] * 112 / 64, g[3] -= g[7] * 56 / 64, g[1] += g[7] * 7 / 64;
+    if (i == 0)
+      g[4] += g[6], g[2] -= g[6] / 8;  // u^2 T_4(u): so g(0) = 0. There g is c / 2 and even powers.
+    else
+      g[4] += g[6] * 48 / 32, g[2] -= g[6] * 18 / 32, g[0] += g[6] / 32;
+    g[3] += g[5] * 20 / 16, g[1] -= g[5] * 5 / 16;
+    scale = 1;
+    for (int n = 0; n <= GeluTable::degree; ++n, scale *= GeluTable::width / 2)
+      table.by_power[n][i] = static_cast<float>(g[n] / scale);
+    density = above = 0;
+    for (int n = terms; n-- > 0;) density = density * GeluTable::width + p[n], above = above * GeluTable::width + q[n];
+  }
+  return table;
+}
+inline constexpr GeluTable gelu_table = make_gelu_table();
+
+}  // namespace motionlang::inline MOTIONLANG_ABI::detail
