@@ -172,14 +172,12 @@ constexpr GeluTable make_gelu_table() {
       q[n] = -p[n - 1] / n;
       g[n] = c * q[n] + q[n - 1];
     }
-    double scale = 1;  // u = d / (1/8)
-    for (int n = 0; n < 7; ++n, scale *= GeluTable::width / 2) g[n] *= scale;
-    // Polynomials that are small in -1 ... 1 are taken away: u^2 T_4(u) / 8 for u^6 (it keeps g(0) = 0), T_5(u) / 16 for u^5.
-    g[4] += g[6], g[2] -= g[6] / 8;
-    g[3] += g[5] * 20 / 16, g[1] -= g[5] * 5 / 16;
-    scale = 1;
-    for (int n = 0; n <= GeluTable::degree; ++n, scale *= GeluTable::width / 2)
-      table.by_power[n][i] = static_cast<float>(g[n] / scale);
+    // Polynomials that are small for |u| <= 1, u = d / (1/8), are taken away: u^2 T_4(u) / 8 for u^6 (it keeps g(0) = 0),
+    // T_5(u) / 16 for u^5.
+    constexpr double square = GeluTable::width * GeluTable::width / 4;
+    g[4] += g[6] * square, g[2] -= g[6] * square * square / 8;
+    g[3] += g[5] * square * 20 / 16, g[1] -= g[5] * square * square * 5 / 16;
+    for (int n = 0; n <= GeluTable::degree; ++n) table.by_power[n][i] = static_cast<float>(g[n]);
     density = above = 0;
     for (int n = terms; n-- > 0;) density = density * GeluTable::width + p[n], above = above * GeluTable::width + q[n];
   }
@@ -444,7 +442,7 @@ MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
 #if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
   if constexpr (sizeof(S) == 4) {
     Vec<S> r;
-    asm("vmaxps %2, %1, %0" : "=v"(r) : "v"(a), "v"(b));
+    asm("vmaxps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
     return r;
   }
 #endif
@@ -455,7 +453,7 @@ MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
 #if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
   if constexpr (sizeof(S) == 4) {
     Vec<S> r;
-    asm("vminps %2, %1, %0" : "=v"(r) : "v"(a), "v"(b));
+    asm("vminps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
     return r;
   }
 #endif
@@ -569,10 +567,12 @@ MOTIONLANG_INLINE Vec<float> look_up(const float* table, const Vec<float>& index
 }
 /// By gelu_table.hpp: absolute error below 1e-7 for x < 0, relative error below 5e-7 for x > 0.
 MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
+  static_assert(GeluTable::cells == 32 && GeluTable::width == 0.25);
+  constexpr auto last = static_cast<float>(GeluTable::width * (GeluTable::cells - 1));
   Vec<float> c, d;
-  asm("vrangeps $0xa, %2, %1, %0" : "=v"(c) : "v"(x), "v"(splat(7.75f)));  // min(|x|, 7.75)
-  asm("vreduceps $0x24, %1, %0" : "=v"(d) : "v"(c));                       // c - i / 4, i = round(4 c)
-  const Vec<float> i = c + 3145728.f;                                      // 1.5 * 2^21: i in the lowest bits
+  asm("vrangeps $0xa, %2, %1, %0" : "=v"(c) : "v"(x), "v"(splat(last)));  // min(|x|, last)
+  asm("vreduceps $0x24, %1, %0" : "=v"(d) : "v"(c));                      // c - i / 4, i = round(4 c)
+  const Vec<float> i = c + 3145728.f;                                     // 1.5 * 2^21: i in the lowest bits
   const auto& table = gelu_table.by_power;
   Vec<float> g = look_up(table[GeluTable::degree], i);
 #pragma GCC unroll 8
@@ -2040,7 +2040,7 @@ MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
 #if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
   if constexpr (sizeof(S) == 4) {
     Vec<S> r;
-    asm("vmaxps %2, %1, %0" : "=v"(r) : "v"(a), "v"(b));
+    asm("vmaxps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
     return r;
   }
 #endif
@@ -2051,7 +2051,7 @@ MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
 #if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
   if constexpr (sizeof(S) == 4) {
     Vec<S> r;
-    asm("vminps %2, %1, %0" : "=v"(r) : "v"(a), "v"(b));
+    asm("vminps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
     return r;
   }
 #endif
@@ -2165,10 +2165,12 @@ MOTIONLANG_INLINE Vec<float> look_up(const float* table, const Vec<float>& index
 }
 /// By gelu_table.hpp: absolute error below 1e-7 for x < 0, relative error below 5e-7 for x > 0.
 MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
+  static_assert(GeluTable::cells == 32 && GeluTable::width == 0.25);
+  constexpr auto last = static_cast<float>(GeluTable::width * (GeluTable::cells - 1));
   Vec<float> c, d;
-  asm("vrangeps $0xa, %2, %1, %0" : "=v"(c) : "v"(x), "v"(splat(7.75f)));  // min(|x|, 7.75)
-  asm("vreduceps $0x24, %1, %0" : "=v"(d) : "v"(c));                       // c - i / 4, i = round(4 c)
-  const Vec<float> i = c + 3145728.f;                                      // 1.5 * 2^21: i in the lowest bits
+  asm("vrangeps $0xa, %2, %1, %0" : "=v"(c) : "v"(x), "v"(splat(last)));  // min(|x|, last)
+  asm("vreduceps $0x24, %1, %0" : "=v"(d) : "v"(c));                      // c - i / 4, i = round(4 c)
+  const Vec<float> i = c + 3145728.f;                                     // 1.5 * 2^21: i in the lowest bits
   const auto& table = gelu_table.by_power;
   Vec<float> g = look_up(table[GeluTable::degree], i);
 #pragma GCC unroll 8
@@ -3634,7 +3636,7 @@ MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
 #if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
   if constexpr (sizeof(S) == 4) {
     Vec<S> r;
-    asm("vmaxps %2, %1, %0" : "=v"(r) : "v"(a), "v"(b));
+    asm("vmaxps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
     return r;
   }
 #endif
@@ -3645,7 +3647,7 @@ MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
 #if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
   if constexpr (sizeof(S) == 4) {
     Vec<S> r;
-    asm("vminps %2, %1, %0" : "=v"(r) : "v"(a), "v"(b));
+    asm("vminps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
     return r;
   }
 #endif
@@ -3759,10 +3761,12 @@ MOTIONLANG_INLINE Vec<float> look_up(const float* table, const Vec<float>& index
 }
 /// By gelu_table.hpp: absolute error below 1e-7 for x < 0, relative error below 5e-7 for x > 0.
 MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
+  static_assert(GeluTable::cells == 32 && GeluTable::width == 0.25);
+  constexpr auto last = static_cast<float>(GeluTable::width * (GeluTable::cells - 1));
   Vec<float> c, d;
-  asm("vrangeps $0xa, %2, %1, %0" : "=v"(c) : "v"(x), "v"(splat(7.75f)));  // min(|x|, 7.75)
-  asm("vreduceps $0x24, %1, %0" : "=v"(d) : "v"(c));                       // c - i / 4, i = round(4 c)
-  const Vec<float> i = c + 3145728.f;                                      // 1.5 * 2^21: i in the lowest bits
+  asm("vrangeps $0xa, %2, %1, %0" : "=v"(c) : "v"(x), "v"(splat(last)));  // min(|x|, last)
+  asm("vreduceps $0x24, %1, %0" : "=v"(d) : "v"(c));                      // c - i / 4, i = round(4 c)
+  const Vec<float> i = c + 3145728.f;                                     // 1.5 * 2^21: i in the lowest bits
   const auto& table = gelu_table.by_power;
   Vec<float> g = look_up(table[GeluTable::degree], i);
 #pragma GCC unroll 8

@@ -29,14 +29,12 @@ constexpr GeluTable make_gelu_table() {
       q[n] = -p[n - 1] / n;
       g[n] = c * q[n] + q[n - 1];
     }
-    double scale = 1;  // u = d / (1/8)
-    for (int n = 0; n < 7; ++n, scale *= GeluTable::width / 2) g[n] *= scale;
-    // Polynomials that are small in -1 ... 1 are taken away: u^2 T_4(u) / 8 for u^6 (it keeps g(0) = 0), T_5(u) / 16 for u^5.
-    g[4] += g[6], g[2] -= g[6] / 8;
-    g[3] += g[5] * 20 / 16, g[1] -= g[5] * 5 / 16;
-    scale = 1;
-    for (int n = 0; n <= GeluTable::degree; ++n, scale *= GeluTable::width / 2)
-      table.by_power[n][i] = static_cast<float>(g[n] / scale);
+    // Polynomials that are small for |u| <= 1, u = d / (1/8), are taken away: u^2 T_4(u) / 8 for u^6 (it keeps g(0) = 0),
+    // T_5(u) / 16 for u^5.
+    constexpr double square = GeluTable::width * GeluTable::width / 4;
+    g[4] += g[6] * square, g[2] -= g[6] * square * square / 8;
+    g[3] += g[5] * square * 20 / 16, g[1] -= g[5] * square * square * 5 / 16;
+    for (int n = 0; n <= GeluTable::degree; ++n) table.by_power[n][i] = static_cast<float>(g[n]);
     density = above = 0;
     for (int n = terms; n-- > 0;) density = density * GeluTable::width + p[n], above = above * GeluTable::width + q[n];
   }
