@@ -3579,6 +3579,15 @@ inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  
 template <class S>
 inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
 
+template <class S>
+constexpr Index bytes(Index count) {
+  return count * static_cast<Index>(sizeof(S));
+}
+template <class S>
+const std::byte* as_bytes(const S* x) {
+  return reinterpret_cast<const std::byte*>(x);
+}
+
 /// Rows of A, `row_bytes` each, in a block of so many bytes: at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
@@ -3662,6 +3671,15 @@ struct Epilogue {
   Index residual_stride = 0;
   Activation act = Activation::none;
 
+  /// Of the tile that begins at a row and column of a product; `first` and `last`: of the blocks of k.
+  static Epilogue of(const Gemm<S>& g, Index row, Index column, bool first, bool last) {
+    Epilogue e{.accumulate = !first};
+    if (!last) return e;
+    e.act = g.act;
+    if (g.bias != nullptr) e.bias = g.bias + column;
+    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
+    return e;
+  }
   Epilogue from_column(Index column) const {
     Epilogue e = *this;
     if (bias != nullptr) e.bias += column;
@@ -3791,7 +3809,7 @@ struct Blocks {
 
   explicit Blocks(Index k)
       : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
-        rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows, half_cache)) {}
+        rows(rows_at_once(bytes<S>((k + count - 1) / count), tile_rows, half_cache)) {}
 };
 template <class S>
 Index gemm_rows(Index k) {
@@ -3833,8 +3851,6 @@ struct GemmPiece {
 
   Index depth() const { return k1 - k0; }
   Index pitch() const { return depth() + 16; }
-  static const std::byte* bytes_of(const S* x) { return reinterpret_cast<const std::byte*>(x); }
-  static Index bytes(Index count) { return count * static_cast<Index>(sizeof(S)); }
   const S* slice(Index panel) const { return g.panels + (panel * g.k + k0) * w; }
 
   Rows<S> rows_of(Index tile, Index row) const {
@@ -3844,31 +3860,21 @@ struct GemmPiece {
   }
   void copy_rows(Index first, Index last) const {
     for (Index r = first; r < last; ++r) {
-      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes(depth())));
+      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
     }
   }
-  /// What a tile puts into its columns of a panel.
-  Epilogue<S> epilogue(Index row, Index panel) const {
-    Epilogue<S> e{.accumulate = k0 > 0};
-    if (k1 < g.k) return e;
-    e.act = g.act;
-    if (g.bias != nullptr) e.bias = g.bias + panel * w;
-    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + panel * w, e.residual_stride = g.ldr;
-    return e;
-  }
-
   void multiply() const {
     const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
     const bool whole = depth == g.k, transposed = g.a_transposed;
-    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes(depth * w))) : 1;
+    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
     // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a tile's when it is next.
     if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
     else if (copies && !far) copy_rows(top, below);
     for (Index group = 0; group < groups; ++group) {
       const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
-      const Index panels = j1 - j0, panel_bytes = bytes(panels * depth * w);
-      const std::byte* next_panels = j1 < right ? bytes_of(slice(j1)) : next;
+      const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
+      const std::byte* next_panels = j1 < right ? as_bytes(slice(j1)) : next;
       const Index next_panel_bytes = j1 < right ? panel_bytes : std::min(panel_bytes, next_bytes);
       for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
         height = top + part(below - top, t + 1, tiles) - row;
@@ -3877,14 +3883,15 @@ struct GemmPiece {
         // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time: none.)
         const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
-        const Index next_row_bytes = bytes(std::min(height, end - next_row) * g.lda);
+        const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
           const Ahead ahead = i < row_panels
-                                  ? Ahead::share(bytes_of(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
                                   : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
           S* c = g.c + row * g.ldc + j * w;
-          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, epilogue(row, j), ahead);
+          const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
+          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
         }
       }
     }
@@ -3897,10 +3904,10 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
-  const bool copies = !g.a_transposed && GemmPiece<S>::bytes(g.lda) % 4096 == 0;
+  const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
-  const bool far = GemmPiece<S>::bytes(g.m * g.n) > near_caches;
+  const bool far = bytes<S>(g.m * g.n) > near_caches;
   for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
     const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
     GemmPiece<S> piece{.g = g,
@@ -3916,7 +3923,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
                        .k1 = part(g.k, block + 1, blocks)};
     const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1, last = next_rows && piece.below == r1;
     const S* next = g.panels + ((next_rows ? j0 : next_columns ? piece.right : left) * g.k + (next_columns ? 0 : piece.k1)) * piece.w;
-    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : piece.bytes_of(next);
+    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
     if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
     piece.multiply();
   }
@@ -4031,7 +4038,7 @@ struct FloatProducts {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
         tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
-                                         plain, Ahead{reinterpret_cast<const std::byte*>(panels)});
+                                         plain, Ahead{as_bytes(panels)});
       }
     }
   }
@@ -4495,9 +4502,8 @@ inline constexpr Index pair_bytes = 4 * bf16_columns;
 /// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
 inline bool streams(const Gemm<float>& g) {
   constexpr Index all = 16 << 20;
-  const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(float)); };
-  const bool whole_lines = g.n % bf16_columns == 0 && bytes(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
-  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near_caches : all);
+  const bool whole_lines = g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
 }
 /// Rows of one panel's width, from where a tile has put them.
 inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
@@ -4607,7 +4613,7 @@ void round_rows(const Rows<float>& a, Index count, Index k, Index depth, typenam
 /// Rows of A in scratch at once, and their distance.
 template <class Tile>
 Index bf16_rows(Index k) {
-  return rows_at_once(bf16_depth(k) * static_cast<Index>(sizeof(typename Tile::Element)), Tile::rows, half_cache / 2 * 3);
+  return rows_at_once(bytes<typename Tile::Element>(bf16_depth(k)), Tile::rows, half_cache / 2 * 3);
 }
 template <class Tile>
 constexpr Index bf16_pitch(Index depth) {
@@ -4638,7 +4644,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
     for (Index j = j0; j < j1; ++j) {
       const std::uint16_t* panel = panels + j * depth * bf16_columns;
       const bool last = j + 1 == j1 && top + rows == r1;
-      const auto* next = reinterpret_cast<const std::byte*>(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
+      const std::byte* next = as_bytes(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
       const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
       for (Index step = 0; step < pieces * tiles; ++step) {
         const Index piece = step / tiles, t = step % tiles;
@@ -4655,15 +4661,13 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
                                      .c = g.c + row * g.ldc + column,
                                      .ldc = g.ldc,
                                      .columns = std::min(g.n - column, bf16_columns),
-                                     .e = {.act = g.act},
+                                     .e = Epilogue<float>::of(g, row, column, true, true),
                                      .ahead = ahead,
                                      .panel_stays = tiles > 1,
                                      .stream = stream,
                                      .number = t,
                                      .first = piece == 0,
                                      .last = piece + 1 == pieces};
-        if (g.bias != nullptr) product.e.bias = g.bias + column;
-        if (g.residual != nullptr) product.e.residual = g.residual + row * g.ldr + column, product.e.residual_stride = g.ldr;
         tile.multiply(product);
       }
     }
@@ -4708,7 +4712,7 @@ struct Bf16Products {
                                            .c = c + first * ldc + j,
                                            .ldc = ldc,
                                            .columns = whole_panels ? bf16_columns : std::min(n - j, bf16_columns),
-                                           .ahead = {reinterpret_cast<const std::byte*>(panel)},
+                                           .ahead = {as_bytes(panel)},
                                            .panel_stays = false});
       }
     }
@@ -5177,6 +5181,15 @@ inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  
 template <class S>
 inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
 
+template <class S>
+constexpr Index bytes(Index count) {
+  return count * static_cast<Index>(sizeof(S));
+}
+template <class S>
+const std::byte* as_bytes(const S* x) {
+  return reinterpret_cast<const std::byte*>(x);
+}
+
 /// Rows of A, `row_bytes` each, in a block of so many bytes: at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
@@ -5260,6 +5273,15 @@ struct Epilogue {
   Index residual_stride = 0;
   Activation act = Activation::none;
 
+  /// Of the tile that begins at a row and column of a product; `first` and `last`: of the blocks of k.
+  static Epilogue of(const Gemm<S>& g, Index row, Index column, bool first, bool last) {
+    Epilogue e{.accumulate = !first};
+    if (!last) return e;
+    e.act = g.act;
+    if (g.bias != nullptr) e.bias = g.bias + column;
+    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
+    return e;
+  }
   Epilogue from_column(Index column) const {
     Epilogue e = *this;
     if (bias != nullptr) e.bias += column;
@@ -5389,7 +5411,7 @@ struct Blocks {
 
   explicit Blocks(Index k)
       : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
-        rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows, half_cache)) {}
+        rows(rows_at_once(bytes<S>((k + count - 1) / count), tile_rows, half_cache)) {}
 };
 template <class S>
 Index gemm_rows(Index k) {
@@ -5431,8 +5453,6 @@ struct GemmPiece {
 
   Index depth() const { return k1 - k0; }
   Index pitch() const { return depth() + 16; }
-  static const std::byte* bytes_of(const S* x) { return reinterpret_cast<const std::byte*>(x); }
-  static Index bytes(Index count) { return count * static_cast<Index>(sizeof(S)); }
   const S* slice(Index panel) const { return g.panels + (panel * g.k + k0) * w; }
 
   Rows<S> rows_of(Index tile, Index row) const {
@@ -5442,31 +5462,21 @@ struct GemmPiece {
   }
   void copy_rows(Index first, Index last) const {
     for (Index r = first; r < last; ++r) {
-      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes(depth())));
+      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
     }
   }
-  /// What a tile puts into its columns of a panel.
-  Epilogue<S> epilogue(Index row, Index panel) const {
-    Epilogue<S> e{.accumulate = k0 > 0};
-    if (k1 < g.k) return e;
-    e.act = g.act;
-    if (g.bias != nullptr) e.bias = g.bias + panel * w;
-    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + panel * w, e.residual_stride = g.ldr;
-    return e;
-  }
-
   void multiply() const {
     const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
     const bool whole = depth == g.k, transposed = g.a_transposed;
-    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes(depth * w))) : 1;
+    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
     // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a tile's when it is next.
     if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
     else if (copies && !far) copy_rows(top, below);
     for (Index group = 0; group < groups; ++group) {
       const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
-      const Index panels = j1 - j0, panel_bytes = bytes(panels * depth * w);
-      const std::byte* next_panels = j1 < right ? bytes_of(slice(j1)) : next;
+      const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
+      const std::byte* next_panels = j1 < right ? as_bytes(slice(j1)) : next;
       const Index next_panel_bytes = j1 < right ? panel_bytes : std::min(panel_bytes, next_bytes);
       for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
         height = top + part(below - top, t + 1, tiles) - row;
@@ -5475,14 +5485,15 @@ struct GemmPiece {
         // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time: none.)
         const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
-        const Index next_row_bytes = bytes(std::min(height, end - next_row) * g.lda);
+        const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
           const Ahead ahead = i < row_panels
-                                  ? Ahead::share(bytes_of(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
                                   : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
           S* c = g.c + row * g.ldc + j * w;
-          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, epilogue(row, j), ahead);
+          const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
+          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
         }
       }
     }
@@ -5495,10 +5506,10 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
-  const bool copies = !g.a_transposed && GemmPiece<S>::bytes(g.lda) % 4096 == 0;
+  const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
-  const bool far = GemmPiece<S>::bytes(g.m * g.n) > near_caches;
+  const bool far = bytes<S>(g.m * g.n) > near_caches;
   for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
     const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
     GemmPiece<S> piece{.g = g,
@@ -5514,7 +5525,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
                        .k1 = part(g.k, block + 1, blocks)};
     const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1, last = next_rows && piece.below == r1;
     const S* next = g.panels + ((next_rows ? j0 : next_columns ? piece.right : left) * g.k + (next_columns ? 0 : piece.k1)) * piece.w;
-    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : piece.bytes_of(next);
+    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
     if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
     piece.multiply();
   }
@@ -5629,7 +5640,7 @@ struct FloatProducts {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
         tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
-                                         plain, Ahead{reinterpret_cast<const std::byte*>(panels)});
+                                         plain, Ahead{as_bytes(panels)});
       }
     }
   }
@@ -6093,9 +6104,8 @@ inline constexpr Index pair_bytes = 4 * bf16_columns;
 /// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
 inline bool streams(const Gemm<float>& g) {
   constexpr Index all = 16 << 20;
-  const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(float)); };
-  const bool whole_lines = g.n % bf16_columns == 0 && bytes(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
-  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near_caches : all);
+  const bool whole_lines = g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
 }
 /// Rows of one panel's width, from where a tile has put them.
 inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
@@ -6205,7 +6215,7 @@ void round_rows(const Rows<float>& a, Index count, Index k, Index depth, typenam
 /// Rows of A in scratch at once, and their distance.
 template <class Tile>
 Index bf16_rows(Index k) {
-  return rows_at_once(bf16_depth(k) * static_cast<Index>(sizeof(typename Tile::Element)), Tile::rows, half_cache / 2 * 3);
+  return rows_at_once(bytes<typename Tile::Element>(bf16_depth(k)), Tile::rows, half_cache / 2 * 3);
 }
 template <class Tile>
 constexpr Index bf16_pitch(Index depth) {
@@ -6236,7 +6246,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
     for (Index j = j0; j < j1; ++j) {
       const std::uint16_t* panel = panels + j * depth * bf16_columns;
       const bool last = j + 1 == j1 && top + rows == r1;
-      const auto* next = reinterpret_cast<const std::byte*>(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
+      const std::byte* next = as_bytes(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
       const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
       for (Index step = 0; step < pieces * tiles; ++step) {
         const Index piece = step / tiles, t = step % tiles;
@@ -6253,15 +6263,13 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
                                      .c = g.c + row * g.ldc + column,
                                      .ldc = g.ldc,
                                      .columns = std::min(g.n - column, bf16_columns),
-                                     .e = {.act = g.act},
+                                     .e = Epilogue<float>::of(g, row, column, true, true),
                                      .ahead = ahead,
                                      .panel_stays = tiles > 1,
                                      .stream = stream,
                                      .number = t,
                                      .first = piece == 0,
                                      .last = piece + 1 == pieces};
-        if (g.bias != nullptr) product.e.bias = g.bias + column;
-        if (g.residual != nullptr) product.e.residual = g.residual + row * g.ldr + column, product.e.residual_stride = g.ldr;
         tile.multiply(product);
       }
     }
@@ -6306,7 +6314,7 @@ struct Bf16Products {
                                            .c = c + first * ldc + j,
                                            .ldc = ldc,
                                            .columns = whole_panels ? bf16_columns : std::min(n - j, bf16_columns),
-                                           .ahead = {reinterpret_cast<const std::byte*>(panel)},
+                                           .ahead = {as_bytes(panel)},
                                            .panel_stays = false});
       }
     }
@@ -6773,6 +6781,15 @@ inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  
 template <class S>
 inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
 
+template <class S>
+constexpr Index bytes(Index count) {
+  return count * static_cast<Index>(sizeof(S));
+}
+template <class S>
+const std::byte* as_bytes(const S* x) {
+  return reinterpret_cast<const std::byte*>(x);
+}
+
 /// Rows of A, `row_bytes` each, in a block of so many bytes: at most most_tiles tiles.
 constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
   return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
@@ -6856,6 +6873,15 @@ struct Epilogue {
   Index residual_stride = 0;
   Activation act = Activation::none;
 
+  /// Of the tile that begins at a row and column of a product; `first` and `last`: of the blocks of k.
+  static Epilogue of(const Gemm<S>& g, Index row, Index column, bool first, bool last) {
+    Epilogue e{.accumulate = !first};
+    if (!last) return e;
+    e.act = g.act;
+    if (g.bias != nullptr) e.bias = g.bias + column;
+    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
+    return e;
+  }
   Epilogue from_column(Index column) const {
     Epilogue e = *this;
     if (bias != nullptr) e.bias += column;
@@ -6985,7 +7011,7 @@ struct Blocks {
 
   explicit Blocks(Index k)
       : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
-        rows(rows_at_once((k + count - 1) / count * static_cast<Index>(sizeof(S)), tile_rows, half_cache)) {}
+        rows(rows_at_once(bytes<S>((k + count - 1) / count), tile_rows, half_cache)) {}
 };
 template <class S>
 Index gemm_rows(Index k) {
@@ -7027,8 +7053,6 @@ struct GemmPiece {
 
   Index depth() const { return k1 - k0; }
   Index pitch() const { return depth() + 16; }
-  static const std::byte* bytes_of(const S* x) { return reinterpret_cast<const std::byte*>(x); }
-  static Index bytes(Index count) { return count * static_cast<Index>(sizeof(S)); }
   const S* slice(Index panel) const { return g.panels + (panel * g.k + k0) * w; }
 
   Rows<S> rows_of(Index tile, Index row) const {
@@ -7038,31 +7062,21 @@ struct GemmPiece {
   }
   void copy_rows(Index first, Index last) const {
     for (Index r = first; r < last; ++r) {
-      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes(depth())));
+      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
     }
   }
-  /// What a tile puts into its columns of a panel.
-  Epilogue<S> epilogue(Index row, Index panel) const {
-    Epilogue<S> e{.accumulate = k0 > 0};
-    if (k1 < g.k) return e;
-    e.act = g.act;
-    if (g.bias != nullptr) e.bias = g.bias + panel * w;
-    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + panel * w, e.residual_stride = g.ldr;
-    return e;
-  }
-
   void multiply() const {
     const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
     const bool whole = depth == g.k, transposed = g.a_transposed;
-    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes(depth * w))) : 1;
+    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
     // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a tile's when it is next.
     if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
     else if (copies && !far) copy_rows(top, below);
     for (Index group = 0; group < groups; ++group) {
       const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
-      const Index panels = j1 - j0, panel_bytes = bytes(panels * depth * w);
-      const std::byte* next_panels = j1 < right ? bytes_of(slice(j1)) : next;
+      const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
+      const std::byte* next_panels = j1 < right ? as_bytes(slice(j1)) : next;
       const Index next_panel_bytes = j1 < right ? panel_bytes : std::min(panel_bytes, next_bytes);
       for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
         height = top + part(below - top, t + 1, tiles) - row;
@@ -7071,14 +7085,15 @@ struct GemmPiece {
         // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time: none.)
         const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
-        const Index next_row_bytes = bytes(std::min(height, end - next_row) * g.lda);
+        const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
           const Ahead ahead = i < row_panels
-                                  ? Ahead::share(bytes_of(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
                                   : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
           S* c = g.c + row * g.ldc + j * w;
-          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, epilogue(row, j), ahead);
+          const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
+          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
         }
       }
     }
@@ -7091,10 +7106,10 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
   // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
-  const bool copies = !g.a_transposed && GemmPiece<S>::bytes(g.lda) % 4096 == 0;
+  const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
-  const bool far = GemmPiece<S>::bytes(g.m * g.n) > near_caches;
+  const bool far = bytes<S>(g.m * g.n) > near_caches;
   for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
     const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
     GemmPiece<S> piece{.g = g,
@@ -7110,7 +7125,7 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
                        .k1 = part(g.k, block + 1, blocks)};
     const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1, last = next_rows && piece.below == r1;
     const S* next = g.panels + ((next_rows ? j0 : next_columns ? piece.right : left) * g.k + (next_columns ? 0 : piece.k1)) * piece.w;
-    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : piece.bytes_of(next);
+    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
     if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
     piece.multiply();
   }
@@ -7225,7 +7240,7 @@ struct FloatProducts {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
         tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
-                                         plain, Ahead{reinterpret_cast<const std::byte*>(panels)});
+                                         plain, Ahead{as_bytes(panels)});
       }
     }
   }
@@ -7689,9 +7704,8 @@ inline constexpr Index pair_bytes = 4 * bf16_columns;
 /// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
 inline bool streams(const Gemm<float>& g) {
   constexpr Index all = 16 << 20;
-  const auto bytes = [](Index count) { return count * static_cast<Index>(sizeof(float)); };
-  const bool whole_lines = g.n % bf16_columns == 0 && bytes(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
-  return whole_lines && bytes(g.m * g.n) > (bytes(g.ldc) % 4096 == 0 ? near_caches : all);
+  const bool whole_lines = g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
 }
 /// Rows of one panel's width, from where a tile has put them.
 inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
@@ -7801,7 +7815,7 @@ void round_rows(const Rows<float>& a, Index count, Index k, Index depth, typenam
 /// Rows of A in scratch at once, and their distance.
 template <class Tile>
 Index bf16_rows(Index k) {
-  return rows_at_once(bf16_depth(k) * static_cast<Index>(sizeof(typename Tile::Element)), Tile::rows, half_cache / 2 * 3);
+  return rows_at_once(bytes<typename Tile::Element>(bf16_depth(k)), Tile::rows, half_cache / 2 * 3);
 }
 template <class Tile>
 constexpr Index bf16_pitch(Index depth) {
@@ -7832,7 +7846,7 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
     for (Index j = j0; j < j1; ++j) {
       const std::uint16_t* panel = panels + j * depth * bf16_columns;
       const bool last = j + 1 == j1 && top + rows == r1;
-      const auto* next = reinterpret_cast<const std::byte*>(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
+      const std::byte* next = as_bytes(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
       const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
       for (Index step = 0; step < pieces * tiles; ++step) {
         const Index piece = step / tiles, t = step % tiles;
@@ -7849,15 +7863,13 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
                                      .c = g.c + row * g.ldc + column,
                                      .ldc = g.ldc,
                                      .columns = std::min(g.n - column, bf16_columns),
-                                     .e = {.act = g.act},
+                                     .e = Epilogue<float>::of(g, row, column, true, true),
                                      .ahead = ahead,
                                      .panel_stays = tiles > 1,
                                      .stream = stream,
                                      .number = t,
                                      .first = piece == 0,
                                      .last = piece + 1 == pieces};
-        if (g.bias != nullptr) product.e.bias = g.bias + column;
-        if (g.residual != nullptr) product.e.residual = g.residual + row * g.ldr + column, product.e.residual_stride = g.ldr;
         tile.multiply(product);
       }
     }
@@ -7902,7 +7914,7 @@ struct Bf16Products {
                                            .c = c + first * ldc + j,
                                            .ldc = ldc,
                                            .columns = whole_panels ? bf16_columns : std::min(n - j, bf16_columns),
-                                           .ahead = {reinterpret_cast<const std::byte*>(panel)},
+                                           .ahead = {as_bytes(panel)},
                                            .panel_stays = false});
       }
     }
@@ -8355,7 +8367,7 @@ inline void float_tile_block(const Gemm<float>& g, Index r0, Index r1, Index j0,
                                    : g.panels + (j0 * g.k + (block + 1 < split.count ? end : 0)) * bf16_columns;
     const bool last = j + 1 == j1 && block + 1 == split.count && row_block + 1 == row_blocks;
     const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next)
-                                 : reinterpret_cast<const std::byte*>(next);
+                                 : as_bytes(next);
     turn = 1 - turn;
     return PanelSplit(from, end - begin, following, panels + turn * panel_size);
   };
@@ -8382,14 +8394,9 @@ inline void float_tile_block(const Gemm<float>& g, Index r0, Index r1, Index j0,
                                              .c = g.c + row * g.ldc + column,
                                              .ldc = g.ldc,
                                              .columns = std::min(g.n - column, bf16_columns),
+                                             .e = Epilogue<float>::of(g, row, column, block == 0, block + 1 == split.count),
                                              .stream = stream,
                                              .next = &next};
-          product.e.accumulate = block > 0;
-          if (block + 1 == split.count) {
-            product.e.act = g.act;
-            if (g.bias != nullptr) product.e.bias = g.bias + column;
-            if (g.residual != nullptr) product.e.residual = g.residual + row * g.ldr + column, product.e.residual_stride = g.ldr;
-          }
           tile.multiply(product);
         }
         panel = next;

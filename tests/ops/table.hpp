@@ -164,7 +164,7 @@ std::vector<Row<B>> rows() {
     const ml::Dropout drop{.p = 0.3, .key = 0x123456789ABCDEFu};
     r.push_back({std::string("linear dropout") + (act == Activation::gelu ? " gelu" : ""),
                  {{rows, 20}, {width, 20}, {width}, {rows, width}},
-                 [=](In x) {
+                 [=, act = act](In x) {
                    const auto bias = as<B, 1>(x[2]);
                    const auto residual = as<B, 2>(x[3]);
                    return ml::linear(as<B, 2>(x[0]), as<B, 2>(x[1]), &bias, act, &residual, drop).data();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <doctest/doctest.h>
+#include <string>
 #include <utility>
 
 #include <motionlang/backend/detail/kernels.hpp>
@@ -39,7 +40,7 @@ void with_every_kernel(F f) {
   for (const Isa isa : {Isa::portable, Isa::avx2, Isa::avx512, Isa::amx}) {
     const auto* kernels = motionlang::detail::kernels_for<S>(isa);
     if (kernels == nullptr || (isa == Isa::amx && kernels->tiles == nullptr)) continue;
-    INFO(kernels->name);
+    INFO(std::string(kernels->name));
     const Instead scope(motionlang::detail::current_kernels<S>(), kernels);
     const InPrecision precision(isa == Isa::amx ? motionlang::Precision::bf16x3 : motionlang::Precision::fp32);
     f();
@@ -53,7 +54,7 @@ void with_every_bf16_kernel(F f) {
   for (const Isa isa : {Isa::portable, Isa::avx2, Isa::avx512, Isa::avx512_bf16, Isa::amx}) {
     const auto* kernels = motionlang::detail::bf16_kernels_for(isa);
     if (kernels == nullptr) continue;
-    INFO(kernels->name);
+    INFO(std::string(kernels->name));
     const Instead scope(motionlang::detail::current_bf16_kernels(), kernels);
     const InPrecision precision(motionlang::Precision::bf16);
     f();
