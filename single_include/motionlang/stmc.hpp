@@ -4159,78 +4159,126 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
 //
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
-/// mean and 1 / sqrt(variance + eps) of one row. Two passes: no cancellation.
-template <class S>
-MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S& mean, S& rstd) {
+inline constexpr int norm_group = 4;  // rows at a time in layer norm
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as many chains of sums:
+/// none waits.
+template <class S, int R>
+MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
   constexpr int l = lanes<S>;
   const Index whole = n / l * l;
-  Vec<S> sum{};
-  for (Index i = 0; i < whole; i += l) sum += load(x + i);
-  S total = reduce_add<S>(sum);
-  for (Index i = whole; i < n; ++i) total += x[i];
-  mean = total / static_cast<S>(n);
-  Vec<S> square{};
+  Vec<S> sum[R], square[R];
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) sum[r] = square[r] = Vec<S>{};
   for (Index i = 0; i < whole; i += l) {
-    const Vec<S> d = load(x + i) - mean;
-    square += d * d;
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) sum[r] += load(x + r * n + i);
   }
-  S variance = reduce_add<S>(square);
-  for (Index i = whole; i < n; ++i) variance += (x[i] - mean) * (x[i] - mean);
-  rstd = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+    S total = reduce_add<S>(sum[r]);
+    for (Index i = whole; i < n; ++i) total += x[r * n + i];
+    mean[r] = total / static_cast<S>(n);
+  }
+  for (Index i = 0; i < whole; i += l) {
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      const Vec<S> d = load(x + r * n + i) - mean[r];
+      square[r] += d * d;
+    }
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+    S variance = reduce_add<S>(square[r]);
+    for (Index i = whole; i < n; ++i) variance += (x[r * n + i] - mean[r]) * (x[r * n + i] - mean[r]);
+    rstd[r] = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
+  }
 }
 
+/// layer_norm_rows of R rows.
+template <class S, int R>
+MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  const S* x = t.x + first * n;
+  S* y = t.y + first * n;
+  if (t.residual != nullptr) {
+    const S* z = t.residual + first * n;
+    for (Index i = 0; i < R * n; i += l) store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
+    x = y;
+  }
+  S mean[R], rstd[R];
+  row_moments<S, R>(x, n, t.eps, mean, rstd);
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> weight = load(t.weight + i), bias = load(t.bias + i);
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      __builtin_prefetch(x + (R + r) * n + i);  // of the next rows
+      store(y + r * n + i, (load(x + r * n + i) - mean[r]) * rstd[r] * weight + bias);
+    }
+  }
+  for (Index i = whole; i < n; ++i) {
+    for (int r = 0; r < R; ++r) y[r * n + i] = (x[r * n + i] - mean[r]) * rstd[r] * t.weight[i] + t.bias[i];
+  }
+}
 /// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
 template <class S>
 void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  for (Index r = first; r < last; ++r) {
-    const S* x = t.x + r * n;
-    S* y = t.y + r * n;
-    if (t.residual != nullptr) {
-      const S* z = t.residual + r * n;
-      for (Index i = 0; i < whole; i += l) store(y + i, load(x + i) + load(z + i));
-      for (Index i = whole; i < n; ++i) y[i] = x[i] + z[i];
-      x = y;
-    }
-    S mean, rstd;
-    row_moments(x, n, t.eps, mean, rstd);
-    for (Index i = 0; i < whole; i += l) store(y + i, (load(x + i) - mean) * rstd * load(t.weight + i) + load(t.bias + i));
-    for (Index i = whole; i < n; ++i) y[i] = (x[i] - mean) * rstd * t.weight[i] + t.bias[i];
-  }
+  for (; first + norm_group <= last; first += norm_group) normalize_rows<S, norm_group>(t, first);
+  for (; first < last; ++first) normalize_rows<S, 1>(t, first);
 }
 
+/// layer_norm_rows_vjp of R rows.
+template <class S, int R>
+MOTIONLANG_INLINE void normalize_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  const S *x = t.x + first * n, *g = dy + first * n;
+  S* d = dx + first * n;
+  S mean[R], rstd[R], h0[R], h1[R];
+  row_moments<S, R>(x, n, t.eps, mean, rstd);
+  Vec<S> sum_h[R], sum_hx[R];
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) sum_h[r] = sum_hx[r] = Vec<S>{};
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> weight = load(t.weight + i);
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      const Vec<S> h = load(g + r * n + i) * weight;
+      sum_h[r] += h;
+      sum_hx[r] += h * ((load(x + r * n + i) - mean[r]) * rstd[r]);
+    }
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+    h0[r] = reduce_add<S>(sum_h[r]), h1[r] = reduce_add<S>(sum_hx[r]);
+    for (Index i = whole; i < n; ++i) {
+      const S h = g[r * n + i] * t.weight[i];
+      h0[r] += h;
+      h1[r] += h * ((x[r * n + i] - mean[r]) * rstd[r]);
+    }
+    h0[r] /= static_cast<S>(n);
+    h1[r] /= static_cast<S>(n);
+  }
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> weight = load(t.weight + i);
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      const Vec<S> xhat = (load(x + r * n + i) - mean[r]) * rstd[r];
+      store(d + r * n + i, (load(g + r * n + i) * weight - h0[r] - xhat * h1[r]) * rstd[r]);
+    }
+  }
+  for (int r = 0; r < R; ++r) {
+    for (Index i = whole; i < n; ++i) {
+      d[r * n + i] = (g[r * n + i] * t.weight[i] - h0[r] - (x[r * n + i] - mean[r]) * rstd[r] * h1[r]) * rstd[r];
+    }
+    moments[2 * (first + r)] = mean[r], moments[2 * (first + r) + 1] = rstd[r];
+  }
+}
 /// dx = rstd (h - mean(h) - xhat mean(h xhat)),  h = dy weight,  xhat = (x - mean) rstd
 template <class S>
 void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first, Index last) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  for (Index r = first; r < last; ++r) {
-    const S *x = t.x + r * n, *g = dy + r * n;
-    S mean, rstd;
-    row_moments(x, n, t.eps, mean, rstd);
-    moments[2 * r] = mean;
-    moments[2 * r + 1] = rstd;
-    Vec<S> sum_h{}, sum_hx{};
-    for (Index i = 0; i < whole; i += l) {
-      const Vec<S> h = load(g + i) * load(t.weight + i);
-      sum_h += h;
-      sum_hx += h * ((load(x + i) - mean) * rstd);
-    }
-    S h0 = reduce_add<S>(sum_h), h1 = reduce_add<S>(sum_hx);
-    for (Index i = whole; i < n; ++i) {
-      const S h = g[i] * t.weight[i];
-      h0 += h;
-      h1 += h * ((x[i] - mean) * rstd);
-    }
-    h0 /= static_cast<S>(n);
-    h1 /= static_cast<S>(n);
-    S* d = dx + r * n;
-    for (Index i = 0; i < whole; i += l) {
-      store(d + i, (load(g + i) * load(t.weight + i) - h0 - (load(x + i) - mean) * rstd * h1) * rstd);
-    }
-    for (Index i = whole; i < n; ++i) d[i] = (g[i] * t.weight[i] - h0 - (x[i] - mean) * rstd * h1) * rstd;
-  }
+  for (; first + norm_group <= last; first += norm_group) normalize_rows_vjp<S, norm_group>(t, dy, dx, moments, first);
+  for (; first < last; ++first) normalize_rows_vjp<S, 1>(t, dy, dx, moments, first);
 }
 /// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
 template <class S>
@@ -5761,78 +5809,126 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
 //
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
-/// mean and 1 / sqrt(variance + eps) of one row. Two passes: no cancellation.
-template <class S>
-MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S& mean, S& rstd) {
+inline constexpr int norm_group = 4;  // rows at a time in layer norm
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as many chains of sums:
+/// none waits.
+template <class S, int R>
+MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
   constexpr int l = lanes<S>;
   const Index whole = n / l * l;
-  Vec<S> sum{};
-  for (Index i = 0; i < whole; i += l) sum += load(x + i);
-  S total = reduce_add<S>(sum);
-  for (Index i = whole; i < n; ++i) total += x[i];
-  mean = total / static_cast<S>(n);
-  Vec<S> square{};
+  Vec<S> sum[R], square[R];
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) sum[r] = square[r] = Vec<S>{};
   for (Index i = 0; i < whole; i += l) {
-    const Vec<S> d = load(x + i) - mean;
-    square += d * d;
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) sum[r] += load(x + r * n + i);
   }
-  S variance = reduce_add<S>(square);
-  for (Index i = whole; i < n; ++i) variance += (x[i] - mean) * (x[i] - mean);
-  rstd = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+    S total = reduce_add<S>(sum[r]);
+    for (Index i = whole; i < n; ++i) total += x[r * n + i];
+    mean[r] = total / static_cast<S>(n);
+  }
+  for (Index i = 0; i < whole; i += l) {
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      const Vec<S> d = load(x + r * n + i) - mean[r];
+      square[r] += d * d;
+    }
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+    S variance = reduce_add<S>(square[r]);
+    for (Index i = whole; i < n; ++i) variance += (x[r * n + i] - mean[r]) * (x[r * n + i] - mean[r]);
+    rstd[r] = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
+  }
 }
 
+/// layer_norm_rows of R rows.
+template <class S, int R>
+MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  const S* x = t.x + first * n;
+  S* y = t.y + first * n;
+  if (t.residual != nullptr) {
+    const S* z = t.residual + first * n;
+    for (Index i = 0; i < R * n; i += l) store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
+    x = y;
+  }
+  S mean[R], rstd[R];
+  row_moments<S, R>(x, n, t.eps, mean, rstd);
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> weight = load(t.weight + i), bias = load(t.bias + i);
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      __builtin_prefetch(x + (R + r) * n + i);  // of the next rows
+      store(y + r * n + i, (load(x + r * n + i) - mean[r]) * rstd[r] * weight + bias);
+    }
+  }
+  for (Index i = whole; i < n; ++i) {
+    for (int r = 0; r < R; ++r) y[r * n + i] = (x[r * n + i] - mean[r]) * rstd[r] * t.weight[i] + t.bias[i];
+  }
+}
 /// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
 template <class S>
 void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  for (Index r = first; r < last; ++r) {
-    const S* x = t.x + r * n;
-    S* y = t.y + r * n;
-    if (t.residual != nullptr) {
-      const S* z = t.residual + r * n;
-      for (Index i = 0; i < whole; i += l) store(y + i, load(x + i) + load(z + i));
-      for (Index i = whole; i < n; ++i) y[i] = x[i] + z[i];
-      x = y;
-    }
-    S mean, rstd;
-    row_moments(x, n, t.eps, mean, rstd);
-    for (Index i = 0; i < whole; i += l) store(y + i, (load(x + i) - mean) * rstd * load(t.weight + i) + load(t.bias + i));
-    for (Index i = whole; i < n; ++i) y[i] = (x[i] - mean) * rstd * t.weight[i] + t.bias[i];
-  }
+  for (; first + norm_group <= last; first += norm_group) normalize_rows<S, norm_group>(t, first);
+  for (; first < last; ++first) normalize_rows<S, 1>(t, first);
 }
 
+/// layer_norm_rows_vjp of R rows.
+template <class S, int R>
+MOTIONLANG_INLINE void normalize_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  const S *x = t.x + first * n, *g = dy + first * n;
+  S* d = dx + first * n;
+  S mean[R], rstd[R], h0[R], h1[R];
+  row_moments<S, R>(x, n, t.eps, mean, rstd);
+  Vec<S> sum_h[R], sum_hx[R];
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) sum_h[r] = sum_hx[r] = Vec<S>{};
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> weight = load(t.weight + i);
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      const Vec<S> h = load(g + r * n + i) * weight;
+      sum_h[r] += h;
+      sum_hx[r] += h * ((load(x + r * n + i) - mean[r]) * rstd[r]);
+    }
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+    h0[r] = reduce_add<S>(sum_h[r]), h1[r] = reduce_add<S>(sum_hx[r]);
+    for (Index i = whole; i < n; ++i) {
+      const S h = g[r * n + i] * t.weight[i];
+      h0[r] += h;
+      h1[r] += h * ((x[r * n + i] - mean[r]) * rstd[r]);
+    }
+    h0[r] /= static_cast<S>(n);
+    h1[r] /= static_cast<S>(n);
+  }
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> weight = load(t.weight + i);
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      const Vec<S> xhat = (load(x + r * n + i) - mean[r]) * rstd[r];
+      store(d + r * n + i, (load(g + r * n + i) * weight - h0[r] - xhat * h1[r]) * rstd[r]);
+    }
+  }
+  for (int r = 0; r < R; ++r) {
+    for (Index i = whole; i < n; ++i) {
+      d[r * n + i] = (g[r * n + i] * t.weight[i] - h0[r] - (x[r * n + i] - mean[r]) * rstd[r] * h1[r]) * rstd[r];
+    }
+    moments[2 * (first + r)] = mean[r], moments[2 * (first + r) + 1] = rstd[r];
+  }
+}
 /// dx = rstd (h - mean(h) - xhat mean(h xhat)),  h = dy weight,  xhat = (x - mean) rstd
 template <class S>
 void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first, Index last) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  for (Index r = first; r < last; ++r) {
-    const S *x = t.x + r * n, *g = dy + r * n;
-    S mean, rstd;
-    row_moments(x, n, t.eps, mean, rstd);
-    moments[2 * r] = mean;
-    moments[2 * r + 1] = rstd;
-    Vec<S> sum_h{}, sum_hx{};
-    for (Index i = 0; i < whole; i += l) {
-      const Vec<S> h = load(g + i) * load(t.weight + i);
-      sum_h += h;
-      sum_hx += h * ((load(x + i) - mean) * rstd);
-    }
-    S h0 = reduce_add<S>(sum_h), h1 = reduce_add<S>(sum_hx);
-    for (Index i = whole; i < n; ++i) {
-      const S h = g[i] * t.weight[i];
-      h0 += h;
-      h1 += h * ((x[i] - mean) * rstd);
-    }
-    h0 /= static_cast<S>(n);
-    h1 /= static_cast<S>(n);
-    S* d = dx + r * n;
-    for (Index i = 0; i < whole; i += l) {
-      store(d + i, (load(g + i) * load(t.weight + i) - h0 - (load(x + i) - mean) * rstd * h1) * rstd);
-    }
-    for (Index i = whole; i < n; ++i) d[i] = (g[i] * t.weight[i] - h0 - (x[i] - mean) * rstd * h1) * rstd;
-  }
+  for (; first + norm_group <= last; first += norm_group) normalize_rows_vjp<S, norm_group>(t, dy, dx, moments, first);
+  for (; first < last; ++first) normalize_rows_vjp<S, 1>(t, dy, dx, moments, first);
 }
 /// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
 template <class S>
@@ -7361,78 +7457,126 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
 //
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
-/// mean and 1 / sqrt(variance + eps) of one row. Two passes: no cancellation.
-template <class S>
-MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S& mean, S& rstd) {
+inline constexpr int norm_group = 4;  // rows at a time in layer norm
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as many chains of sums:
+/// none waits.
+template <class S, int R>
+MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
   constexpr int l = lanes<S>;
   const Index whole = n / l * l;
-  Vec<S> sum{};
-  for (Index i = 0; i < whole; i += l) sum += load(x + i);
-  S total = reduce_add<S>(sum);
-  for (Index i = whole; i < n; ++i) total += x[i];
-  mean = total / static_cast<S>(n);
-  Vec<S> square{};
+  Vec<S> sum[R], square[R];
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) sum[r] = square[r] = Vec<S>{};
   for (Index i = 0; i < whole; i += l) {
-    const Vec<S> d = load(x + i) - mean;
-    square += d * d;
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) sum[r] += load(x + r * n + i);
   }
-  S variance = reduce_add<S>(square);
-  for (Index i = whole; i < n; ++i) variance += (x[i] - mean) * (x[i] - mean);
-  rstd = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+    S total = reduce_add<S>(sum[r]);
+    for (Index i = whole; i < n; ++i) total += x[r * n + i];
+    mean[r] = total / static_cast<S>(n);
+  }
+  for (Index i = 0; i < whole; i += l) {
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      const Vec<S> d = load(x + r * n + i) - mean[r];
+      square[r] += d * d;
+    }
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+    S variance = reduce_add<S>(square[r]);
+    for (Index i = whole; i < n; ++i) variance += (x[r * n + i] - mean[r]) * (x[r * n + i] - mean[r]);
+    rstd[r] = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
+  }
 }
 
+/// layer_norm_rows of R rows.
+template <class S, int R>
+MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  const S* x = t.x + first * n;
+  S* y = t.y + first * n;
+  if (t.residual != nullptr) {
+    const S* z = t.residual + first * n;
+    for (Index i = 0; i < R * n; i += l) store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
+    x = y;
+  }
+  S mean[R], rstd[R];
+  row_moments<S, R>(x, n, t.eps, mean, rstd);
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> weight = load(t.weight + i), bias = load(t.bias + i);
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      __builtin_prefetch(x + (R + r) * n + i);  // of the next rows
+      store(y + r * n + i, (load(x + r * n + i) - mean[r]) * rstd[r] * weight + bias);
+    }
+  }
+  for (Index i = whole; i < n; ++i) {
+    for (int r = 0; r < R; ++r) y[r * n + i] = (x[r * n + i] - mean[r]) * rstd[r] * t.weight[i] + t.bias[i];
+  }
+}
 /// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
 template <class S>
 void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  for (Index r = first; r < last; ++r) {
-    const S* x = t.x + r * n;
-    S* y = t.y + r * n;
-    if (t.residual != nullptr) {
-      const S* z = t.residual + r * n;
-      for (Index i = 0; i < whole; i += l) store(y + i, load(x + i) + load(z + i));
-      for (Index i = whole; i < n; ++i) y[i] = x[i] + z[i];
-      x = y;
-    }
-    S mean, rstd;
-    row_moments(x, n, t.eps, mean, rstd);
-    for (Index i = 0; i < whole; i += l) store(y + i, (load(x + i) - mean) * rstd * load(t.weight + i) + load(t.bias + i));
-    for (Index i = whole; i < n; ++i) y[i] = (x[i] - mean) * rstd * t.weight[i] + t.bias[i];
-  }
+  for (; first + norm_group <= last; first += norm_group) normalize_rows<S, norm_group>(t, first);
+  for (; first < last; ++first) normalize_rows<S, 1>(t, first);
 }
 
+/// layer_norm_rows_vjp of R rows.
+template <class S, int R>
+MOTIONLANG_INLINE void normalize_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  const S *x = t.x + first * n, *g = dy + first * n;
+  S* d = dx + first * n;
+  S mean[R], rstd[R], h0[R], h1[R];
+  row_moments<S, R>(x, n, t.eps, mean, rstd);
+  Vec<S> sum_h[R], sum_hx[R];
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) sum_h[r] = sum_hx[r] = Vec<S>{};
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> weight = load(t.weight + i);
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      const Vec<S> h = load(g + r * n + i) * weight;
+      sum_h[r] += h;
+      sum_hx[r] += h * ((load(x + r * n + i) - mean[r]) * rstd[r]);
+    }
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+    h0[r] = reduce_add<S>(sum_h[r]), h1[r] = reduce_add<S>(sum_hx[r]);
+    for (Index i = whole; i < n; ++i) {
+      const S h = g[r * n + i] * t.weight[i];
+      h0[r] += h;
+      h1[r] += h * ((x[r * n + i] - mean[r]) * rstd[r]);
+    }
+    h0[r] /= static_cast<S>(n);
+    h1[r] /= static_cast<S>(n);
+  }
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> weight = load(t.weight + i);
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      const Vec<S> xhat = (load(x + r * n + i) - mean[r]) * rstd[r];
+      store(d + r * n + i, (load(g + r * n + i) * weight - h0[r] - xhat * h1[r]) * rstd[r]);
+    }
+  }
+  for (int r = 0; r < R; ++r) {
+    for (Index i = whole; i < n; ++i) {
+      d[r * n + i] = (g[r * n + i] * t.weight[i] - h0[r] - (x[r * n + i] - mean[r]) * rstd[r] * h1[r]) * rstd[r];
+    }
+    moments[2 * (first + r)] = mean[r], moments[2 * (first + r) + 1] = rstd[r];
+  }
+}
 /// dx = rstd (h - mean(h) - xhat mean(h xhat)),  h = dy weight,  xhat = (x - mean) rstd
 template <class S>
 void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first, Index last) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  for (Index r = first; r < last; ++r) {
-    const S *x = t.x + r * n, *g = dy + r * n;
-    S mean, rstd;
-    row_moments(x, n, t.eps, mean, rstd);
-    moments[2 * r] = mean;
-    moments[2 * r + 1] = rstd;
-    Vec<S> sum_h{}, sum_hx{};
-    for (Index i = 0; i < whole; i += l) {
-      const Vec<S> h = load(g + i) * load(t.weight + i);
-      sum_h += h;
-      sum_hx += h * ((load(x + i) - mean) * rstd);
-    }
-    S h0 = reduce_add<S>(sum_h), h1 = reduce_add<S>(sum_hx);
-    for (Index i = whole; i < n; ++i) {
-      const S h = g[i] * t.weight[i];
-      h0 += h;
-      h1 += h * ((x[i] - mean) * rstd);
-    }
-    h0 /= static_cast<S>(n);
-    h1 /= static_cast<S>(n);
-    S* d = dx + r * n;
-    for (Index i = 0; i < whole; i += l) {
-      store(d + i, (load(g + i) * load(t.weight + i) - h0 - (load(x + i) - mean) * rstd * h1) * rstd);
-    }
-    for (Index i = whole; i < n; ++i) d[i] = (g[i] * t.weight[i] - h0 - (x[i] - mean) * rstd * h1) * rstd;
-  }
+  for (; first + norm_group <= last; first += norm_group) normalize_rows_vjp<S, norm_group>(t, dy, dx, moments, first);
+  for (; first < last; ++first) normalize_rows_vjp<S, 1>(t, dy, dx, moments, first);
 }
 /// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
 template <class S>

@@ -11,6 +11,7 @@
 
 #include "../laws/backend_laws.hpp"
 #include "../support/kernel_sets.hpp"
+#include "../support/tensors.hpp"
 #include "checks.hpp"
 
 namespace ml = motionlang;
@@ -77,6 +78,40 @@ void check_gelu(double bound, double absolute_bound) {
   CHECK(worst_below < absolute_bound);
 }
 
+/// Layer norm and its derivative of some rows: the bits of every row alone.
+template <class S>
+void check_rows_alone(Index width) {
+  constexpr Index rows = 11;
+  const auto numbers = [](Index count, std::uint64_t seed) {
+    return tensors::normal<ml::EigenBackend<S>, 1>({count}, seed);
+  };
+  const auto x = numbers(rows * width, 1), residual = numbers(rows * width, 2), dy = numbers(rows * width, 3);
+  const auto weight = numbers(width, 4), bias = numbers(width, 5);
+  const auto size = static_cast<std::size_t>(rows * width);
+  std::vector<S> y(size), dx(size), moments(2 * rows), y_alone(size), dx_alone(size), moments_alone(2 * rows);
+  const auto norm = [&](std::vector<S>& to, const S* added) {
+    return ml::detail::LayerNorm<S>{.x = x.span().data(),
+                                    .residual = added,
+                                    .weight = weight.span().data(),
+                                    .bias = bias.span().data(),
+                                    .width = width,
+                                    .y = to.data()};
+  };
+  const auto& kernels = ml::detail::kernels<S>();
+  for (const S* added : {static_cast<const S*>(nullptr), residual.span().data()}) {
+    const auto together = norm(y, added), alone = norm(y_alone, added);
+    kernels.layer_norm_rows(together, 0, rows);
+    kernels.layer_norm_rows_vjp(together, dy.span().data(), dx.data(), moments.data(), 0, rows);
+    for (Index r = 0; r < rows; ++r) {
+      kernels.layer_norm_rows(alone, r, r + 1);
+      kernels.layer_norm_rows_vjp(alone, dy.span().data(), dx_alone.data(), moments_alone.data(), r, r + 1);
+    }
+    CHECK(y == y_alone);
+    CHECK(dx == dx_alone);
+    CHECK(moments == moments_alone);
+  }
+}
+
 }  // namespace
 
 TEST_CASE("gelu is as exact as its documentation says, for all kernels") {
@@ -85,6 +120,14 @@ TEST_CASE("gelu is as exact as its documentation says, for all kernels") {
     check_gelu<float>(3e-7, looks_up ? 1e-7 : 2e-6);
   });
   kernel_sets::with_every_kernel<double>([] { check_gelu<double>(1e-15, 1e-15); });
+}
+
+TEST_CASE("layer norm: the same bits for a row alone and among others, for all kernels") {
+  for (const Index width : {1, 15, 16, 33, 512}) {
+    CAPTURE(width);
+    kernel_sets::with_every_kernel<float>([&] { check_rows_alone<float>(width); });
+    kernel_sets::with_every_kernel<double>([&] { check_rows_alone<double>(width); });
+  }
 }
 
 TEST_CASE("preparing a weight says whether its numbers are finite, for all kernels") {
