@@ -228,6 +228,7 @@
 #include <motionlang/compose/cut_texts.hpp>
 #include <motionlang/compose/edits.hpp>
 #include <motionlang/compose/handovers.hpp>
+#include <motionlang/compose/in_turn.hpp>
 #include <motionlang/compose/intervals.hpp>
 #include <motionlang/compose/long_texts.hpp>
 #include <motionlang/compose/mtt_timelines.hpp>

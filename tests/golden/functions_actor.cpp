@@ -5,6 +5,7 @@
 #include <motionlang/core/torch_random.hpp>
 
 #include "actor_models.hpp"
+#include "seeds.hpp"
 
 namespace {
 
@@ -141,7 +142,7 @@ void generation(Case& c) {
   c.out("mask", {motions.count(), frames}, ml::lengths_to_mask(lengths));
   golden::out(c, "output", golden::motion_layout(motions, config.nfeats, frames));
   if (std::is_same_v<typename B::scalar, float> && json.contains("seed")) {  // the same from the seed, as PyTorch draws
-    ml::TorchRandom torch(json["seed"].as<std::uint64_t>());
+    auto torch = golden::seeded<ml::TorchRandom>(json["seed"]);
     const auto drawn = ml::generate(m, classes, durations, torch, o);
     for (std::size_t i = 0; i < drawn.rows.span().size(); ++i) {
       const auto got = drawn.rows.span()[i], want = motions.rows.span()[i];

@@ -6,10 +6,11 @@
 #include <motionlang/core/torch_random.hpp>
 
 #include "golden.hpp"
+#include "seeds.hpp"
 
 namespace {
 
-using golden::Case, golden::Registration, golden::three_digits;
+using golden::Case, golden::Registration, golden::seeded, golden::three_digits;
 namespace ml = motionlang;
 
 template <class T, class F>
@@ -23,17 +24,6 @@ std::vector<ml::Index> counted(ml::Index n) {
   std::vector<ml::Index> out(static_cast<std::size_t>(n));
   std::iota(out.begin(), out.end(), ml::Index{0});
   return out;
-}
-
-/// A generator from the seed of a case, which may be negative or above 2^63.
-template <class G>
-G seeded(const ml::JsonView& seed) {
-  if (seed.json().is_number_unsigned()) return G(seed.as<std::uint64_t>());
-  const auto number = seed.as<std::int64_t>();
-  if constexpr (std::same_as<G, ml::PythonRandom>)
-    return G(number);  // takes its absolute value
-  else
-    return G(static_cast<std::uint64_t>(number));
 }
 
 template <class S>

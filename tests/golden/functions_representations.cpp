@@ -7,6 +7,7 @@
 #include <motionlang/features/smplvelp.hpp>
 
 #include "geometry.hpp"
+#include "seeds.hpp"
 
 namespace {
 
@@ -268,7 +269,7 @@ void tmr_motion_slice(Case& c) {
 
 void actor_frame_selection(Case& c) {
   const auto config = c.config();
-  ml::PythonRandom random(config["seed"].as<std::uint64_t>());
+  auto random = golden::seeded<ml::PythonRandom>(config["seed"]);
   std::vector<ml::Index> out;
   for (const ml::Index available : c.values<ml::Index>("in/available")) {
     extend(out, ml::actor_frames(available,

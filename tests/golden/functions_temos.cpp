@@ -5,6 +5,7 @@
 #include <motionlang/core/torch_random.hpp>
 #include <motionlang/features/frame_sampling.hpp>
 
+#include "seeds.hpp"
 #include "text_motion.hpp"
 
 namespace {
@@ -60,9 +61,9 @@ template <ml::Backend B>
 void latent_sampling(Case& c) {
   const auto shape = c.shape("in/mu");
   std::vector<float> eps(static_cast<std::size_t>(shape.count()));
-  if (const auto seed = c.config().value_or("seed", std::int64_t{-1}); seed >= 0) {
-    ml::TorchRandom torch(static_cast<std::uint64_t>(seed));
-    torch.normal(std::span<float>(eps));
+  const auto config = c.config();
+  if (config.contains("seed") && !config["seed"].is_null()) {
+    golden::seeded<ml::TorchRandom>(config["seed"]).normal(std::span<float>(eps));
   } else {
     eps = c.values<float>("noise/eps");
   }

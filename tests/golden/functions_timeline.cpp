@@ -159,8 +159,7 @@ ml::BatchPlan planned(const Case& c, G ties) {
 
 void timeline_processing(Case& c) {
   const bool random = c.config().value_or("ties", "lowest") == "cpython_random";
-  out_plan(c,
-           random ? planned(c, ml::PythonRandom(c.config()["seed"].as<std::int64_t>())) : planned(c, ml::FirstWins{}));
+  out_plan(c, random ? planned(c, golden::seeded<ml::PythonRandom>(c.config()["seed"])) : planned(c, ml::FirstWins{}));
 }
 
 /// 0 accepted, 1 gap, 2 a cut at which no part changes its owner.

@@ -6,6 +6,7 @@
 #include <motionlang/features/layout.hpp>
 
 #include "golden.hpp"
+#include "seeds.hpp"
 
 namespace golden {
 
@@ -38,7 +39,7 @@ inline ml::PlanOptions plan_options(const Case& c) {
 inline ml::BatchPlan planned(const Case& c, const std::vector<ml::Timeline>& timelines,
                              const ml::PlanOptions& options) {
   if (c.config().value_or("ties", "lowest") != "cpython_random") return ml::plan_timelines(timelines, options);
-  ml::PythonRandom random(c.config()["seed"].as<std::int64_t>());
+  auto random = seeded<ml::PythonRandom>(c.config()["seed"]);
   return ml::plan_timelines(timelines, options, random);
 }
 

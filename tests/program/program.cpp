@@ -67,27 +67,57 @@ TEST_CASE("help names every command and option, and the exit codes") {
                            "1 ", "2 ", "3 ", "130 "})
     CHECK_MESSAGE(contains(all.text, word), word);
   const std::map<std::string, std::vector<std::string>> options{
-      {"generate",
-       {"--timeline", "--model", "--out", "--seed", "--steps", "--sampler", "--guidance", "--overlap", "--noise",
-        "--rig", "--drop-animations", "--cut-texts", "--smooth", "--fix-feet", "--backend", "--threads", "--preset", "--record",
-        "--reuse", "--keep-beyond", "--keep", "--keep-seconds", "--keep-parts", "--samples", "--towards"}},
-      {"check", {"timeline", "--fps", "--overlap", "--model", "--cut-texts"}},
+      {"generate", {"--timeline",  "--model",   "--out",         "--seed",    "--steps",           "--sampler",
+                    "--guidance",  "--overlap", "--noise",       "--rig",     "--drop-animations", "--in-turn",
+                    "--cut-texts", "--smooth",  "--fix-feet",    "--backend", "--threads",         "--preset",
+                    "--record",    "--reuse",   "--keep-beyond", "--keep",    "--keep-seconds",    "--keep-parts",
+                    "--samples",   "--towards"}},
+      {"check", {"timeline", "--fps", "--overlap", "--model", "--cut-texts", "--in-turn"}},
       {"info", {"file", "--features"}},
       {"convert",
-       {"input", "output", "--scale", "--asf", "--fps", "--from", "--to", "--speed", "--units", "--smpl", "--mirror",
-        "--smooth", "--in-place", "--loop", "--fix-feet", "--rig", "--drop-animations", "--tensors", "--features", "--rate", "--as",
-        "--denoise", "--action", "--text-encoder", "--statistics", "--store", "--body", "--betas", "--hands"}},
+       {"input",
+        "output",
+        "--scale",
+        "--asf",
+        "--fps",
+        "--from",
+        "--to",
+        "--speed",
+        "--units",
+        "--smpl",
+        "--mirror",
+        "--smooth",
+        "--in-place",
+        "--loop",
+        "--fix-feet",
+        "--rig",
+        "--drop-animations",
+        "--tensors",
+        "--features",
+        "--rate",
+        "--as",
+        "--denoise",
+        "--action",
+        "--text-encoder",
+        "--statistics",
+        "--store",
+        "--body",
+        "--betas",
+        "--hands"}},
       {"compose", {"motions", "--first", "--second", "--table", "--center", "--output", "--units", "--scale", "--asf"}},
       {"join", {"motions", "--blend", "--output", "--units", "--scale", "--asf"}},
       {"doctor", {"folder", "--report", "--clean", "--strips", "--scale", "--rate", "--up", "--asf", "--all"}},
       {"strip", {"input", "output", "--as"}},
       {"view", {"input", "output", "--body", "--betas"}},
-      {"judge", {"--model", "--seeds", "--steps", "--sampler", "--guidance", "--backend", "--details", "--smooth", "--fix-feet", "--compare"}},
-      {"train", {"--data",        "--captions",      "--out",      "--steps",      "--batch",       "--lr",
-                 "--width",       "--feed-forward",  "--layers",   "--vocabulary", "--dropout",     "--velocity-weight",
-                 "--text-weight", "--text-steps",    "--denoiser", "--seed",       "--license",     "--provenance",
-                 "--commit",      "--save-minutes",  "--fresh",    "--threads",    "--noise-focus", "--root-weight",
-                 "--foot-weight", "--other-settings", "--recompute"}}};
+      {"judge",
+       {"--model", "--seeds", "--steps", "--sampler", "--guidance", "--backend", "--details", "--smooth", "--fix-feet",
+        "--compare"}},
+      {"train",
+       {"--data",        "--captions",       "--out",      "--steps",      "--batch",       "--lr",
+        "--width",       "--feed-forward",   "--layers",   "--vocabulary", "--dropout",     "--velocity-weight",
+        "--text-weight", "--text-steps",     "--denoiser", "--seed",       "--license",     "--provenance",
+        "--commit",      "--save-minutes",   "--fresh",    "--threads",    "--noise-focus", "--root-weight",
+        "--foot-weight", "--other-settings", "--recompute"}}};
   for (const auto& [command, names] : options) {
     const auto help = run({command, "--help"}, folder.path);
     CHECK(help.code == 0);
@@ -301,6 +331,41 @@ TEST_CASE("a text that others hide at all times is named with its line") {
     CHECK_MESSAGE(contains(out.text, "hidden.txt:2:1: 'run' moves nothing: other texts take all its body parts\n"), out.text);
     CHECK_MESSAGE(!contains(out.text, "'hop' moves nothing"), out.text);
   }
+}
+
+TEST_CASE("a text of one arm that takes the whole body from another is named with its line") {
+  const Workplace w;
+  ml::write_file(w / "arm.txt", "walk # 0 # 3\nwave with the right hand # 1 # 2\n");
+  for (const auto& out : {w.run({"check", "arm.txt"}), w.generate("out", {}, "arm.txt")}) {
+    CHECK(out.code == 0);
+    CHECK_MESSAGE(contains(out.text,
+                           "arm.txt:2:1: 'wave with the right hand' moves the whole body, also while 'walk' lasts; "
+                           "with '# right arm' it would leave that the rest\n"),
+                  out.text);
+  }
+  ml::write_file(w / "arm.txt", "walk # 0 # 3\nwave with the right hand # 1 # 2 # right arm\nrun # 2.5 # 4\n");
+  CHECK(!contains(w.run({"check", "arm.txt"}).text, "moves the whole body"));
+}
+
+TEST_CASE("the actions of a sentence one after the other") {
+  const Workplace w;
+  ml::write_file(w / "long.txt", "walk, then turn # 0 # 2\n");
+  const auto check = w.run({"check", "long.txt", "--in-turn"});
+  for (const char* line :
+       {"'walk, then turn': 2 s for 'walk', then 'turn'\n", "  0.00 -   1.00 s  walk ", "  1.00 -   2.00 s  turn "})
+    CHECK_MESSAGE(contains(check.text, line), check.text);
+  const auto text = [&](const char* out, std::initializer_list<std::string> options) {
+    std::vector<std::string> all{"generate", "--model", "model.safetensors", "--text", "walk; walk", "--seconds", "2",
+                                 "--out",    out};
+    all.insert(all.end(), options);
+    return w.run(all);
+  };
+  CHECK(text("turns", {"--in-turn"}).code == 0);
+  CHECK(text("one", {}).code == 0);
+  CHECK(ml::read_file(w / "turns" / "walk_walk.bvh") != ml::read_file(w / "one" / "walk_walk.bvh"));
+  ml::write_file(w / "turns.txt", "walk # 0 # 1\nwalk # 1 # 2\n");
+  CHECK(w.run({"generate", "--model", "model.safetensors", "--timeline", "turns.txt", "--out", "lines"}).code == 0);
+  CHECK(ml::read_file(w / "turns" / "walk_walk.bvh") == ml::read_file(w / "lines" / "turns.bvh"));
 }
 
 TEST_CASE("what a model of ours does not take is refused") {

@@ -14,14 +14,16 @@ namespace program {
 
 namespace {
 
-void run(const std::string& path, double fps, double overlap, const std::string& model, bool cut) {
+void run(const std::string& path, double fps, double overlap, const std::string& model, bool cut, bool in_turn) {
   ml::Index longest = 0;
   if (!model.empty()) {
     const auto config = ml::stmc_config(ml::SafetensorsFile::open(model_file(model)));
     fps = config.fps;
     longest = config.denoiser.longest_crop();
   }
-  const auto written = read_timelines(path, fps);
+  auto written = read_timelines(path, fps);
+  if (in_turn) std::fprintf(stderr, "%s", program::in_turn(written, fps).c_str());
+  std::fprintf(stderr, "%s", told_whole_body_texts(written, timeline_source(path)).c_str());
   std::fprintf(stderr, "%s", told_hidden_texts(written, timeline_source(path)).c_str());
   auto timelines = written;
   if (cut) cut_texts(timelines, fps);
@@ -35,12 +37,8 @@ void run(const std::string& path, double fps, double overlap, const std::string&
     if (pieces != texts) std::printf(" cut into %zu", pieces);
     std::printf("\n");
     for (const auto& i : plan.timeline.intervals) {
-      std::vector<ml::BodyPart> parts;
-      for (int p = 0; p < ml::body_part_count; ++p) {
-        if (i.parts.has(static_cast<ml::BodyPart>(p))) parts.push_back(static_cast<ml::BodyPart>(p));
-      }
       std::printf("  %6.2f - %6.2f s  %-40s %s\n", static_cast<double>(i.start) / fps, static_cast<double>(i.end) / fps,
-                  i.text.empty() ? "(no text: moves freely)" : i.text.c_str(), ml::join_text(parts).c_str());
+                  i.text.empty() ? "(no text: moves freely)" : i.text.c_str(), ml::join_text(listed(i.parts)).c_str());
     }
     for (int p = 0; p < ml::body_part_count; ++p) {
       std::printf("  %-10s", ml::body_part_names[static_cast<std::size_t>(p)].data());
@@ -62,7 +60,7 @@ void add_check(CLI::App& app) {
   struct Options {
     std::string path, model;
     double fps = 20, overlap = 0.5;
-    bool cut = true;
+    bool cut = true, in_turn = false;
   };
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(
@@ -75,7 +73,8 @@ void add_check(CLI::App& app) {
   c->add_option("--model", o->model, "Weights: check against their frame rate and longest text as well");
   c->add_flag("--cut-texts,!--no-cut-texts", o->cut,
               "Texts are cut where others borrow body parts from them and where they are too long, as 'generate' does");
-  c->callback([o] { run(o->path, o->fps, o->overlap, o->model, o->cut); });
+  c->add_flag("--in-turn", o->in_turn, in_turn_help);
+  c->callback([o] { run(o->path, o->fps, o->overlap, o->model, o->cut, o->in_turn); });
 }
 
 }  // namespace program

@@ -30,6 +30,7 @@ namespace {
 struct GenerateOptions {
   std::string timeline, text, towards, model = default_model().string(), out = "out", backend = "eigen";
   bool action = false;               // whether the text names one
+  bool in_turn = false;              // the actions of a text
   double seconds = 5;                // of the text
   std::optional<ml::Index> samples;  // of each timeline; 1, with `towards` 5
   ModelSources sources;
@@ -47,10 +48,7 @@ std::vector<ml::Track> tracks_of(const ml::Timeline& timeline, double fps) {
   std::vector<ml::Track> tracks;
   for (const auto& i : timeline.intervals) {
     ml::Track track{i.text, static_cast<double>(i.start) / fps, static_cast<double>(i.end) / fps, {}};
-    for (int p = 0; p < ml::body_part_count; ++p) {
-      if (i.parts.has(static_cast<ml::BodyPart>(p)))
-        track.parts.emplace_back(ml::body_part_names[static_cast<std::size_t>(p)]);
-    }
+    for (const ml::BodyPart p : listed(i.parts)) track.parts.push_back(ml::to_string(p));
     tracks.push_back(std::move(track));
   }
   return tracks;
@@ -206,10 +204,16 @@ void run(const GenerateOptions& o) {
   if (o.record || !o.reuse.empty())
     settings.record_file = (std::filesystem::path(o.out) / (name + record_extension)).string();
 
-  const auto timelines = o.towards.empty() ? wanted_timelines(o, generator->fps()) : std::vector<ml::Timeline>();
+  auto timelines = o.towards.empty() ? wanted_timelines(o, generator->fps()) : std::vector<ml::Timeline>();
+  if (o.in_turn && generator->system() != diffusion_model)
+    ml::raise<usage_error>(102, o.model, ": --in-turn is for models of timelines (STMC); this is ",
+                           generator->system());
+  if (o.in_turn) std::fprintf(stderr, "%s", in_turn(timelines, generator->fps()).c_str());
   warn_of_texts(o, timelines, *generator);
   if (generator->system() == diffusion_model) {
     std::fprintf(stderr, "%s", told_hidden_texts(timelines, timeline_source(o.timeline)).c_str());
+    std::fprintf(stderr, "%s", told_whole_body_texts(timelines, timeline_source(o.timeline)).c_str());
+    if (!o.in_turn && !generator->words().empty()) std::fprintf(stderr, "%s", told_several_actions(timelines).c_str());
     if (settings.cut_texts && !generator->takes_actions())
       std::fprintf(stderr, "%s", told_long_texts(timelines, generator->fps()).c_str());
   }
@@ -337,6 +341,7 @@ void add_generate(CLI::App& app) {
       ->delimiter(',')
       ->needs(keep);
   for (CLI::Option* option : {noise, reuse}) keep->excludes(option);
+  c->add_flag("--in-turn", o->in_turn, in_turn_help);
   const auto cut_texts = c->add_flag("--cut-texts,!--no-cut-texts", o->settings.cut_texts,
                                      "A text is cut where another takes body parts from it or gives them back, and "
                                      "into parts where it lasts longer "

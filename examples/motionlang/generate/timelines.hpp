@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include <motionlang/compose/body_part_lexicon.hpp>
 #include <motionlang/compose/cut_texts.hpp>
+#include <motionlang/compose/in_turn.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/io/file.hpp>
 
@@ -18,6 +20,15 @@ namespace ml = motionlang;
 
 /// What stands for standard input where a timeline file is wanted.
 inline constexpr const char* standard_input = "-";
+
+/// In the order of the names.
+inline std::vector<ml::BodyPart> listed(ml::BodyParts parts) {
+  std::vector<ml::BodyPart> out;
+  for (int p = 0; p < ml::body_part_count; ++p) {
+    if (const auto part = static_cast<ml::BodyPart>(p); parts.has(part)) out.push_back(part);
+  }
+  return out;
+}
 
 /// A timeline file, or standard input, as messages name it.
 inline std::string timeline_source(const std::string& path) { return path == standard_input ? "standard input" : path; }
@@ -60,6 +71,66 @@ inline std::string told_long_texts(const std::vector<ml::Timeline>& timelines, d
         out += ml::concat_text("'", i.text, "': ", static_cast<double>(i.end - i.start) / fps,
                                " s are made in parts of at most ", ml::longest_whole_text,
                                " s, which is what models learn from\n");
+    }
+  }
+  return out;
+}
+
+inline constexpr const char* in_turn_help =
+    "A text of several actions ('walk forward, then sit down; wave') is done one action after the other, in equal "
+    "shares of its time";
+
+/// The actions of each text one after the other, and a line about each text that has several.
+inline std::string in_turn(std::vector<ml::Timeline>& timelines, double fps) {
+  std::string out;
+  for (ml::Timeline& t : timelines) {
+    for (const ml::Interval& i : t.intervals) {
+      const auto actions = ml::actions_in_turn(i.text);
+      if (actions.size() == 1) continue;
+      const auto quoted = [](const std::string& action) { return ml::concat_text("'", action, "'"); };
+      out += ml::concat_text(quoted(i.text), ": ", static_cast<double>(i.end - i.start) / fps, " s for ",
+                             ml::join_text(actions, ", then ", quoted), "\n");
+    }
+    t = ml::in_turn(t);
+  }
+  return out;
+}
+/// A line about each text of several actions, if they are not done in turn.
+inline std::string told_several_actions(const std::vector<ml::Timeline>& timelines) {
+  std::string out;
+  for (const ml::Timeline& t : timelines) {
+    for (const ml::Interval& i : t.intervals) {
+      if (const auto count = ml::actions_in_turn(i.text).size(); count > 1)
+        out +=
+            ml::concat_text("'", i.text, "' is made as one text, of which a model may do a part; --in-turn makes its ",
+                            count, " actions one after the other\n");
+    }
+  }
+  return out;
+}
+
+/// A line for each text of a few body parts, as far as its words tell, that takes all of them from a text that needs others.
+inline std::string told_whole_body_texts(const std::vector<ml::Timeline>& timelines, const std::string& source) {
+  std::string out;
+  ml::FirstWins ties;
+  for (const ml::Timeline& t : timelines) {
+    const auto interval = [&](ml::Index i) -> const ml::Interval& { return t.intervals[static_cast<std::size_t>(i)]; };
+    std::vector<bool> told(t.intervals.size());
+    for (const ml::Piece& piece : ml::elementary_pieces(t)) {
+      if (piece.intervals.size() < 2) continue;
+      const auto owners = ml::assign_parts(t, piece.intervals, ties);
+      const ml::Index owner = owners.front();
+      if (std::ranges::count(owners, owner) != std::ssize(owners) || told[static_cast<std::size_t>(owner)]) continue;
+      const ml::BodyParts guessed = ml::guess_body_parts(interval(owner).text);
+      const auto other = std::ranges::find_if(piece.intervals, [&](ml::Index i) {
+        return (ml::guess_body_parts(interval(i).text).bits & ~guessed.bits) != 0;
+      });
+      if (other == piece.intervals.end()) continue;
+      told[static_cast<std::size_t>(owner)] = true;
+      const auto& [line, column] = interval(owner).place;
+      out += ml::concat_text(source, ":", line, ":", column, ": '", interval(owner).text,
+                             "' moves the whole body, also while '", interval(*other).text, "' lasts; with '# ",
+                             ml::join_text(listed(guessed), " # "), "' it would leave that the rest\n");
     }
   }
   return out;

@@ -13,7 +13,7 @@
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// One section of nearly equal size per count; in each, `count` steps evenly from its first to its last, rounded half
-/// to even. Source  improved diffusion (Nichol and Dhariwal 2021), `space_timesteps`. Throws config_error 105.
+/// to even; of 0, none. Source  improved diffusion (Nichol and Dhariwal 2021), `space_timesteps`. Throws config_error 105.
 inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
   std::vector<Index> kept;
   const auto sections = static_cast<Index>(counts.size());
@@ -21,7 +21,7 @@ inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
   Index begin = 0;
   for (Index i = 0; i < sections; ++i) {
     const Index size = steps / sections + (i < steps % sections ? 1 : 0), count = counts[static_cast<std::size_t>(i)];
-    if (count < 1 || size < count)
+    if (count < 0 || size < count)
       raise<config_error>(105, "respacing: cannot take ", count, " of ", size, " steps in section ", i);
     const double stride = count > 1 ? static_cast<double>(size - 1) / static_cast<double>(count - 1) : 1;
     double position = 0;
@@ -29,25 +29,26 @@ inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
       kept.push_back(begin + static_cast<Index>(std::nearbyint(position)));
     begin += size;
   }
+  if (kept.empty()) raise<config_error>(105, "respacing: no steps are kept of ", steps);
   return kept;
 }
 
 /// "ddimN": the smallest stride that keeps N steps, starting at 0; or a list of counts "10,15,20" (one number is one
 /// section). Empty: all steps. Throws config_error 105.
 inline std::vector<Index> respace(Index steps, std::string_view specification) {
-  auto number = [&](std::string_view digits) {
+  auto number = [&](std::string_view digits, Index least) {
     while (digits.starts_with(' ')) digits.remove_prefix(1);  // as Python reads numbers
     while (digits.ends_with(' ')) digits.remove_suffix(1);
     Index n = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
-    if (error != std::errc{} || end != digits.data() + digits.size() || n < 1) {
+    if (error != std::errc{} || end != digits.data() + digits.size() || n < least) {
       raise<config_error>(105, "respacing: '", specification, "' is neither ddimN nor a list of counts");
     }
     return n;
   };
   if (specification.empty()) return respace(steps, std::vector<Index>{steps});
   if (specification.starts_with("ddim")) {
-    const Index wanted = number(specification.substr(4));
+    const Index wanted = number(specification.substr(4), 1);
     for (Index stride = 1; stride < steps; ++stride) {
       if ((steps + stride - 1) / stride != wanted) continue;
       std::vector<Index> kept;
@@ -59,7 +60,7 @@ inline std::vector<Index> respace(Index steps, std::string_view specification) {
   std::vector<Index> counts;
   for (std::size_t at = 0; at <= specification.size();) {
     const std::size_t comma = std::min(specification.find(',', at), specification.size());
-    counts.push_back(number(specification.substr(at, comma - at)));
+    counts.push_back(number(specification.substr(at, comma - at), 0));
     at = comma + 1;
   }
   return respace(steps, counts);

@@ -153,8 +153,10 @@ inline std::vector<SurfacePoints> rows_of_points(const BodyArrays& arrays, const
   std::vector<SurfacePoints> out;
   if (!arrays.has(triangles)) return out;
   std::vector<Index> shape = arrays.read(triangles).shape;
+  if (shape.empty() || shape.size() > 2)
+    raise<io_error>(407, arrays.file(), ": '", triangles, "' has ", shape.size(), " axes, expected 1 or 2");
   const auto numbers = arrays.read<std::int64_t>(triangles, shape);
-  const auto columns = static_cast<std::size_t>(shape.empty() ? 0 : shape.back());
+  const auto columns = static_cast<std::size_t>(shape.back());
   shape.push_back(3);
   const auto shares = arrays.read<double>(weights, shape);
   for (std::size_t i = 0; i < numbers.size(); ++i) {

@@ -24,9 +24,16 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-/// Bytes with which an older file begins: the pickle of its magic number.
-inline constexpr std::string_view torch_legacy_magic{"\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19\x2e",
-                                                     15};
+/// The magic number of an older file, as pickles of all protocols from 2 on have it behind their first two bytes.
+inline constexpr std::string_view torch_legacy_number{"\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19\x2e", 13};
+
+/// How many bytes at the start of a file are the pickle of that number; 0: it begins otherwise.
+inline std::size_t torch_legacy_magic(std::string_view file) {
+  constexpr std::string_view frame{"\x95\x0d\0\0\0\0\0\0\0", 9};  // around the number from protocol 4 on
+  if (file.size() < 2 || file[0] != '\x80' || file[1] < 2 || file[1] > 5) return 0;
+  const std::size_t start = file.substr(2).starts_with(frame) ? 2 + frame.size() : 2;
+  return file.substr(start).starts_with(torch_legacy_number) ? start + torch_legacy_number.size() : 0;
+}
 
 struct NamedDType {
   std::string_view name;
@@ -265,7 +272,7 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
     return Pickle(bytes, name, {.persistent_ids = persistent, .max_memory = most}, memory, start);
   };
   const auto end_of_version = [&] {  // of these two pickles nothing is kept
-    const Pickle version = part(torch_legacy_magic.size());
+    const Pickle version = part(torch_legacy_magic(as_text(bytes)));
     if (version.root().integer() != 1001)
       version.root().fail(404, "protocol ", version.root().integer(), " of PyTorch");
     return version.end();
@@ -307,7 +314,7 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
 /// A storage that was pickled with the object: an older file of its own, in bytes.
 inline TorchTensors::Storage TorchTensors::nested_storage(const PickleValue& v) const {
   const auto bytes = v.arguments()[0].bytes();
-  if (!as_text(bytes).starts_with(torch_legacy_magic)) v.fail(403, "bytes that are no storage of PyTorch");
+  if (torch_legacy_magic(as_text(bytes)) == 0) v.fail(403, "bytes that are no storage of PyTorch");
   memory_->spend(bytes.size());  // for the time it takes, too: many tensors may name the same bytes
   TorchTensors inner(memory_);
   const Pickle object = read_torch_legacy(bytes, v.file(), inner, memory_);
@@ -378,7 +385,7 @@ class TorchFile {
   }
 
   static bool is_legacy(std::span<const std::byte> bytes) {
-    return detail::as_text(bytes).starts_with(detail::torch_legacy_magic);
+    return detail::torch_legacy_magic(detail::as_text(bytes)) > 0;
   }
   /// The first folder of an archive that has a data.pkl, with a slash; empty if there is none.
   static std::string root_folder(const ZipArchive& zip) {

@@ -47,9 +47,10 @@ TEST_CASE("respacing: sections, strides, the published rounding") {
   CHECK(ml::respace(10, "2,3") == Steps{0, 4, 5, 7, 9});
   CHECK(ml::respace(10, " 2, 3 ") == Steps{0, 4, 5, 7, 9});
   CHECK(ml::respace(11, "2,2") == Steps{0, 5, 6, 10});  // the first section is the longer one
+  CHECK(ml::respace(10, "0,3") == Steps{5, 7, 9});      // of a section nothing
   CHECK(ml::respace(10, "ddim5") == Steps{0, 2, 4, 6, 8});
   CHECK(ml::respace(1000, "ddim50").size() == 50);
-  for (const char* wrong : {"0", "11", "3,", "5,6", "ddim", "ddim7", "ddimx", "1.5", "-2", "five"})
+  for (const char* wrong : {"0", "0,0", "ddim0", "11", "3,", "5,6", "ddim", "ddim7", "ddimx", "1.5", "-2", "five"})
     CHECK_ERROR(ml::respace(10, wrong), "[motionlang.config.105] respacing");
   CHECK_ERROR(ml::respace(10, Steps{}), "[motionlang.config.105]");
 }

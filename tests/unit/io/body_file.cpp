@@ -189,6 +189,8 @@ TEST_CASE("face landmarks are points on triangles, and move with the body") {
   const std::int64_t none[] = {2, 3};
   named(arrays, "lmk_faces_idx") = ml::NpyArray::of(std::span<const std::int64_t>(none), {2});
   CHECK_ERROR(folder.read(arrays), "'lmk_faces_idx' has triangle 3 of 3");
+  named(arrays, "lmk_faces_idx") = ml::NpyArray::of(std::span<const std::int64_t>(none, 1), {});
+  CHECK_ERROR(folder.read(arrays), "'lmk_faces_idx' has 0 axes, expected 1 or 2");
 }
 
 TEST_CASE("extra points are vertices of the published bodies only") {

@@ -95,6 +95,17 @@ TEST_CASE("long motions come back with their last frame, although times are sing
   }
 }
 
+TEST_CASE(
+    "the frame rate of half an hour is found, although late times are rounded to more than a hundredth of a frame") {
+  const auto skeleton = ml::Skeleton::from_joints({{"a", "", {0, 0, 0}}, {"b", "a", {0, 1, 0}}});
+  constexpr std::size_t frames = 252000;
+  ml::Motion motion{skeleton, 120, std::vector<ml::Vec3<double>>(frames), {}, "long"};
+  motion.local.assign(2 * frames, ml::Quaternion<double>::identity());
+  const ml::Motion back = ml::GlbFile(ml::glb_bytes(std::span(&motion, 1)), "long.glb").motion(0);
+  CHECK(back.fps == 120);
+  CHECK(back.frames() == frames);
+}
+
 TEST_CASE("a motion comes back") {
   const TemporaryFolder folder;
   for (const int frames : {1, 50}) {

@@ -51,6 +51,19 @@ TEST_CASE("PyTorch: both forms, views, halves, whole numbers") {
   CHECK(open("spec_legacy.pt").format() == "torch legacy");
 }
 
+TEST_CASE("PyTorch's older form in newer protocols of pickle") {
+  std::string bytes = ml::read_file(sample("spec_legacy.pt"));
+  const auto opened = [&] { return ml::WeightFile::from_bytes(std::as_bytes(std::span(bytes)), "x.pt"); };
+  bytes[1] = 3;
+  CHECK(floats(opened(), "w") == floats(open("spec_legacy.pt"), "w"));
+  bytes[1] = 4;
+  bytes.insert(2, std::string_view("\x95\x0d\0\0\0\0\0\0\0", 9));  // the number in a frame
+  CHECK(opened().format() == "torch legacy");
+  CHECK(floats(opened(), "w") == floats(open("spec_legacy.pt"), "w"));
+  bytes[3] = 0x0c;
+  CHECK_ERROR(opened(), "[motionlang.io.");
+}
+
 TEST_CASE("tensors of more axes than ours have") {
   const auto torch = open("many_axes.pt");
   CHECK(torch.names() == std::vector<std::string>{"w", "wt"});  // 65 axes are more than PyTorch has
@@ -358,7 +371,7 @@ TEST_CASE("PyTorch: tensors that are negated on reading, whole modules") {
   const std::string_view module = "\x80\x02" "ctorch.nn.modules.linear\nLinear\n)\x81}b.";
   CHECK_ERROR(ml::WeightFile::from_bytes(std::as_bytes(std::span(module)), "x.pkl"),
               "skipped: torch.nn.modules.linear.Linear (of a whole module or model, save its state_dict())");
-  const std::string legacy(ml::detail::torch_legacy_magic);
+  const std::string legacy = "\x80\x02" + std::string(ml::detail::torch_legacy_number);
   const std::string with_source = legacy + "\x80\x02M\xe9\x03.\x80\x02}U\x0dlittle_endian\x88s.\x80\x02(U\x06moduleK\x01tQ)\x81.";
   CHECK_ERROR(ml::WeightFile::from_bytes(std::as_bytes(std::span(with_source)), "x.pt"), "a whole module with its source code");
 }

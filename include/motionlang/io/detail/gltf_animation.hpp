@@ -2,12 +2,13 @@
 /// Animations of a glTF document: the transform of any node at any time. Source: glTF 2.0, 3.11 and appendix C.
 #pragma once
 
-#include <array>     // values
-#include <cmath>     // round
-#include <limits>    // precision of a float
-#include <map>       // channels by node
-#include <optional>  // rate
-#include <set>       // lists of times
+#include <algorithm>  // clamp
+#include <array>      // values
+#include <cmath>      // round
+#include <limits>     // precision of a float
+#include <map>        // channels by node
+#include <optional>   // rate
+#include <set>        // lists of times
 
 #include <motionlang/geometry/slerp.hpp>
 #include <motionlang/io/detail/gltf_document.hpp>
@@ -94,7 +95,11 @@ class GltfAnimation {
     const auto most = std::ranges::max_element(all, {}, [](const auto* times) { return times->size(); });
     if ((*most)->size() < 2) return std::nullopt;
     const double step = duration_ / static_cast<double>((*most)->size() - 1);
-    const auto is_frame = [step](double t) { return std::abs(t / step - std::round(t / step)) < 0.01; };
+    const auto is_frame =
+        [step](double t) {  // times are floats, which late ones round by more than a hundredth of a frame
+          constexpr double rounding = std::numeric_limits<float>::epsilon();
+          return std::abs(t / step - std::round(t / step)) < std::clamp(rounding * t / step, 0.01, 0.25);
+        };
     for (const auto* times : all) {
       if (!std::ranges::all_of(*times, is_frame)) return std::nullopt;
     }
