@@ -15,6 +15,7 @@
 #include <motionlang/kinematics/smooth_motion.hpp>
 
 #include "../support/captioned_clips.hpp"
+#include "../support/mdm_results.hpp"
 #include "../support/octahedra_body.hpp"
 #include "../support/rigs.hpp"
 #include "../support/small_model.hpp"
@@ -1018,6 +1019,31 @@ TEST_CASE("doctor tells numbers that are none; info tells of binary files what i
   const auto told = w.run({"info", "zeros"});
   CHECK(told.code == 1);
   CHECK_MESSAGE(contains(told.text, "zeros: byte 8"), told.text);
+}
+
+TEST_CASE("results of MDM: every motion, named by its text") {
+  const Workplace w;
+  std::vector<float> values(2 * 22 * 3 * 10);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i / 10 % 66) / 66;  // stands
+  const auto motion = ml::NpyArray::of(std::span<const float>(values), {2, 22, 3, 10});
+  std::filesystem::create_directories(w / "mdm");
+  ml::write_file(w / "mdm/results.npy",
+                 mdm::results(motion, {"a person waves / sits", "a person waves / sits"}, {10, 6}));
+  const auto seen = w.run({"info", "mdm/results.npy"});
+  CHECK_MESSAGE(
+      contains(seen.text, "2 motions\n  0 a person waves / sits, 0.50 s\n  1 a person waves / sits_2, 0.30 s\n"),
+      seen.text);
+  CHECK(contains(seen.text, "10 frames, 20 frames per second, 0.50 s, 24 joints"));
+  const auto made = w.run({"convert", "mdm/results.npy", "x.bvh", "--rate", "30"});
+  REQUIRE_MESSAGE(made.code == 0, made.text);
+  CHECK(contains(made.text, "x_a person waves _ sits.bvh: 10 frames at 30 per second"));
+  CHECK(ml::read_bvh_motion(w / "x_a person waves _ sits_2.bvh").frames() == 6);
+  const auto page = w.run({"view", "mdm/results.npy"});
+  CHECK_MESSAGE(contains(page.text, "mdm/results.npy.html: 2 motions, 24 joints"), page.text);
+  const auto all = w.run({"convert", "mdm", "all", "--as", ".bvh"});
+  CHECK_MESSAGE(contains(all.text, "all: 1 of 1 files converted"), all.text);
+  ml::write_npy(w / "bare.npy", motion);
+  CHECK(contains(w.run({"convert", "bare.npy", "bare.bvh"}).text, "bare_1.bvh: 10 frames at 20 per second"));
 }
 
 TEST_CASE("convert: what an AMASS file has besides the joints goes into another one, or is told") {

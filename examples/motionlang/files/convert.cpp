@@ -378,11 +378,12 @@ void run(ConvertOptions o) {
 
 /// more: what else the input may be.
 void add_input(CLI::App& c, ConvertOptions& o, const std::string& more = "") {
-  c.add_option("input", o.in,
-               "Motion: .bvh (every ROOT), .amc, .npz (AMASS), .npy (joints or features), .glb, .gltf (with its data "
-               "in it), .vrm or .vrma (every animation); or a folder of them (.vrm, mostly avatars, and .gltf are "
-               "passed over there)" +
-                   more)
+  c.add_option(
+       "input", o.in,
+       "Motion: .bvh (every ROOT), .amc, .npz (AMASS), .npy (joints, features, or MDM's results.npy: every motion), "
+       ".glb, .gltf (with its data in it), .vrm or .vrma (every animation); or a folder of them (.vrm, mostly "
+       "avatars, and .gltf are passed over there)" +
+           more)
       ->required()
       ->check(CLI::ExistingPath);
   o.read.add_to(c);

@@ -10,7 +10,7 @@
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/film_strip.hpp>
 #include <motionlang/io/glb_rig.hpp>
-#include <motionlang/io/motion_npy.hpp>
+#include <motionlang/io/mdm_results.hpp>
 #include <motionlang/io/viewer.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
@@ -27,7 +27,8 @@ void MotionReadOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   command.add_option("--rate", rate, "Frames per second of .npy and .amc files; as published unless given, .amc 120")
       ->check(positive());
-  command.add_option("--up", up, "Axis that points up in .npy files with joints; found unless given")
+  command
+      .add_option("--up", up, "Axis that points up in .npy files with joints; found unless given, of MDM's results y")
       ->check(CLI::IsMember({"y", "z"}));
   command.add_option("--asf", asf,
                      "Skeleton of an AMC file, in a folder of those without one beside them; unless given, that of its "
@@ -111,7 +112,7 @@ namespace {
 /// Files that cannot be read count: their reader says why.
 bool has_frames(const std::filesystem::path& npy) {
   try {
-    return npy_shape(npy).size() >= 2;
+    return npy_shape(npy).size() >= 2 || ml::may_be_mdm_motions(npy);
   } catch (const ml::error&) {
     return true;
   }
@@ -229,9 +230,9 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
   else if (kind == ".npz")
     motions.push_back(ml::read_amass(path).motion);
   else if (kind == ".npy")
-    motions.push_back(ml::read_motion_npy(path, {options.rate, options.up == "y"   ? ml::UpAxis::y
-                                                                  : options.up == "z" ? ml::UpAxis::z
-                                                                                      : ml::UpAxis::found}));
+    motions = ml::read_motions_npy(path, {options.rate, options.up == "y"   ? ml::UpAxis::y
+                                                        : options.up == "z" ? ml::UpAxis::z
+                                                                            : ml::UpAxis::found});
   else if (is_gltf(path))
     motions = every_animation(path, options.fps, told);
   else

@@ -81,8 +81,8 @@ std::string unique(const std::string& name, std::set<std::string>& taken);
 /// The skeleton beside an AMC file: its subject's, as CMU has them (01.asf beside 01_02.amc), or else the only one in the folder.
 std::filesystem::path asf_beside(const std::filesystem::path& amc);
 
-/// The motions of a file: .bvh (every ROOT), .amc, .npz (AMASS), .npy (joints or features), .glb, .gltf, .vrm, .vrma
-/// (every animation). Each has a name, and no two the same.
+/// The motions of a file: .bvh (every ROOT), .amc, .npz (AMASS), .npy (joints, features, or all of MDM's results), .glb,
+/// .gltf, .vrm, .vrma (every animation). Each has a name, and no two the same.
 /// told    gets lines about what a file has and the motions do not: bones that stretch
 /// Throws  config_error 103 for another extension and for a GLB file without animation, io_error 401 for an AMC file
 ///         whose skeleton is not found, and what the reader throws
