@@ -25,7 +25,10 @@ void MotionReadOptions::add_to(CLI::App& command) {
   command.add_option("--scale", scale, "Metres per unit of BVH files")
       ->check(positive())
       ->capture_default_str();
-  command.add_option("--rate", rate, "Frames per second of .npy and .amc files; as published unless given, .amc 120")
+  command
+      .add_option("--rate", rate,
+                  "Frames per second of .npy and .amc files, and of .npz files that do not say them; as published "
+                  "unless given, .amc 120")
       ->check(positive());
   command
       .add_option("--up", up, "Axis that points up in .npy files with joints; found unless given, of MDM's results y")
@@ -42,14 +45,15 @@ void MotionReadOptions::require_for(const std::filesystem::path& file) const {
     if (given && !fits) ml::raise<usage_error>(102, option, " is for ", about, "; ", file.string(), " is none");
   };
   refuse(scale != MotionReadOptions{}.scale, kind == ".bvh", "--scale", "BVH files");
-  refuse(rate != 0, kind == ".npy" || kind == ".amc", "--rate",
-         ".npy and .amc files (--fps resamples, --speed makes faster)");
+  refuse(rate != 0, kind == ".npy" || kind == ".amc" || kind == ".npz", "--rate",
+         ".npy, .amc and .npz files (--fps resamples, --speed makes faster)");
   refuse(!up.empty(), kind == ".npy", "--up", ".npy files with joints (doctor --clean turns others up)");
   refuse(!asf.empty(), kind == ".amc", "--asf", "AMC files");
 }
 
 MotionReadOptions options_in_folder(MotionReadOptions options, const std::filesystem::path& file) {
   if (kind_of(file) == ".amc" && std::filesystem::exists(asf_beside(file))) options.asf.clear();
+  if (kind_of(file) == ".npz" && options.rate > 0 && ml::amass_rate(ml::NpzArchive::open(file))) options.rate = 0;
   return options;
 }
 
@@ -228,7 +232,7 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
   else if (kind == ".amc")
     motions.push_back(read_amc(path, options));
   else if (kind == ".npz")
-    motions.push_back(ml::read_amass(path).motion);
+    motions.push_back(ml::read_amass(path, {}, options.rate).motion);
   else if (kind == ".npy")
     motions = ml::read_motions_npy(path, {options.rate, options.up == "y"   ? ml::UpAxis::y
                                                         : options.up == "z" ? ml::UpAxis::z
