@@ -15,6 +15,7 @@
 #include <motionlang/kinematics/smooth_motion.hpp>
 
 #include "../support/captioned_clips.hpp"
+#include "../support/mdm_results.hpp"
 #include "../support/octahedra_body.hpp"
 #include "../support/rigs.hpp"
 #include "../support/small_model.hpp"
@@ -204,7 +205,7 @@ TEST_CASE("options that say nothing about a file, and results in the place of wh
   ml::write_bvh(w / "other.bvh", synthetic::walk({.frames = 40, .turn = 1}));
   const std::string before = ml::read_file(w / "walk.bvh");
   const std::vector<std::pair<std::vector<std::string>, std::string>> refused{
-      {{"convert", "walk.bvh", "x.glb", "--rate", "60"}, "--rate is for .npy and .amc files"},
+      {{"convert", "walk.bvh", "x.glb", "--rate", "60"}, "--rate is for .npy, .amc and .npz files"},
       {{"strip", "walk.bvh", "x.svg", "--up", "z"}, "--up is for .npy files"},
       {{"convert", "walk.bvh", "x.glb", "--asf", "two.txt"}, "--asf is for AMC files; walk.bvh is none"},
       {{"convert", "walk.bvh", "./walk.bvh", "--mirror"}, "./walk.bvh is what is read"},
@@ -1083,6 +1084,65 @@ TEST_CASE("doctor tells numbers that are none; info tells of binary files what i
   const auto told = w.run({"info", "zeros"});
   CHECK(told.code == 1);
   CHECK_MESSAGE(contains(told.text, "zeros: byte 8"), told.text);
+}
+
+TEST_CASE("an .npz file with the names of smplx and without a rate: --rate says it, but not another than the file's") {
+  const Workplace w;
+  const auto array = [](ml::Index columns) {
+    const std::vector<double> values(static_cast<std::size_t>(4 * columns), 0.1);
+    return ml::NpyArray::of(std::span<const double>(values), {4, columns});
+  };
+  std::vector<ml::NamedArray> arrays{{"global_orient", array(3)}, {"body_pose", array(69)}, {"transl", array(3)}};
+  std::filesystem::create_directories(w / "data");
+  ml::write_npz(w / "data/none.npz", arrays);
+  arrays.push_back({"fps", ml::NpyArray::scalar(60.0)});
+  ml::write_npz(w / "data/own.npz", arrays);
+  const auto none = w.run({"convert", "data/none.npz", "a.bvh"});
+  CHECK(none.code == 1);
+  CHECK_MESSAGE(contains(none.text, "[motionlang.io.406] data/none.npz: no frame rate"), none.text);
+  CHECK_MESSAGE(contains(none.text, "--rate says it"), none.text);
+  for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--body", "free"}}) {
+    std::vector<std::string> words{"convert", "data/none.npz", "a.glb", "--rate", "30"};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto given = w.run(words);
+    CHECK_MESSAGE(given.code == 0, given.text);
+    CHECK(ml::GlbFile::open(w / "a.glb").motion(0).fps == doctest::Approx(30));
+    words[1] = "data/own.npz";
+    const auto both = w.run(words);
+    CHECK(both.code != 0);
+    CHECK_MESSAGE(contains(both.text, "[motionlang.config.102] data/own.npz: has 60 frames per second, --rate says 30"),
+                  both.text);
+  }
+  CHECK(contains(w.run({"convert", "data/own.npz", "own.npz"}).text, "4 frames at 60 per second"));
+  CHECK(contains(w.run({"info", "data/own.npz"}).text, "data/own.npz: 4 frames, 60 frames per second"));
+  REQUIRE(w.run({"convert", "data", "out", "--as", ".npz", "--rate", "30"}).code == 0);  // a folder of both
+  CHECK(ml::read_amass(w / "out/none.npz").motion.fps == 30);
+  CHECK(ml::read_amass(w / "out/own.npz").motion.fps == 60);
+}
+
+TEST_CASE("results of MDM: every motion, named by its text") {
+  const Workplace w;
+  std::vector<float> values(2 * 22 * 3 * 10);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i / 10 % 66) / 66;  // stands
+  const auto motion = ml::NpyArray::of(std::span<const float>(values), {2, 22, 3, 10});
+  std::filesystem::create_directories(w / "mdm");
+  ml::write_file(w / "mdm/results.npy",
+                 mdm::results(motion, {"a person waves / sits", "a person waves / sits"}, {10, 6}));
+  const auto seen = w.run({"info", "mdm/results.npy"});
+  CHECK_MESSAGE(
+      contains(seen.text, "2 motions\n  0 a person waves / sits, 0.50 s\n  1 a person waves / sits_2, 0.30 s\n"),
+      seen.text);
+  CHECK(contains(seen.text, "10 frames, 20 frames per second, 0.50 s, 24 joints"));
+  const auto made = w.run({"convert", "mdm/results.npy", "x.bvh", "--rate", "30"});
+  REQUIRE_MESSAGE(made.code == 0, made.text);
+  CHECK(contains(made.text, "x_a person waves _ sits.bvh: 10 frames at 30 per second"));
+  CHECK(ml::read_bvh_motion(w / "x_a person waves _ sits_2.bvh").frames() == 6);
+  const auto page = w.run({"view", "mdm/results.npy"});
+  CHECK_MESSAGE(contains(page.text, "mdm/results.npy.html: 2 motions, 24 joints"), page.text);
+  const auto all = w.run({"convert", "mdm", "all", "--as", ".bvh"});
+  CHECK_MESSAGE(contains(all.text, "all: 1 of 1 files converted"), all.text);
+  ml::write_npy(w / "bare.npy", motion);
+  CHECK(contains(w.run({"convert", "bare.npy", "bare.bvh"}).text, "bare_1.bvh: 10 frames at 20 per second"));
 }
 
 TEST_CASE("convert: what an AMASS file has besides the joints goes into another one, or is told") {

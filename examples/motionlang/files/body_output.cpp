@@ -48,7 +48,9 @@ class FreeBody : public ShownBody {
  public:
   explicit FreeBody(const BodyOptions& o) : betas_(o.betas.begin(), o.betas.end()) {}
   bool has_joints_of(const ml::Motion&) const override { return true; }
-  BodyClip read(const fs::path& npz) const override { return {ml::read_amass(npz).motion, {}, {}}; }
+  BodyClip read(const fs::path& npz, double fps) const override {
+    return {ml::read_amass(npz, {}, fps).motion, {}, {}};
+  }
   std::string write(const fs::path& path, std::vector<ml::Motion> motions, const std::vector<float>&) const override {
     if (motions.empty()) ml::raise<ml::config_error>(101, path.string(), ": no motion");
     auto body = ml::figure_body<B>(motions.front().skeleton);
@@ -71,8 +73,8 @@ class OwnBody : public ShownBody {
   }
   bool has_joints_of(const ml::Motion& m) const override { return m.skeleton.names == joints_; }
 
-  BodyClip read(const fs::path& npz) const override {
-    const auto sequence = ml::read_amass_sequence(npz);
+  BodyClip read(const fs::path& npz, double fps) const override {
+    const auto sequence = ml::read_amass_sequence(npz, fps);
     const std::string name = npz.stem().string();
     if (body_.kind == ml::BodyKind::other)
       return {ml::amass_motion(sequence, name),

@@ -170,7 +170,7 @@ class Conversion {
   }
   /// Whose motion it is stays with AMASS files; joints and features do not have it, nor hands.
   void read_amass() {
-    ml::AmassSequence sequence = ml::read_amass_sequence(o_.in);
+    ml::AmassSequence sequence = ml::read_amass_sequence(o_.in, o_.read.rate);
     motions_.push_back(ml::amass_motion(sequence, fs::path(o_.in).stem().string()));
     const auto is_set = [](double x) { return x != 0; };
     bool hands = false;
@@ -188,7 +188,7 @@ class Conversion {
   }
 
   void read_for_body() {
-    BodyClip clip = loaded_.body->read(o_.in);
+    BodyClip clip = loaded_.body->read(o_.in, o_.read.rate);
     motions_.push_back(std::move(clip.motion));
     betas_ = std::move(clip.betas);
     about_input_ = std::move(clip.told);
@@ -379,9 +379,9 @@ void run(ConvertOptions o) {
 /// more: what else the input may be.
 void add_input(CLI::App& c, ConvertOptions& o, const std::string& more = "") {
   c.add_option("input", o.in,
-               "Motion: .bvh (every ROOT), .amc, .npz (AMASS), .npy (joints or features), .glb, .gltf (with its data "
-               "in it), .vrm or .vrma (every animation); or a folder of them (.vrm, mostly avatars, and .gltf are "
-               "passed over there)" +
+               "Motion: .bvh (every ROOT), .amc, .npz (AMASS, smplx), .npy (joints, features, or MDM's results.npy: "
+               "every motion), .glb, .gltf (with its data in it), .vrm or .vrma (every animation); or a folder of them "
+               "(.vrm, mostly avatars, and .gltf are passed over there)" +
                    more)
       ->required()
       ->check(CLI::ExistingPath);

@@ -5,6 +5,7 @@
 
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/io/amass.hpp>
+#include <motionlang/io/mdm_results.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
 #include "../commands.hpp"
@@ -103,12 +104,13 @@ void run(const std::string& path) {
   if (path == standard_input) return timelines(path);
   const std::string kind = kind_of(path);
   if (kind == ".npy" && holds_joints(path)) return joints(path);
-  if (kind == ".bvh" || kind == ".amc" || is_gltf(path) || (kind == ".npz" && holds_motion(path))) {
+  const bool arrays = (kind == ".npz" && holds_motion(path)) || (kind == ".npy" && ml::may_be_mdm_motions(path));
+  if (kind == ".bvh" || kind == ".amc" || is_gltf(path) || arrays) {
     std::string told;
     const auto motions = read_motions(path, {}, &told);
     std::printf("%s", told.c_str());
     if (motions.size() > 1) {
-      std::printf("%zu %s\n", motions.size(), is_gltf(path) ? "animations" : "roots");
+      std::printf("%zu %s\n", motions.size(), is_gltf(path) ? "animations" : kind == ".bvh" ? "roots" : "motions");
       for (std::size_t i = 0; i < motions.size(); ++i)
         std::printf("  %zu %s, %.2f s\n", i, motions[i].name.c_str(), motions[i].seconds());
     }

@@ -10,7 +10,7 @@
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/film_strip.hpp>
 #include <motionlang/io/glb_rig.hpp>
-#include <motionlang/io/motion_npy.hpp>
+#include <motionlang/io/mdm_results.hpp>
 #include <motionlang/io/viewer.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
@@ -25,9 +25,13 @@ void MotionReadOptions::add_to(CLI::App& command) {
   command.add_option("--scale", scale, "Metres per unit of BVH files")
       ->check(positive())
       ->capture_default_str();
-  command.add_option("--rate", rate, "Frames per second of .npy and .amc files; as published unless given, .amc 120")
+  command
+      .add_option("--rate", rate,
+                  "Frames per second of .npy and .amc files, and of .npz files that do not say them; as published "
+                  "unless given, .amc 120")
       ->check(positive());
-  command.add_option("--up", up, "Axis that points up in .npy files with joints; found unless given")
+  command
+      .add_option("--up", up, "Axis that points up in .npy files with joints; found unless given, of MDM's results y")
       ->check(CLI::IsMember({"y", "z"}));
   command.add_option("--asf", asf,
                      "Skeleton of an AMC file, in a folder of those without one beside them; unless given, that of its "
@@ -41,14 +45,15 @@ void MotionReadOptions::require_for(const std::filesystem::path& file) const {
     if (given && !fits) ml::raise<usage_error>(102, option, " is for ", about, "; ", file.string(), " is none");
   };
   refuse(scale != MotionReadOptions{}.scale, kind == ".bvh", "--scale", "BVH files");
-  refuse(rate != 0, kind == ".npy" || kind == ".amc", "--rate",
-         ".npy and .amc files (--fps resamples, --speed makes faster)");
+  refuse(rate != 0, kind == ".npy" || kind == ".amc" || kind == ".npz", "--rate",
+         ".npy, .amc and .npz files (--fps resamples, --speed makes faster)");
   refuse(!up.empty(), kind == ".npy", "--up", ".npy files with joints (doctor --clean turns others up)");
   refuse(!asf.empty(), kind == ".amc", "--asf", "AMC files");
 }
 
 MotionReadOptions options_in_folder(MotionReadOptions options, const std::filesystem::path& file) {
   if (kind_of(file) == ".amc" && std::filesystem::exists(asf_beside(file))) options.asf.clear();
+  if (kind_of(file) == ".npz" && options.rate > 0 && ml::amass_rate(ml::NpzArchive::open(file))) options.rate = 0;
   return options;
 }
 
@@ -111,7 +116,7 @@ namespace {
 /// Files that cannot be read count: their reader says why.
 bool has_frames(const std::filesystem::path& npy) {
   try {
-    return npy_shape(npy).size() >= 2;
+    return npy_shape(npy).size() >= 2 || ml::may_be_mdm_motions(npy);
   } catch (const ml::error&) {
     return true;
   }
@@ -227,11 +232,11 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
   else if (kind == ".amc")
     motions.push_back(read_amc(path, options));
   else if (kind == ".npz")
-    motions.push_back(ml::read_amass(path).motion);
+    motions.push_back(ml::read_amass(path, {}, options.rate).motion);
   else if (kind == ".npy")
-    motions.push_back(ml::read_motion_npy(path, {options.rate, options.up == "y"   ? ml::UpAxis::y
-                                                                  : options.up == "z" ? ml::UpAxis::z
-                                                                                      : ml::UpAxis::found}));
+    motions = ml::read_motions_npy(path, {options.rate, options.up == "y"   ? ml::UpAxis::y
+                                                        : options.up == "z" ? ml::UpAxis::z
+                                                                            : ml::UpAxis::found});
   else if (is_gltf(path))
     motions = every_animation(path, options.fps, told);
   else

@@ -26,7 +26,7 @@ namespace ml = motionlang;
 struct MotionReadOptions {
   double scale = 0.01;          // metres per unit of a BVH file
   std::optional<double> fps{};  // of a GLB file, whose keys have times of their own; none: their rate, or 30
-  double rate = 0;              // of an .npy or .amc file, which has none; 0: as published, 120 for AMC
+  double rate = 0;              // of an .npy, .amc or .npz file that has none; 0: as published, 120 for AMC
   std::string up{};             // axis of an .npy file with positions, "y" or "z"; "": found
   std::string asf{};            // skeleton of an AMC file; "": asf_beside
 
@@ -35,7 +35,8 @@ struct MotionReadOptions {
   /// Throws usage_error 102 for an option that says nothing about files of this kind.
   void require_for(const std::filesystem::path& file) const;
 };
-/// The same for one of many files: an AMC file with a skeleton beside it is read with that one.
+/// The same for one of many files: an AMC file with a skeleton beside it is read with that one, an .npz file that says its
+/// rate at that one.
 MotionReadOptions options_in_folder(MotionReadOptions options, const std::filesystem::path& file);
 
 /// Extension of a file, in lower case: ".bvh".
@@ -81,8 +82,8 @@ std::string unique(const std::string& name, std::set<std::string>& taken);
 /// The skeleton beside an AMC file: its subject's, as CMU has them (01.asf beside 01_02.amc), or else the only one in the folder.
 std::filesystem::path asf_beside(const std::filesystem::path& amc);
 
-/// The motions of a file: .bvh (every ROOT), .amc, .npz (AMASS), .npy (joints or features), .glb, .gltf, .vrm, .vrma
-/// (every animation). Each has a name, and no two the same.
+/// The motions of a file: .bvh (every ROOT), .amc, .npz (AMASS), .npy (joints, features, or all of MDM's results), .glb,
+/// .gltf, .vrm, .vrma (every animation). Each has a name, and no two the same.
 /// told    gets lines about what a file has and the motions do not: bones that stretch
 /// Throws  config_error 103 for another extension and for a GLB file without animation, io_error 401 for an AMC file
 ///         whose skeleton is not found, and what the reader throws
@@ -149,8 +150,8 @@ class ShownBody {
   virtual ~ShownBody() = default;
   /// Whether a motion is on the body's own joints, or the body takes any. Others are retargeted to SMPL's.
   virtual bool has_joints_of(const ml::Motion& motion) const = 0;
-  /// Throws what read_amass_sequence throws.
-  virtual BodyClip read(const std::filesystem::path& npz) const = 0;
+  /// fps: of a file that does not say it, or 0. Throws what read_amass_sequence throws.
+  virtual BodyClip read(const std::filesystem::path& npz, double fps) const = 0;
   /// Motions on the body: .glb (all motions, with a skin), .html (all motions), .obj (a file for each frame; one
   /// motion). betas: their shape unless the user gave one; none: 0. Returns a line about what it wrote. Throws
   /// config_error 103 for another extension, and what the writers throw.

@@ -117,10 +117,10 @@ inline Motion amass_motion(const AmassSequence& sequence, std::string name, cons
   return motion;
 }
 
-/// Reads the body joints of an AMASS file. Throws io_error 406 if an array is missing, 407 if one has another shape, 403 for an
-///         impossible frame rate, numeric_error 301 if a value is not finite
-inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}) {
-  AmassSequence sequence = read_amass_sequence(path);
+/// Reads the body joints of an AMASS file. fps: as for read_amass_sequence. Throws as that does, and numeric_error 301 if
+/// a value is not finite.
+inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}, double fps = 0) {
+  AmassSequence sequence = read_amass_sequence(path, fps);
   AmassClip clip{amass_motion(sequence, path.stem(), rest_pelvis), {}};
   clip.body.gender = std::move(sequence.gender);
   if (!sequence.betas.empty()) clip.body.betas = std::move(sequence.betas);

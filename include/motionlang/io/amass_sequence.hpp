@@ -5,7 +5,9 @@
 /// Source  Mahmood et al. (ICCV 2019); spec body-models.md 6
 #pragma once
 
-#include <algorithm>    // copy_n
+#include <algorithm>    // copy_n, find
+#include <array>        // names of parts
+#include <optional>     // a rate that may be missing
 #include <string_view>  // names of arrays
 
 #include <motionlang/features/amass_sequence.hpp>
@@ -16,12 +18,28 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-/// Poses that SMPL-X tools store in parts, side by side: root and body, face and hands where they are there.
+/// Names of the arrays of poses that are stored in parts: face and hands need not be there.
+struct PosePartNames {
+  std::string_view root, body;
+  std::array<std::string_view, 5> more;  // in the order of SMPL-X
+  std::string_view path;
+};
+inline constexpr PosePartNames pose_part_names[] = {
+    {"root_orient", "pose_body", {"pose_jaw", "pose_eye", "pose_hand"}, "trans"},  // AMASS of SMPL-X
+    {"global_orient",                                                              // parameters of the package smplx
+     "body_pose",
+     {"jaw_pose", "leye_pose", "reye_pose", "left_hand_pose", "right_hand_pose"},
+     "transl"}};
+
+/// The parts side by side. A hand of other than 45 numbers is not of angles but of coefficients, and is left out.
 template <class Matrix>
-void join_pose_parts(const NpzArchive& npz, const Matrix& matrix, AmassSequence& out) {
-  std::vector<NpyArray> parts{matrix("root_orient"), matrix("pose_body")};
-  for (const char* name : {"pose_jaw", "pose_eye", "pose_hand"}) {
-    if (npz.has(name)) parts.push_back(matrix(name));
+void join_pose_parts(const NpzArchive& npz, const PosePartNames& names, const Matrix& matrix, AmassSequence& out) {
+  constexpr Index hand = 45;
+  std::vector<NpyArray> parts{matrix(names.root), matrix(names.body)};
+  for (const std::string_view name : names.more) {
+    if (name.empty() || !npz.has(name)) continue;
+    NpyArray part = matrix(name);
+    if (!name.ends_with("_hand_pose") || part.shape[1] == hand) parts.push_back(std::move(part));
   }
   out.frames = parts.front().shape[0];
   for (const NpyArray& part : parts) {
@@ -52,18 +70,36 @@ inline std::string amass_gender(const ZipArchive& zip) {
 
 }  // namespace detail
 
-/// The array that the poses of a sequence begin with: "poses", or "root_orient" where they are stored in parts. ""
-/// where the archive holds no sequence, as the shape.npz files beside them.
+/// The array that the poses of a sequence begin with: "poses", or "root_orient" or "global_orient" where they are stored
+/// in parts. "" where the archive holds no sequence, as the shape.npz files beside them.
 inline std::string_view amass_poses(const NpzArchive& npz) {
-  return npz.has("poses") ? "poses" : npz.has("root_orient") ? "root_orient" : "";
+  if (npz.has("poses")) return "poses";
+  for (const detail::PosePartNames& names : detail::pose_part_names) {
+    if (npz.has(names.root)) return names.root;
+  }
+  return "";
+}
+
+/// Frames per second of a sequence, if its file says them. Throws io_error 403 for an impossible rate.
+inline std::optional<double> amass_rate(const NpzArchive& npz) {
+  for (const char* name : {"mocap_frame_rate", "mocap_framerate", "fps"}) {
+    if (!npz.has(name)) continue;
+    const auto fps = npz.read(name).value<double>();
+    if (!(fps > 0 && fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", fps);
+    return fps;
+  }
+  return std::nullopt;
 }
 
 /// A sequence of SMPL (72 columns), SMPL-H (156, mocap_framerate) or SMPL-X (165, mocap_frame_rate), whose poses
-/// may be stored in parts (root_orient, pose_body, ...). The gender may be a text or an array of one, as in SSM_synced,
-/// or that as an object of Python.
+/// may be stored in parts (root_orient, pose_body, ...), also by the names that smplx has for them (global_orient,
+/// body_pose, transl, ...). The gender may be a text or an array of one, as in SSM_synced, or that as an object of Python.
+/// Of betas for each frame, the first are taken.
+/// fps     frames per second of a file that does not say them; 0: it is refused
 /// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are no
-///         motion), 407 if one has another shape, 403 for an impossible frame rate
-inline AmassSequence read_amass_sequence(const FilePath& path) {
+///         motion), 407 if one has another shape, 403 for an impossible frame rate; config_error 102 if the file says
+///         another rate
+inline AmassSequence read_amass_sequence(const FilePath& path, double fps = 0) {
   const ZipArchive zip = ZipArchive::open(path);
   const NpzArchive npz(zip);
   auto matrix = [&](std::string_view name) {
@@ -74,22 +110,35 @@ inline AmassSequence read_amass_sequence(const FilePath& path) {
     return array;
   };
   AmassSequence out;
-  if (amass_poses(npz) == "root_orient") {
-    detail::join_pose_parts(npz, matrix, out);
+  std::string_view path_name = "trans";
+  const auto names = std::ranges::find(detail::pose_part_names, amass_poses(npz), &detail::PosePartNames::root);
+  if (names != std::end(detail::pose_part_names)) {
+    detail::join_pose_parts(npz, *names, matrix, out);
+    path_name = names->path;
   } else {
     const NpyArray poses = matrix("poses");
     out.frames = poses.shape[0], out.columns = poses.shape[1], out.poses = poses.to<double>();
   }
-  const NpyArray trans = matrix("trans");
+  const NpyArray trans = matrix(path_name);
   if (out.columns < 66 || out.columns % 3 != 0 || trans.shape[1] != 3 || trans.shape[0] != out.frames) {
-    raise<io_error>(407, npz.file(), ": poses (", out.frames, ", ", out.columns, ") and trans (", trans.shape[0], ", ",
-                    trans.shape[1], "), expected (N, 66 or more) and (N, 3)");
+    raise<io_error>(407, npz.file(), ": poses (", out.frames, ", ", out.columns, ") and ", path_name, " (",
+                    trans.shape[0], ", ", trans.shape[1], "), expected (N, 66 or more) and (N, 3)");
   }
   out.trans = trans.to<double>();
-  out.fps = npz.read(npz.has("mocap_frame_rate") ? "mocap_frame_rate" : "mocap_framerate").value<double>();
+  const std::optional<double> own = amass_rate(npz);
+  if (own && fps != 0 && fps != *own)
+    raise<config_error>(102, npz.file(), ": has ", *own, " frames per second, --rate says ", fps,
+                        " (--fps resamples, --speed makes faster)");
+  if (!own && fps == 0)
+    raise<io_error>(406, npz.file(), ": no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps': --rate says it");
+  out.fps = own.value_or(fps);
   if (!(out.fps > 0 && out.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", out.fps);
   if (npz.has("gender")) out.gender = detail::amass_gender(zip);
-  if (npz.has("betas")) out.betas = npz.read("betas").to<double>();
+  if (npz.has("betas")) {
+    const NpyArray betas = npz.read("betas");
+    out.betas = betas.to<double>();
+    if (betas.shape.size() == 2) out.betas.resize(std::min(out.betas.size(), static_cast<std::size_t>(betas.shape[1])));
+  }
   return out;
 }
 

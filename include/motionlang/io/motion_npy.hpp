@@ -5,6 +5,7 @@
 ///
 ///     (frames, numbers) of the features that motion_features.hpp names, known by the width of a row: not normalised
 ///     (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
+/// Several motions in one file: mdm_results.hpp.
 /// Positions become rotations by motion_from_joints.hpp. MMM's joints are in metres or, if they are large, in KIT's units; with Y
 /// up they are reflected, as KIT has them and TEMOS makes them, and are reflected back, so that "L" is the left.
 /// Source  specs humanml3d-features.md 1.2 and 10, temos.md 4.3
@@ -26,6 +27,8 @@ struct MotionArrayOptions {
 };
 
 namespace detail {
+
+inline bool is_joint_count(Index joints) { return joints == 24 || joints == 22 || joints == mmm_joints; }
 
 inline Motion motion_from_positions(std::vector<Vec3<double>> joints, Index count, const MotionArrayOptions& options) {
   const Vec3<double> height = mean_height(joints, static_cast<std::size_t>(count));
@@ -56,7 +59,7 @@ inline Motion motion_from_array(const NpyArray& array, const MotionArrayOptions&
     raise<config_error>(101, name, ": ", options.fps, " frames per second");
   const auto& shape = array.shape;
   const bool rows = shape.size() == 2;
-  const bool joints = shape.size() == 3 && shape[2] == 3 && (shape[1] == 24 || shape[1] == 22 || shape[1] == 21);
+  const bool joints = shape.size() == 3 && shape[2] == 3 && detail::is_joint_count(shape[1]);
   if ((!rows && !joints) || array.is_text()) {
     raise<io_error>(407, name, ": neither (frames, numbers) nor (frames, 21, 22 or 24 joints, 3)");
   }

@@ -170,6 +170,58 @@ TEST_CASE("a gender that was saved as an object of Python") {
   CHECK_THROWS_WITH_AS(ml::read_amass_sequence(file_with("I3\n")), doctest::Contains("a text expected, found"), ml::io_error);
 }
 
+TEST_CASE("parameters of smplx: its names, betas for each frame, and a rate that the file does not say") {
+  const TemporaryFolder folder;
+  const auto array = [](ml::Index columns, double first) {
+    std::vector<double> v(static_cast<std::size_t>(2 * columns));
+    std::iota(v.begin(), v.end(), first);
+    return ml::NpyArray::of(std::span<const double>(v), {2, columns});
+  };
+  const auto read = [&](const std::vector<ml::NamedArray>& arrays, double fps = 0) {
+    ml::write_npz(folder / "a.npz", arrays);
+    return ml::read_amass_sequence(folder / "a.npz", fps);
+  };
+  std::vector<ml::NamedArray> arrays{{"global_orient", array(3, 100)},
+                                     {"body_pose", array(63, 200)},
+                                     {"transl", array(3, 400)},
+                                     {"betas", array(10, 500)},
+                                     {"gender", ml::NpyArray::text("female")}};
+  const ml::AmassSequence s = read(arrays, 25);
+  CHECK(ml::amass_poses(ml::NpzArchive::open(folder / "a.npz")) == "global_orient");
+  REQUIRE((s.frames == 2 && s.columns == 66 && s.poses.size() == 2 * 66));
+  CHECK((s.poses[2] == 102 && s.poses[3] == 200 && s.poses[66] == 103 && s.poses[69] == 263 && s.poses.back() == 325));
+  CHECK(s.trans == std::vector<double>{400, 401, 402, 403, 404, 405});
+  CHECK((s.betas.size() == 10 && s.betas.back() == 509));
+  CHECK((s.gender == "female" && s.fps == 25));
+  CHECK(ml::read_amass(folder / "a.npz", {}, 25).motion.fps == 25);
+  CHECK_THROWS_WITH_AS(read(arrays),
+                       doctest::Contains("a.npz: no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps': --rate"),
+                       ml::io_error);
+  CHECK_THROWS_WITH_AS(read(arrays, -1), doctest::Contains("a.npz: frame rate -1"), ml::io_error);
+
+  for (const char* name : {"mocap_frame_rate", "mocap_framerate", "fps"}) {
+    auto with_rate = arrays;
+    with_rate.push_back({name, ml::NpyArray::scalar(60.0)});
+    CHECK(read(with_rate).fps == 60);
+    CHECK(read(with_rate, 60).fps == 60);
+    CHECK_THROWS_WITH_AS(read(with_rate, 25), doctest::Contains("a.npz: has 60 frames per second, --rate says 25"),
+                         ml::config_error);
+  }
+  auto hands = arrays;
+  for (const char* name : {"right_hand_pose", "left_hand_pose"}) hands.push_back({name, array(45, name[0])});
+  CHECK(read(hands, 25).columns == 156);
+  CHECK(read(hands, 25).poses[66] == 'l');
+  for (const char* name : {"jaw_pose", "leye_pose", "reye_pose"}) hands.push_back({name, array(3, name[0])});
+  CHECK(read(hands, 25).columns == 165);
+  CHECK((read(hands, 25).poses[66] == 'j' && read(hands, 25).poses[75] == 'l'));
+  for (const std::size_t i : {5U, 6U}) hands[i].array = array(12, 0);  // coefficients
+  CHECK(read(hands, 25).columns == 75);
+  arrays[1].array = array(69, 0);
+  CHECK(read(arrays, 25).columns == 72);
+  arrays.erase(arrays.begin() + 2);
+  CHECK_THROWS_WITH_AS(read(arrays, 25), doctest::Contains("no array 'transl'"), ml::io_error);
+}
+
 TEST_CASE("poses in parts are those of one array") {
   const TemporaryFolder folder;
   std::vector<double> root(2 * 3, 1), body(2 * 63, 2), hands(2 * 90, 3);
