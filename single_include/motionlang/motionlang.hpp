@@ -17060,7 +17060,7 @@ struct TmrEncoder {
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// One section of nearly equal size per count; in each, `count` steps evenly from its first to its last, rounded half
-/// to even. Source  improved diffusion (Nichol and Dhariwal 2021), `space_timesteps`. Throws config_error 105.
+/// to even; of 0, none. Source  improved diffusion (Nichol and Dhariwal 2021), `space_timesteps`. Throws config_error 105.
 inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
   std::vector<Index> kept;
   const auto sections = static_cast<Index>(counts.size());
@@ -17068,7 +17068,7 @@ inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
   Index begin = 0;
   for (Index i = 0; i < sections; ++i) {
     const Index size = steps / sections + (i < steps % sections ? 1 : 0), count = counts[static_cast<std::size_t>(i)];
-    if (count < 1 || size < count)
+    if (count < 0 || size < count)
       raise<config_error>(105, "respacing: cannot take ", count, " of ", size, " steps in section ", i);
     const double stride = count > 1 ? static_cast<double>(size - 1) / static_cast<double>(count - 1) : 1;
     double position = 0;
@@ -17076,25 +17076,26 @@ inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
       kept.push_back(begin + static_cast<Index>(std::nearbyint(position)));
     begin += size;
   }
+  if (kept.empty()) raise<config_error>(105, "respacing: no steps are kept of ", steps);
   return kept;
 }
 
 /// "ddimN": the smallest stride that keeps N steps, starting at 0; or a list of counts "10,15,20" (one number is one
 /// section). Empty: all steps. Throws config_error 105.
 inline std::vector<Index> respace(Index steps, std::string_view specification) {
-  auto number = [&](std::string_view digits) {
+  auto number = [&](std::string_view digits, Index least) {
     while (digits.starts_with(' ')) digits.remove_prefix(1);  // as Python reads numbers
     while (digits.ends_with(' ')) digits.remove_suffix(1);
     Index n = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
-    if (error != std::errc{} || end != digits.data() + digits.size() || n < 1) {
+    if (error != std::errc{} || end != digits.data() + digits.size() || n < least) {
       raise<config_error>(105, "respacing: '", specification, "' is neither ddimN nor a list of counts");
     }
     return n;
   };
   if (specification.empty()) return respace(steps, std::vector<Index>{steps});
   if (specification.starts_with("ddim")) {
-    const Index wanted = number(specification.substr(4));
+    const Index wanted = number(specification.substr(4), 1);
     for (Index stride = 1; stride < steps; ++stride) {
       if ((steps + stride - 1) / stride != wanted) continue;
       std::vector<Index> kept;
@@ -17106,7 +17107,7 @@ inline std::vector<Index> respace(Index steps, std::string_view specification) {
   std::vector<Index> counts;
   for (std::size_t at = 0; at <= specification.size();) {
     const std::size_t comma = std::min(specification.find(',', at), specification.size());
-    counts.push_back(number(specification.substr(at, comma - at)));
+    counts.push_back(number(specification.substr(at, comma - at), 0));
     at = comma + 1;
   }
   return respace(steps, counts);
@@ -23539,19 +23540,38 @@ inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
+/// Of one text: a day in parts of 8 s makes 10,800.
+inline constexpr Index most_parts = 100000;
+
+namespace detail {
+
+/// An interval in `count` parts that follow each other, equally long to a frame.
+inline std::vector<Interval> equal_parts(const Interval& whole, Index count) {
+  std::vector<Interval> parts;
+  const Index frames = whole.end - whole.start;
+  for (Index i = 0; i < count; ++i) {
+    Interval part = whole;
+    part.start = whole.start + frames * i / count;
+    part.end = whole.start + frames * (i + 1) / count;
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+}  // namespace detail
+
 /// Divides every text of more than `longest` frames into as few parts as will do, which are equally long to a frame.
-/// Throws config_error 101 unless longest is 1 or more.
+/// Throws config_error 101 unless longest is 1 or more, and for more than most_parts of a text.
 inline Timeline divide_long_texts(const Timeline& timeline, Index longest) {
   if (longest < 1) raise<config_error>(101, "divide_long_texts: parts of ", longest, " frames");
   Timeline out;
   for (const Interval& whole : timeline.intervals) {
-    const Index frames = whole.end - whole.start, parts = std::max<Index>(1, (frames + longest - 1) / longest);
-    for (Index i = 0; i < parts; ++i) {
-      Interval part = whole;
-      part.start = whole.start + frames * i / parts;
-      part.end = whole.start + frames * (i + 1) / parts;
-      out.intervals.push_back(std::move(part));
+    const Index parts = std::max<Index>(1, (whole.end - whole.start + longest - 1) / longest);
+    if (parts > most_parts) {
+      raise<config_error>(101, "divide_long_texts: '", whole.text, "' of ", whole.end - whole.start, " frames makes ",
+                          parts, " parts, expected ", most_parts, " at most");
     }
+    for (Interval& part : detail::equal_parts(whole, parts)) out.intervals.push_back(std::move(part));
   }
   return out;
 }
@@ -23723,6 +23743,102 @@ class EditSpread {
   bool limited_ = false;
   std::vector<std::vector<char>> differs_, reachable_;  // of every row of every timeline
 };
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_COMPOSE_IN_TURN_HPP  // <motionlang/compose/in_turn.hpp>
+#define MOTIONLANG_HAS_COMPOSE_IN_TURN_HPP
+/// Sentences of several actions, one after the other, as texts that follow each other in a timeline.
+///
+/// Denoisers learn from clips of a few seconds, most of which show one thing: of "walk forward then sit down" they do one half.
+///
+///     actions_in_turn("walk forward, then sit down")                 // {"walk forward", "sit down"}
+///     const auto motion = stmc.generate(in_turn(timeline), rng);
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// A word of a sentence, as written and as it is compared: in lower case without commas and stops around it.
+struct SentenceWord {
+  std::string_view written;
+  std::string plain;
+
+  bool ends_action() const { return written.ends_with(';') || written.ends_with('.'); }
+};
+
+inline std::vector<SentenceWord> sentence_words(std::string_view sentence) {
+  constexpr std::string_view space = " \t\r\n", stops = ",;.";
+  std::vector<SentenceWord> words;
+  for (std::size_t at = sentence.find_first_not_of(space); at < sentence.size();) {
+    const std::size_t end = std::min(sentence.find_first_of(space, at), sentence.size());
+    SentenceWord word{.written = sentence.substr(at, end - at), .plain = {}};
+    for (const char c : word.written) {
+      if (stops.find(c) == stops.npos) word.plain += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    }
+    words.push_back(std::move(word));
+    at = sentence.find_first_not_of(space, end);
+  }
+  return words;
+}
+
+/// How many words from the i-th on say that something follows: "then", "after that", ...
+inline std::size_t words_of_turn(const std::vector<SentenceWord>& words, std::size_t i) {
+  static constexpr std::array<std::array<std::string_view, 2>, 5> turns{
+      {{"then", ""}, {"afterwards", ""}, {"after", "that"}, {"after", "which"}, {"followed", "by"}}};
+  for (const auto& [first, second] : turns) {
+    if (words[i].plain != first) continue;
+    if (second.empty()) return 1;
+    if (i + 1 < words.size() && words[i + 1].plain == second) return 2;
+  }
+  return 0;
+}
+
+}  // namespace detail
+
+/// The actions that a sentence says one after the other: it is cut at "then", "afterwards", "after that", "after which" and "followed
+/// by" (with the "and" before them), at semicolons and at full stops. "and" alone joins what is done at once. A sentence of one action
+/// is given back as it is.
+inline std::vector<std::string> actions_in_turn(std::string_view sentence) {
+  const auto words = detail::sentence_words(sentence);
+  std::vector<std::string> actions;
+  std::string action;
+  const auto end_action = [&] {
+    action.resize(action.find_last_not_of(" ,;.") + 1);
+    if (!action.empty()) actions.push_back(std::exchange(action, {}));
+  };
+  for (std::size_t i = 0; i < words.size();) {
+    const bool joined = words[i].plain == "and" && i + 1 < words.size();
+    if (const std::size_t turn = detail::words_of_turn(words, joined ? i + 1 : i); turn > 0) {
+      end_action();
+      i += turn + (joined ? 1 : 0);
+      continue;
+    }
+    action.append(action.empty() ? "" : " ").append(words[i].written);
+    if (words[i++].ends_action()) end_action();
+  }
+  end_action();
+  return actions.size() > 1 ? actions : std::vector<std::string>{std::string(sentence)};
+}
+
+/// Every text of several actions becomes as many texts, one after the other, which share its frames evenly. Throws config_error 101 if
+/// it has fewer frames than actions.
+inline Timeline in_turn(const Timeline& timeline) {
+  Timeline out;
+  for (const Interval& whole : timeline.intervals) {
+    const auto actions = actions_in_turn(whole.text);
+    if (whole.end - whole.start < std::ssize(actions))
+      raise<config_error>(101, "in_turn: '", whole.text, "' has ", actions.size(), " actions in ",
+                          whole.end - whole.start, " frames");
+    auto parts = detail::equal_parts(whole, std::ssize(actions));
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      parts[i].text = actions[i];
+      out.intervals.push_back(std::move(parts[i]));
+    }
+  }
+  return out;
+}
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif

@@ -673,13 +673,21 @@ inline std::string read_file(const FilePath& path) {
 }
 
 /// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is. Of a symbolic link, the file
-/// that it leads to is written. Throws io_error 401.
+/// that it leads to is written. Throws io_error 401, also for devices and pipes.
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
   static std::atomic<unsigned> writers{0};
   std::error_code problem;
   const bool linked = std::filesystem::is_symlink(path.string(), problem);
-  const std::string found = linked ? std::filesystem::weakly_canonical(path.string(), problem).string() : path.string();
-  const std::string target = problem ? path.string() : found;
+  std::string target = linked ? std::filesystem::weakly_canonical(path.string(), problem).string() : path.string();
+  if (problem) target = path.string();
+  const auto there = std::filesystem::status(target, problem);
+  if (std::filesystem::is_other(there))
+    raise<io_error>(401, "cannot write ", path.string(),
+                    ": it is no file but a device or a pipe, which a file would replace");
+  if (!std::filesystem::exists(there) && std::filesystem::is_symlink(target, problem)) {
+    const std::filesystem::path link(target);
+    target = (link.parent_path() / std::filesystem::read_symlink(link, problem)).string();
+  }
   std::string temporary;
   int opened = -1;
   do {  // a name that no other thread and no other machine has
@@ -4678,9 +4686,16 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-/// Bytes with which an older file begins: the pickle of its magic number.
-inline constexpr std::string_view torch_legacy_magic{"\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19\x2e",
-                                                     15};
+/// The magic number of an older file, as pickles of all protocols from 2 on have it behind their first two bytes.
+inline constexpr std::string_view torch_legacy_number{"\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19\x2e", 13};
+
+/// How many bytes at the start of a file are the pickle of that number; 0: it begins otherwise.
+inline std::size_t torch_legacy_magic(std::string_view file) {
+  constexpr std::string_view frame{"\x95\x0d\0\0\0\0\0\0\0", 9};  // around the number from protocol 4 on
+  if (file.size() < 2 || file[0] != '\x80' || file[1] < 2 || file[1] > 5) return 0;
+  const std::size_t start = file.substr(2).starts_with(frame) ? 2 + frame.size() : 2;
+  return file.substr(start).starts_with(torch_legacy_number) ? start + torch_legacy_number.size() : 0;
+}
 
 struct NamedDType {
   std::string_view name;
@@ -4919,7 +4934,7 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
     return Pickle(bytes, name, {.persistent_ids = persistent, .max_memory = most}, memory, start);
   };
   const auto end_of_version = [&] {  // of these two pickles nothing is kept
-    const Pickle version = part(torch_legacy_magic.size());
+    const Pickle version = part(torch_legacy_magic(as_text(bytes)));
     if (version.root().integer() != 1001)
       version.root().fail(404, "protocol ", version.root().integer(), " of PyTorch");
     return version.end();
@@ -4961,7 +4976,7 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
 /// A storage that was pickled with the object: an older file of its own, in bytes.
 inline TorchTensors::Storage TorchTensors::nested_storage(const PickleValue& v) const {
   const auto bytes = v.arguments()[0].bytes();
-  if (!as_text(bytes).starts_with(torch_legacy_magic)) v.fail(403, "bytes that are no storage of PyTorch");
+  if (torch_legacy_magic(as_text(bytes)) == 0) v.fail(403, "bytes that are no storage of PyTorch");
   memory_->spend(bytes.size());  // for the time it takes, too: many tensors may name the same bytes
   TorchTensors inner(memory_);
   const Pickle object = read_torch_legacy(bytes, v.file(), inner, memory_);
@@ -5032,7 +5047,7 @@ class TorchFile {
   }
 
   static bool is_legacy(std::span<const std::byte> bytes) {
-    return detail::as_text(bytes).starts_with(detail::torch_legacy_magic);
+    return detail::torch_legacy_magic(detail::as_text(bytes)) > 0;
   }
   /// The first folder of an archive that has a data.pkl, with a slash; empty if there is none.
   static std::string root_folder(const ZipArchive& zip) {
@@ -6062,12 +6077,28 @@ namespace motionlang::inline MOTIONLANG_ABI {
 
 namespace detail {
 
-/// Poses that SMPL-X tools store in parts, side by side: root and body, face and hands where they are there.
+/// Names of the arrays of poses that are stored in parts: face and hands need not be there.
+struct PosePartNames {
+  std::string_view root, body;
+  std::array<std::string_view, 5> more;  // in the order of SMPL-X
+  std::string_view path;
+};
+inline constexpr PosePartNames pose_part_names[] = {
+    {"root_orient", "pose_body", {"pose_jaw", "pose_eye", "pose_hand"}, "trans"},  // AMASS of SMPL-X
+    {"global_orient",                                                              // parameters of the package smplx
+     "body_pose",
+     {"jaw_pose", "leye_pose", "reye_pose", "left_hand_pose", "right_hand_pose"},
+     "transl"}};
+
+/// The parts side by side. A hand of other than 45 numbers is not of angles but of coefficients, and is left out.
 template <class Matrix>
-void join_pose_parts(const NpzArchive& npz, const Matrix& matrix, AmassSequence& out) {
-  std::vector<NpyArray> parts{matrix("root_orient"), matrix("pose_body")};
-  for (const char* name : {"pose_jaw", "pose_eye", "pose_hand"}) {
-    if (npz.has(name)) parts.push_back(matrix(name));
+void join_pose_parts(const NpzArchive& npz, const PosePartNames& names, const Matrix& matrix, AmassSequence& out) {
+  constexpr Index hand = 45;
+  std::vector<NpyArray> parts{matrix(names.root), matrix(names.body)};
+  for (const std::string_view name : names.more) {
+    if (name.empty() || !npz.has(name)) continue;
+    NpyArray part = matrix(name);
+    if (!name.ends_with("_hand_pose") || part.shape[1] == hand) parts.push_back(std::move(part));
   }
   out.frames = parts.front().shape[0];
   for (const NpyArray& part : parts) {
@@ -6098,18 +6129,36 @@ inline std::string amass_gender(const ZipArchive& zip) {
 
 }  // namespace detail
 
-/// The array that the poses of a sequence begin with: "poses", or "root_orient" where they are stored in parts. ""
-/// where the archive holds no sequence, as the shape.npz files beside them.
+/// The array that the poses of a sequence begin with: "poses", or "root_orient" or "global_orient" where they are stored
+/// in parts. "" where the archive holds no sequence, as the shape.npz files beside them.
 inline std::string_view amass_poses(const NpzArchive& npz) {
-  return npz.has("poses") ? "poses" : npz.has("root_orient") ? "root_orient" : "";
+  if (npz.has("poses")) return "poses";
+  for (const detail::PosePartNames& names : detail::pose_part_names) {
+    if (npz.has(names.root)) return names.root;
+  }
+  return "";
+}
+
+/// Frames per second of a sequence, if its file says them. Throws io_error 403 for an impossible rate.
+inline std::optional<double> amass_rate(const NpzArchive& npz) {
+  for (const char* name : {"mocap_frame_rate", "mocap_framerate", "fps"}) {
+    if (!npz.has(name)) continue;
+    const auto fps = npz.read(name).value<double>();
+    if (!(fps > 0 && fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", fps);
+    return fps;
+  }
+  return std::nullopt;
 }
 
 /// A sequence of SMPL (72 columns), SMPL-H (156, mocap_framerate) or SMPL-X (165, mocap_frame_rate), whose poses
-/// may be stored in parts (root_orient, pose_body, ...). The gender may be a text or an array of one, as in SSM_synced,
-/// or that as an object of Python.
+/// may be stored in parts (root_orient, pose_body, ...), also by the names that smplx has for them (global_orient,
+/// body_pose, transl, ...). The gender may be a text or an array of one, as in SSM_synced, or that as an object of Python.
+/// Of betas for each frame, the first are taken.
+/// fps     frames per second of a file that does not say them; 0: it is refused
 /// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are no
-///         motion), 407 if one has another shape, 403 for an impossible frame rate
-inline AmassSequence read_amass_sequence(const FilePath& path) {
+///         motion), 407 if one has another shape, 403 for an impossible frame rate; config_error 102 if the file says
+///         another rate
+inline AmassSequence read_amass_sequence(const FilePath& path, double fps = 0) {
   const ZipArchive zip = ZipArchive::open(path);
   const NpzArchive npz(zip);
   auto matrix = [&](std::string_view name) {
@@ -6120,22 +6169,35 @@ inline AmassSequence read_amass_sequence(const FilePath& path) {
     return array;
   };
   AmassSequence out;
-  if (amass_poses(npz) == "root_orient") {
-    detail::join_pose_parts(npz, matrix, out);
+  std::string_view path_name = "trans";
+  const auto names = std::ranges::find(detail::pose_part_names, amass_poses(npz), &detail::PosePartNames::root);
+  if (names != std::end(detail::pose_part_names)) {
+    detail::join_pose_parts(npz, *names, matrix, out);
+    path_name = names->path;
   } else {
     const NpyArray poses = matrix("poses");
     out.frames = poses.shape[0], out.columns = poses.shape[1], out.poses = poses.to<double>();
   }
-  const NpyArray trans = matrix("trans");
+  const NpyArray trans = matrix(path_name);
   if (out.columns < 66 || out.columns % 3 != 0 || trans.shape[1] != 3 || trans.shape[0] != out.frames) {
-    raise<io_error>(407, npz.file(), ": poses (", out.frames, ", ", out.columns, ") and trans (", trans.shape[0], ", ",
-                    trans.shape[1], "), expected (N, 66 or more) and (N, 3)");
+    raise<io_error>(407, npz.file(), ": poses (", out.frames, ", ", out.columns, ") and ", path_name, " (",
+                    trans.shape[0], ", ", trans.shape[1], "), expected (N, 66 or more) and (N, 3)");
   }
   out.trans = trans.to<double>();
-  out.fps = npz.read(npz.has("mocap_frame_rate") ? "mocap_frame_rate" : "mocap_framerate").value<double>();
+  const std::optional<double> own = amass_rate(npz);
+  if (own && fps != 0 && fps != *own)
+    raise<config_error>(102, npz.file(), ": has ", *own, " frames per second, --rate says ", fps,
+                        " (--fps resamples, --speed makes faster)");
+  if (!own && fps == 0)
+    raise<io_error>(406, npz.file(), ": no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps': --rate says it");
+  out.fps = own.value_or(fps);
   if (!(out.fps > 0 && out.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", out.fps);
   if (npz.has("gender")) out.gender = detail::amass_gender(zip);
-  if (npz.has("betas")) out.betas = npz.read("betas").to<double>();
+  if (npz.has("betas")) {
+    const NpyArray betas = npz.read("betas");
+    out.betas = betas.to<double>();
+    if (betas.shape.size() == 2) out.betas.resize(std::min(out.betas.size(), static_cast<std::size_t>(betas.shape[1])));
+  }
   return out;
 }
 
@@ -6245,10 +6307,10 @@ inline Motion amass_motion(const AmassSequence& sequence, std::string name, cons
   return motion;
 }
 
-/// Reads the body joints of an AMASS file. Throws io_error 406 if an array is missing, 407 if one has another shape, 403 for an
-///         impossible frame rate, numeric_error 301 if a value is not finite
-inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}) {
-  AmassSequence sequence = read_amass_sequence(path);
+/// Reads the body joints of an AMASS file. fps: as for read_amass_sequence. Throws as that does, and numeric_error 301 if
+/// a value is not finite.
+inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}, double fps = 0) {
+  AmassSequence sequence = read_amass_sequence(path, fps);
   AmassClip clip{amass_motion(sequence, path.stem(), rest_pelvis), {}};
   clip.body.gender = std::move(sequence.gender);
   if (!sequence.betas.empty()) clip.body.betas = std::move(sequence.betas);
@@ -7619,8 +7681,10 @@ inline std::vector<SurfacePoints> rows_of_points(const BodyArrays& arrays, const
   std::vector<SurfacePoints> out;
   if (!arrays.has(triangles)) return out;
   std::vector<Index> shape = arrays.read(triangles).shape;
+  if (shape.empty() || shape.size() > 2)
+    raise<io_error>(407, arrays.file(), ": '", triangles, "' has ", shape.size(), " axes, expected 1 or 2");
   const auto numbers = arrays.read<std::int64_t>(triangles, shape);
-  const auto columns = static_cast<std::size_t>(shape.empty() ? 0 : shape.back());
+  const auto columns = static_cast<std::size_t>(shape.back());
   shape.push_back(3);
   const auto shares = arrays.read<double>(weights, shape);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -12920,7 +12984,11 @@ class GltfAnimation {
     const auto most = std::ranges::max_element(all, {}, [](const auto* times) { return times->size(); });
     if ((*most)->size() < 2) return std::nullopt;
     const double step = duration_ / static_cast<double>((*most)->size() - 1);
-    const auto is_frame = [step](double t) { return std::abs(t / step - std::round(t / step)) < 0.01; };
+    const auto is_frame =
+        [step](double t) {  // times are floats, which late ones round by more than a hundredth of a frame
+          constexpr double rounding = std::numeric_limits<float>::epsilon();
+          return std::abs(t / step - std::round(t / step)) < std::clamp(rounding * t / step, 0.01, 0.25);
+        };
     for (const auto* times : all) {
       if (!std::ranges::all_of(*times, is_frame)) return std::nullopt;
     }
@@ -14205,6 +14273,196 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
 }  // namespace motionlang::inline MOTIONLANG_ABI
 #endif
 
+#ifndef MOTIONLANG_HAS_IO_MDM_RESULTS_HPP  // <motionlang/io/mdm_results.hpp>
+#define MOTIONLANG_HAS_IO_MDM_RESULTS_HPP
+/// Motions that MDM has generated: results.npy, as its sample/generate.py saves it, or the array of positions alone.
+///
+///     std::vector<Motion> clips = read_motions_npy("results.npy");
+///
+///     {'motion': (n, joints, 3, frames), 'text': n texts, 'lengths': (n)}
+/// This is an object of Python, which is read and not run. Joints are HumanML3D's 22, SMPL's 24 or KIT's 21; Y is up
+/// unless the options say Z. A motion ends at its length. Its name is its number, or the first 160 bytes of its text, so
+/// that the name fits into a file's name.
+/// Source  Tevet et al., "Human Motion Diffusion Model" (ICLR 2023); GuyTevet/motion-diffusion-model sample/generate.py
+
+#ifndef MOTIONLANG_HAS_IO_MOTION_NPY_HPP  // <motionlang/io/motion_npy.hpp>
+#define MOTIONLANG_HAS_IO_MOTION_NPY_HPP
+/// Clips from NumPy arrays of joint positions or of features, as models and data sets have them.
+///
+///     Motion clip = read_motion_npy("new_joint_vecs/012314.npy");   // 263 numbers in a row: HumanML3D
+///
+///     (frames, numbers) of the features that motion_features.hpp names, known by the width of a row: not normalised
+///     (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
+/// Several motions in one file: mdm_results.hpp.
+/// Positions become rotations by motion_from_joints.hpp. MMM's joints are in metres or, if they are large, in KIT's units; with Y
+/// up they are reflected, as KIT has them and TEMOS makes them, and are reflected back, so that "L" is the left.
+/// Source  specs humanml3d-features.md 1.2 and 10, temos.md 4.3
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+enum class UpAxis { found, y, z };
+
+struct MotionArrayOptions {
+  double fps = 0;             // 0: as published, 20 or 12.5 frames per second
+  UpAxis up = UpAxis::found;  // of positions: where, on average, the head is above the ankles
+};
+
+namespace detail {
+
+inline bool is_joint_count(Index joints) { return joints == 24 || joints == 22 || joints == mmm_joints; }
+
+inline Motion motion_from_positions(std::vector<Vec3<double>> joints, Index count, const MotionArrayOptions& options) {
+  const Vec3<double> height = mean_height(joints, static_cast<std::size_t>(count));
+  const bool z_up = options.up == UpAxis::z || (options.up == UpAxis::found && std::abs(height.z) > std::abs(height.y));
+  if (z_up) joints = turned_up(std::move(joints), false);
+  if (count != mmm_joints)
+    return motion_from_joints(smpl24_skeleton(), joints, count, options.fps > 0 ? options.fps : 20);
+  if (z_up) {  // these were not reflected
+    for (Vec3<double>& p : joints) p.x = -p.x;
+  }
+  return motion_from_joints(kit21_skeleton(), mmm_in_metres(std::move(joints)), options.fps > 0 ? options.fps : 12.5);
+}
+
+inline Motion motion_from_rows(std::span<const double> rows, Index width, double fps, std::string_view name) {
+  for (const MotionFeatures& f : all_motion_features) {
+    if (f.width == width) return motion_of_rows(f, rows, fps);
+  }
+  raise<io_error>(407, name, ": rows of ", width, " numbers are no features of motion that are known");
+}
+
+}  // namespace detail
+
+/// Throws io_error 407 if the array is none of these; shape_error 205, numeric_error 301 for values that are not finite;
+/// config_error 101 for a rate that is none.
+inline Motion motion_from_array(const NpyArray& array, const MotionArrayOptions& options = {},
+                                std::string_view name = "array") {
+  if (options.fps != 0 && !(options.fps > 0 && std::isfinite(options.fps)))
+    raise<config_error>(101, name, ": ", options.fps, " frames per second");
+  const auto& shape = array.shape;
+  const bool rows = shape.size() == 2;
+  const bool joints = shape.size() == 3 && shape[2] == 3 && detail::is_joint_count(shape[1]);
+  if ((!rows && !joints) || array.is_text()) {
+    raise<io_error>(407, name, ": neither (frames, numbers) nor (frames, 21, 22 or 24 joints, 3)");
+  }
+  const std::vector<double> v = array.to<double>();
+  const auto odd = std::find_if(v.begin(), v.end(), [](double x) { return !std::isfinite(x); });
+  if (odd != v.end()) {
+    const Index numbers = std::ssize(v) / shape[0], at = odd - v.begin();
+    raise<numeric_error>(301, name, ": number ", at % numbers, " of frame ", at / numbers, " is not finite");
+  }
+  if (rows) return detail::motion_from_rows(v, shape[1], options.fps, name);
+  std::vector<Vec3<double>> positions;
+  for (std::size_t i = 0; i + 2 < v.size(); i += 3) positions.push_back({v[i], v[i + 1], v[i + 2]});
+  return detail::motion_from_positions(std::move(positions), shape[1], options);
+}
+
+/// Throws io_error 401 to 405 besides.
+inline Motion read_motion_npy(const FilePath& path, const MotionArrayOptions& options = {}) {
+  return motion_from_array(read_npy(path), options, path.string());
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+/// A dictionary or another object that numpy.save was given: an array of objects without sizes.
+inline bool is_single_object(const NpyHeader& header) { return header.descr == "|O" && header.shape.empty(); }
+
+inline bool is_mdm_shape(std::span<const Index> shape) {
+  return shape.size() == 4 && shape[2] == 3 && is_joint_count(shape[1]);
+}
+
+/// lengths  frames of each motion; none: all of them. One beyond the frames cuts nothing, as in MDM's own pictures
+inline std::vector<Motion> mdm_motions(const NpyArray& array, std::span<const std::int64_t> lengths,
+                                       MotionArrayOptions options, const std::string& name) {
+  const auto& shape = array.shape;
+  if (!is_mdm_shape(shape) || array.count() == 0 || array.is_text())
+    raise<io_error>(407, name, ": motions ", shape_text(shape), " of type ", array.type(),
+                    ", expected numbers (motions, 21, 22 or 24 joints, 3, frames)");
+  if (options.up == UpAxis::found) options.up = UpAxis::y;
+  const Index rows = 3 * shape[1], frames = shape[3];
+  const std::vector<double> values = array.to<double>();
+  std::vector<Motion> out;
+  for (Index i = 0; i < shape[0]; ++i) {
+    const Index length = lengths.empty() ? frames : std::min<Index>(lengths[static_cast<std::size_t>(i)], frames);
+    if (length < 1) raise<io_error>(407, name, ": motion ", i, " has ", length, " of ", frames, " frames");
+    std::vector<double> positions;  // (length, joints, 3)
+    for (Index f = 0; f < length; ++f) {
+      for (Index row = 0; row < rows; ++row)
+        positions.push_back(values[static_cast<std::size_t>((i * rows + row) * frames + f)]);
+    }
+    out.push_back(motion_from_array(NpyArray::of(std::span<const double>(positions), {length, shape[1], 3}), options,
+                                    concat_text(name, ": motion ", i)));
+    out.back().name = std::to_string(i);
+  }
+  return out;
+}
+
+/// The text of a motion, or its texts where they change on the way, cut behind a whole character.
+inline std::string mdm_name(const PickleValue& text) {
+  constexpr std::size_t longest = 160;
+  std::string all;
+  if (text.is(PickleKind::list)) {
+    for (std::size_t i = 0; i < text.size() && all.size() <= longest; ++i)
+      all += concat_text(i == 0 ? "" : ", ", text[i].text().substr(0, longest + 1));
+  } else {
+    all = text.text().substr(0, longest + 1);
+  }
+  std::size_t end = 0;
+  for (std::size_t next = 0; next < all.size(); end = next <= longest ? next : end) decode_utf8(all, next);
+  return all.substr(0, end);
+}
+
+inline std::vector<Motion> mdm_motions(const PickleValue& object, const MotionArrayOptions& options) {
+  if (!is_numpy_array(object) || object.state()[4].size() != 1) object.fail(407, "not one object");
+  const PickleValue results = object.state()[4][0];  // version, shape, element type, order, elements
+  const PickleValue texts = results["text"];
+  const NpyArray array = to_array(results["motion"]);
+  const auto lengths = to_array(results["lengths"]).to<std::int64_t>();
+  const Index motions = array.shape.empty() ? 0 : array.shape[0];
+  if (std::ssize(lengths) != motions || static_cast<Index>(texts.size()) != motions)
+    results.fail(407, motions, " motions, ", lengths.size(), " lengths and ", texts.size(), " texts");
+  std::vector<Motion> out = mdm_motions(array, lengths, options, object.file());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (std::string text = mdm_name(texts[i]); !text.empty()) out[i].name = std::move(text);
+  }
+  return out;
+}
+
+}  // namespace detail
+
+/// Whether a file of NumPy holds motions of MDM, by its header, which does not say what an object is.
+/// Throws  io_error 401 to 405
+inline bool may_be_mdm_motions(const FilePath& path) {
+  const auto file = MappedFile::open(path);
+  const auto header = detail::npy_parts(file->bytes(), path.string()).header;
+  return detail::is_single_object(header) || detail::is_mdm_shape(header.shape);
+}
+
+/// All motions of a file: MDM's, or the only one of the others (motion_npy.hpp), which gets no name.
+/// Throws  io_error 401 to 405, 406 if the object lacks an entry, 407 if something has another shape or type, and as
+///         motion_from_array
+inline std::vector<Motion> read_motions_npy(const FilePath& path, const MotionArrayOptions& options = {}) {
+  const auto file = MappedFile::open(path);
+  const detail::NpyParts npy = detail::npy_parts(file->bytes(), path.string());
+  if (detail::is_single_object(npy.header)) {
+    const std::uint64_t start = file->bytes().size() - npy.raw.size();
+    const Pickle pickle(file->bytes(), path.string(), {}, nullptr, start);
+    if (const auto behind = file->bytes().size() - pickle.end(); behind > 0)
+      raise<io_error>(403, path.string(), ": ", behind, " bytes behind the object, which ends at byte ", pickle.end());
+    return detail::mdm_motions(pickle.root(), options);
+  }
+  const NpyArray array = parse_npy(file->bytes(), path.string());
+  if (array.shape.size() == 4) return detail::mdm_motions(array, {}, options, path.string());
+  return {motion_from_array(array, options, path.string())};
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
 #ifndef MOTIONLANG_HAS_IO_MERGED_BODY_HPP  // <motionlang/io/merged_body.hpp>
 #define MOTIONLANG_HAS_IO_MERGED_BODY_HPP
 /// SMPL-H with the hands of MANO in one file, as TEMOS wants it: the downloads have them apart.
@@ -14460,82 +14718,6 @@ inline std::vector<std::byte> motion_index_bytes(const MotionIndex& index, const
 /// Throws io_error 401.
 inline void write_motion_index(const FilePath& path, const MotionIndex& index, const IndexExtras& extras = {}) {
   write_file(path, motion_index_bytes(index, extras));
-}
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
-
-#ifndef MOTIONLANG_HAS_IO_MOTION_NPY_HPP  // <motionlang/io/motion_npy.hpp>
-#define MOTIONLANG_HAS_IO_MOTION_NPY_HPP
-/// Clips from NumPy arrays of joint positions or of features, as models and data sets have them.
-///
-///     Motion clip = read_motion_npy("new_joint_vecs/012314.npy");   // 263 numbers in a row: HumanML3D
-///
-///     (frames, numbers) of the features that motion_features.hpp names, known by the width of a row: not normalised
-///     (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
-/// Positions become rotations by motion_from_joints.hpp. MMM's joints are in metres or, if they are large, in KIT's units; with Y
-/// up they are reflected, as KIT has them and TEMOS makes them, and are reflected back, so that "L" is the left.
-/// Source  specs humanml3d-features.md 1.2 and 10, temos.md 4.3
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-enum class UpAxis { found, y, z };
-
-struct MotionArrayOptions {
-  double fps = 0;             // 0: as published, 20 or 12.5 frames per second
-  UpAxis up = UpAxis::found;  // of positions: where, on average, the head is above the ankles
-};
-
-namespace detail {
-
-inline Motion motion_from_positions(std::vector<Vec3<double>> joints, Index count, const MotionArrayOptions& options) {
-  const Vec3<double> height = mean_height(joints, static_cast<std::size_t>(count));
-  const bool z_up = options.up == UpAxis::z || (options.up == UpAxis::found && std::abs(height.z) > std::abs(height.y));
-  if (z_up) joints = turned_up(std::move(joints), false);
-  if (count != mmm_joints)
-    return motion_from_joints(smpl24_skeleton(), joints, count, options.fps > 0 ? options.fps : 20);
-  if (z_up) {  // these were not reflected
-    for (Vec3<double>& p : joints) p.x = -p.x;
-  }
-  return motion_from_joints(kit21_skeleton(), mmm_in_metres(std::move(joints)), options.fps > 0 ? options.fps : 12.5);
-}
-
-inline Motion motion_from_rows(std::span<const double> rows, Index width, double fps, std::string_view name) {
-  for (const MotionFeatures& f : all_motion_features) {
-    if (f.width == width) return motion_of_rows(f, rows, fps);
-  }
-  raise<io_error>(407, name, ": rows of ", width, " numbers are no features of motion that are known");
-}
-
-}  // namespace detail
-
-/// Throws io_error 407 if the array is none of these; shape_error 205, numeric_error 301 for values that are not finite;
-/// config_error 101 for a rate that is none.
-inline Motion motion_from_array(const NpyArray& array, const MotionArrayOptions& options = {},
-                                std::string_view name = "array") {
-  if (options.fps != 0 && !(options.fps > 0 && std::isfinite(options.fps)))
-    raise<config_error>(101, name, ": ", options.fps, " frames per second");
-  const auto& shape = array.shape;
-  const bool rows = shape.size() == 2;
-  const bool joints = shape.size() == 3 && shape[2] == 3 && (shape[1] == 24 || shape[1] == 22 || shape[1] == 21);
-  if ((!rows && !joints) || array.is_text()) {
-    raise<io_error>(407, name, ": neither (frames, numbers) nor (frames, 21, 22 or 24 joints, 3)");
-  }
-  const std::vector<double> v = array.to<double>();
-  const auto odd = std::find_if(v.begin(), v.end(), [](double x) { return !std::isfinite(x); });
-  if (odd != v.end()) {
-    const Index numbers = std::ssize(v) / shape[0], at = odd - v.begin();
-    raise<numeric_error>(301, name, ": number ", at % numbers, " of frame ", at / numbers, " is not finite");
-  }
-  if (rows) return detail::motion_from_rows(v, shape[1], options.fps, name);
-  std::vector<Vec3<double>> positions;
-  for (std::size_t i = 0; i + 2 < v.size(); i += 3) positions.push_back({v[i], v[i + 1], v[i + 2]});
-  return detail::motion_from_positions(std::move(positions), shape[1], options);
-}
-
-/// Throws io_error 401 to 405 besides.
-inline Motion read_motion_npy(const FilePath& path, const MotionArrayOptions& options = {}) {
-  return motion_from_array(read_npy(path), options, path.string());
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

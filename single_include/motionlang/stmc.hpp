@@ -10353,7 +10353,7 @@ Index count_leaves(const M& module) {
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// One section of nearly equal size per count; in each, `count` steps evenly from its first to its last, rounded half
-/// to even. Source  improved diffusion (Nichol and Dhariwal 2021), `space_timesteps`. Throws config_error 105.
+/// to even; of 0, none. Source  improved diffusion (Nichol and Dhariwal 2021), `space_timesteps`. Throws config_error 105.
 inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
   std::vector<Index> kept;
   const auto sections = static_cast<Index>(counts.size());
@@ -10361,7 +10361,7 @@ inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
   Index begin = 0;
   for (Index i = 0; i < sections; ++i) {
     const Index size = steps / sections + (i < steps % sections ? 1 : 0), count = counts[static_cast<std::size_t>(i)];
-    if (count < 1 || size < count)
+    if (count < 0 || size < count)
       raise<config_error>(105, "respacing: cannot take ", count, " of ", size, " steps in section ", i);
     const double stride = count > 1 ? static_cast<double>(size - 1) / static_cast<double>(count - 1) : 1;
     double position = 0;
@@ -10369,25 +10369,26 @@ inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
       kept.push_back(begin + static_cast<Index>(std::nearbyint(position)));
     begin += size;
   }
+  if (kept.empty()) raise<config_error>(105, "respacing: no steps are kept of ", steps);
   return kept;
 }
 
 /// "ddimN": the smallest stride that keeps N steps, starting at 0; or a list of counts "10,15,20" (one number is one
 /// section). Empty: all steps. Throws config_error 105.
 inline std::vector<Index> respace(Index steps, std::string_view specification) {
-  auto number = [&](std::string_view digits) {
+  auto number = [&](std::string_view digits, Index least) {
     while (digits.starts_with(' ')) digits.remove_prefix(1);  // as Python reads numbers
     while (digits.ends_with(' ')) digits.remove_suffix(1);
     Index n = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
-    if (error != std::errc{} || end != digits.data() + digits.size() || n < 1) {
+    if (error != std::errc{} || end != digits.data() + digits.size() || n < least) {
       raise<config_error>(105, "respacing: '", specification, "' is neither ddimN nor a list of counts");
     }
     return n;
   };
   if (specification.empty()) return respace(steps, std::vector<Index>{steps});
   if (specification.starts_with("ddim")) {
-    const Index wanted = number(specification.substr(4));
+    const Index wanted = number(specification.substr(4), 1);
     for (Index stride = 1; stride < steps; ++stride) {
       if ((steps + stride - 1) / stride != wanted) continue;
       std::vector<Index> kept;
@@ -10399,7 +10400,7 @@ inline std::vector<Index> respace(Index steps, std::string_view specification) {
   std::vector<Index> counts;
   for (std::size_t at = 0; at <= specification.size();) {
     const std::size_t comma = std::min(specification.find(',', at), specification.size());
-    counts.push_back(number(specification.substr(at, comma - at)));
+    counts.push_back(number(specification.substr(at, comma - at), 0));
     at = comma + 1;
   }
   return respace(steps, counts);
@@ -13795,13 +13796,21 @@ inline std::string read_file(const FilePath& path) {
 }
 
 /// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is. Of a symbolic link, the file
-/// that it leads to is written. Throws io_error 401.
+/// that it leads to is written. Throws io_error 401, also for devices and pipes.
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
   static std::atomic<unsigned> writers{0};
   std::error_code problem;
   const bool linked = std::filesystem::is_symlink(path.string(), problem);
-  const std::string found = linked ? std::filesystem::weakly_canonical(path.string(), problem).string() : path.string();
-  const std::string target = problem ? path.string() : found;
+  std::string target = linked ? std::filesystem::weakly_canonical(path.string(), problem).string() : path.string();
+  if (problem) target = path.string();
+  const auto there = std::filesystem::status(target, problem);
+  if (std::filesystem::is_other(there))
+    raise<io_error>(401, "cannot write ", path.string(),
+                    ": it is no file but a device or a pipe, which a file would replace");
+  if (!std::filesystem::exists(there) && std::filesystem::is_symlink(target, problem)) {
+    const std::filesystem::path link(target);
+    target = (link.parent_path() / std::filesystem::read_symlink(link, problem)).string();
+  }
   std::string temporary;
   int opened = -1;
   do {  // a name that no other thread and no other machine has

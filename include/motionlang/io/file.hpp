@@ -146,13 +146,21 @@ inline std::string read_file(const FilePath& path) {
 }
 
 /// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is. Of a symbolic link, the file
-/// that it leads to is written. Throws io_error 401.
+/// that it leads to is written. Throws io_error 401, also for devices and pipes.
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
   static std::atomic<unsigned> writers{0};
   std::error_code problem;
   const bool linked = std::filesystem::is_symlink(path.string(), problem);
-  const std::string found = linked ? std::filesystem::weakly_canonical(path.string(), problem).string() : path.string();
-  const std::string target = problem ? path.string() : found;
+  std::string target = linked ? std::filesystem::weakly_canonical(path.string(), problem).string() : path.string();
+  if (problem) target = path.string();
+  const auto there = std::filesystem::status(target, problem);
+  if (std::filesystem::is_other(there))
+    raise<io_error>(401, "cannot write ", path.string(),
+                    ": it is no file but a device or a pipe, which a file would replace");
+  if (!std::filesystem::exists(there) && std::filesystem::is_symlink(target, problem)) {
+    const std::filesystem::path link(target);
+    target = (link.parent_path() / std::filesystem::read_symlink(link, problem)).string();
+  }
   std::string temporary;
   int opened = -1;
   do {  // a name that no other thread and no other machine has

@@ -8,6 +8,10 @@
 #include <thread>
 #include <vector>
 
+#ifndef _WIN32
+#include <sys/stat.h>  // mkfifo
+#endif
+
 #include <motionlang/io/file.hpp>
 
 #include "../../support/check_error.hpp"
@@ -74,6 +78,25 @@ TEST_CASE("write_file: what cannot be written is named, not the temporary file")
   CHECK_ERROR(ml::write_file(path, std::string_view("a")),
               ("[motionlang.io.401] cannot write " + path + ": No such file or directory").c_str());
 }
+
+#ifndef _WIN32
+TEST_CASE("write_file: behind a symbolic link that leads to no file yet, the file is made") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path / "disk");
+  std::filesystem::create_symlink("disk/new", folder.path / "link");
+  ml::write_file(folder.path / "link", "one");
+  CHECK(std::filesystem::is_symlink(folder.path / "link"));
+  CHECK(ml::read_file(folder.path / "disk" / "new") == "one");
+}
+
+TEST_CASE("write_file: a pipe is not replaced") {
+  const TemporaryFolder folder;
+  const auto pipe = folder.path / "pipe";
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  CHECK_ERROR(ml::write_file(pipe, "one"), "it is no file but a device or a pipe");
+  CHECK(std::filesystem::is_fifo(pipe));
+}
+#endif
 
 TEST_CASE("write_file: behind a symbolic link the file is written, and the link stays") {
   const TemporaryFolder folder;
