@@ -77,7 +77,7 @@ TEST_CASE("a file of 2 GB that claims much is refused in 10 ms and 1 MB") {
       {"longest header that is allowed", number(100'000'000) + "{\"a\":{\"dtype\":\"F32\",\"shape\":["},
       {"tensor as long as the file", number(60) + R"({"a":{"dtype":"U8","shape":[2147483648],"data_offsets":[0,1]}})"},
       {"zip", "PK\x03\x04"},
-      {"older form of PyTorch", std::string(ml::detail::torch_legacy_magic)},
+      {"older form of PyTorch", "\x80\x02" + std::string(ml::detail::torch_legacy_number)},
       {"pickle of a long text", "\x80\x04\x8d" + number(size)},
       {"pickle of long bytes", "\x80\x04\x8e" + number(size - 8)},
       {"array", "\x93NUMPY\x02" + std::string(1, '\0') + std::string("\xff\xff\xff\x7f")},
@@ -169,7 +169,7 @@ TEST_CASE("an older file of PyTorch costs no more, although two of its pickles a
   const TemporaryFolder folder;
   constexpr std::size_t size = 24 * mebibyte, key = mebibyte, keys = 22;
   constexpr std::size_t allowed = 24 * mebibyte + size, node = sizeof(ml::detail::PickleNode) + 8;
-  std::string bytes(ml::detail::torch_legacy_magic);
+  std::string bytes = "\x80\x02" + std::string(ml::detail::torch_legacy_number);
   bytes += "\x80\x02M\xe9\x03.\x80\x02}X\x0d\x00\x00\x00little_endian\x88s."sv;
   bytes += "\x80\x02X\x07\x00\x00\x00storageq\x00" "0ctorch\nFloatStorage\nq\x01" "0"sv;
   for (std::size_t i = 0; i < keys; ++i) {
