@@ -2741,9 +2741,12 @@ void sort(List& list, Less less) {
 
 #ifndef MOTIONLANG_HAS_CORE_TEXT_LINES_HPP  // <motionlang/core/text_lines.hpp>
 #define MOTIONLANG_HAS_CORE_TEXT_LINES_HPP
-/// Texts line by line.
+/// Texts line by line, their blanks and small letters.
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// A letter of ASCII in small, whatever the locale.
+constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 /// Without the blanks at both ends.
 constexpr std::string_view trim(std::string_view s) {
@@ -8159,7 +8162,7 @@ inline std::string finger_of(std::string_view joint) {
   if (side == Side::middle) return "";
   const std::string_view own = side == Side::left ? "left" : "right", opposite = side == Side::left ? "right" : "left";
   std::string name(joint);
-  for (char& c : name) c = 'A' <= c && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  for (char& c : name) c = detail::lower(c);
   const auto has = [&](std::string_view part) { return name.find(part) != name.npos; };
   if (has(opposite)) return "";
   for (const char* other : {"leaf", "end", "tip", "nub", "meta", "twist"}) {
@@ -17083,19 +17086,19 @@ inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
 /// "ddimN": the smallest stride that keeps N steps, starting at 0; or a list of counts "10,15,20" (one number is one
 /// section). Empty: all steps. Throws config_error 105.
 inline std::vector<Index> respace(Index steps, std::string_view specification) {
-  auto number = [&](std::string_view digits, Index least) {
+  auto number = [&](std::string_view digits) {
     while (digits.starts_with(' ')) digits.remove_prefix(1);  // as Python reads numbers
     while (digits.ends_with(' ')) digits.remove_suffix(1);
     Index n = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
-    if (error != std::errc{} || end != digits.data() + digits.size() || n < least) {
+    if (error != std::errc{} || end != digits.data() + digits.size() || n < 0) {
       raise<config_error>(105, "respacing: '", specification, "' is neither ddimN nor a list of counts");
     }
     return n;
   };
   if (specification.empty()) return respace(steps, std::vector<Index>{steps});
   if (specification.starts_with("ddim")) {
-    const Index wanted = number(specification.substr(4), 1);
+    const Index wanted = number(specification.substr(4));
     for (Index stride = 1; stride < steps; ++stride) {
       if ((steps + stride - 1) / stride != wanted) continue;
       std::vector<Index> kept;
@@ -17107,7 +17110,7 @@ inline std::vector<Index> respace(Index steps, std::string_view specification) {
   std::vector<Index> counts;
   for (std::size_t at = 0; at <= specification.size();) {
     const std::size_t comma = std::min(specification.find(',', at), specification.size());
-    counts.push_back(number(specification.substr(at, comma - at), 0));
+    counts.push_back(number(specification.substr(at, comma - at)));
     at = comma + 1;
   }
   return respace(steps, counts);
@@ -18523,7 +18526,7 @@ class WordPiece {
     std::vector<std::string> out;
     bool inside = false;
     for (char c : text) {
-      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+      c = detail::lower(c);
       const bool part = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
       if (part && !inside) out.emplace_back();
       if (part) out.back() += c;
@@ -21903,7 +21906,7 @@ inline std::string joined_words(const std::vector<std::string_view>& pieces, std
     const std::string_view piece = pieces[first + i];
     if (i % 2 == 1 && piece != "-" && piece != " ") return {};
     if (i % 2 == 0) {
-      for (const char c : piece) out += is_capital(c) ? static_cast<char>(c - 'A' + 'a') : c;
+      for (const char c : piece) out += lower(c);
     }
   }
   return out;
@@ -22415,7 +22418,7 @@ inline std::string plain_answer(std::string_view answer) {
   for (const char c : answer) {
     const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'), digit = c >= '0' && c <= '9';
     if (c > ' ' && c < 0x7f && !letter && !digit) continue;
-    out += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    out += lower(c);
   }
   constexpr std::string_view word = "answer";
   for (std::size_t at = out.find(word); at != out.npos; at = out.find(word, at)) out.erase(at, word.size());
@@ -22583,10 +22586,10 @@ inline std::vector<std::string> words_of(std::string_view text) {
   std::vector<std::string> words;
   bool inside = false;
   for (char c : text) {
-    const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    const bool letter = lower >= 'a' && lower <= 'z';
+    const char small = lower(c);
+    const bool letter = small >= 'a' && small <= 'z';
     if (letter && !inside) words.emplace_back();
-    if (letter) words.back() += lower;
+    if (letter) words.back() += small;
     inside = letter;
   }
   return words;
@@ -23775,7 +23778,7 @@ inline std::vector<SentenceWord> sentence_words(std::string_view sentence) {
     const std::size_t end = std::min(sentence.find_first_of(space, at), sentence.size());
     SentenceWord word{.written = sentence.substr(at, end - at), .plain = {}};
     for (const char c : word.written) {
-      if (stops.find(c) == stops.npos) word.plain += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+      if (stops.find(c) == stops.npos) word.plain += lower(c);
     }
     words.push_back(std::move(word));
     at = sentence.find_first_not_of(space, end);
@@ -30657,6 +30660,7 @@ struct GemmPiece {
       std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
     }
   }
+
   void multiply() const {
     const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
     const bool whole = depth == g.k, transposed = g.a_transposed;
@@ -32307,6 +32311,7 @@ struct GemmPiece {
       std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
     }
   }
+
   void multiply() const {
     const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
     const bool whole = depth == g.k, transposed = g.a_transposed;
@@ -33955,6 +33960,7 @@ struct GemmPiece {
       std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
     }
   }
+
   void multiply() const {
     const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
     const bool whole = depth == g.k, transposed = g.a_transposed;

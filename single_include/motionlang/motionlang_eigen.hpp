@@ -1032,6 +1032,7 @@ struct GemmPiece {
       std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
     }
   }
+
   void multiply() const {
     const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
     const bool whole = depth == g.k, transposed = g.a_transposed;
@@ -2682,6 +2683,7 @@ struct GemmPiece {
       std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
     }
   }
+
   void multiply() const {
     const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
     const bool whole = depth == g.k, transposed = g.a_transposed;
@@ -4330,6 +4332,7 @@ struct GemmPiece {
       std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
     }
   }
+
   void multiply() const {
     const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
     const bool whole = depth == g.k, transposed = g.a_transposed;

@@ -677,17 +677,16 @@ inline std::string read_file(const FilePath& path) {
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
   static std::atomic<unsigned> writers{0};
   std::error_code problem;
-  const bool linked = std::filesystem::is_symlink(path.string(), problem);
-  std::string target = linked ? std::filesystem::weakly_canonical(path.string(), problem).string() : path.string();
-  if (problem) target = path.string();
-  const auto there = std::filesystem::status(target, problem);
-  if (std::filesystem::is_other(there))
+  std::filesystem::path followed = path.string();
+  constexpr int most_links = 40;                                                  // as Linux follows
+  for (int links = 0; std::filesystem::is_symlink(followed, problem); ++links) {  // the last may lead to no file yet
+    if (links == most_links) raise<io_error>(401, "cannot write ", path.string(), ": more than ", most_links, " links");
+    followed = followed.parent_path() / std::filesystem::read_symlink(followed, problem);
+  }
+  if (std::filesystem::is_other(std::filesystem::status(followed, problem)))
     raise<io_error>(401, "cannot write ", path.string(),
                     ": it is no file but a device or a pipe, which a file would replace");
-  if (!std::filesystem::exists(there) && std::filesystem::is_symlink(target, problem)) {
-    const std::filesystem::path link(target);
-    target = (link.parent_path() / std::filesystem::read_symlink(link, problem)).string();
-  }
+  const std::string target = followed.string();
   std::string temporary;
   int opened = -1;
   do {  // a name that no other thread and no other machine has
@@ -6139,13 +6138,10 @@ inline std::string_view amass_poses(const NpzArchive& npz) {
   return "";
 }
 
-/// Frames per second of a sequence, if its file says them. Throws io_error 403 for an impossible rate.
+/// Frames per second of a sequence, as its file says them; it may say none, or impossible ones.
 inline std::optional<double> amass_rate(const NpzArchive& npz) {
   for (const char* name : {"mocap_frame_rate", "mocap_framerate", "fps"}) {
-    if (!npz.has(name)) continue;
-    const auto fps = npz.read(name).value<double>();
-    if (!(fps > 0 && fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", fps);
-    return fps;
+    if (npz.has(name)) return npz.read(name).value<double>();
   }
   return std::nullopt;
 }
@@ -6185,13 +6181,13 @@ inline AmassSequence read_amass_sequence(const FilePath& path, double fps = 0) {
   }
   out.trans = trans.to<double>();
   const std::optional<double> own = amass_rate(npz);
-  if (own && fps != 0 && fps != *own)
-    raise<config_error>(102, npz.file(), ": has ", *own, " frames per second, --rate says ", fps,
-                        " (--fps resamples, --speed makes faster)");
   if (!own && fps == 0)
     raise<io_error>(406, npz.file(), ": no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps': --rate says it");
   out.fps = own.value_or(fps);
   if (!(out.fps > 0 && out.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", out.fps);
+  if (fps != 0 && fps != out.fps)
+    raise<config_error>(102, npz.file(), ": has ", out.fps, " frames per second, --rate says ", fps,
+                        " (--fps resamples, --speed makes faster)");
   if (npz.has("gender")) out.gender = detail::amass_gender(zip);
   if (npz.has("betas")) {
     const NpyArray betas = npz.read("betas");
@@ -6468,8 +6464,6 @@ inline constexpr std::size_t max_text_joints = 4096;
 /// joints that a frame does not mention could otherwise make much of little.
 constexpr std::size_t max_text_rotations(std::size_t bytes) { return 1'000'000 + 16 * bytes; }
 
-/// ASCII letters only, whatever the locale.
-constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 constexpr bool same_word(std::string_view a, std::string_view lower_case) {
   if (a.size() != lower_case.size()) return false;
   for (std::size_t i = 0; i < a.size(); ++i) {

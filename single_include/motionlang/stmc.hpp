@@ -3863,6 +3863,7 @@ struct GemmPiece {
       std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
     }
   }
+
   void multiply() const {
     const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
     const bool whole = depth == g.k, transposed = g.a_transposed;
@@ -5513,6 +5514,7 @@ struct GemmPiece {
       std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
     }
   }
+
   void multiply() const {
     const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
     const bool whole = depth == g.k, transposed = g.a_transposed;
@@ -7161,6 +7163,7 @@ struct GemmPiece {
       std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
     }
   }
+
   void multiply() const {
     const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
     const bool whole = depth == g.k, transposed = g.a_transposed;
@@ -9842,9 +9845,12 @@ inline TimelineInSeconds to_seconds(const Timeline& timeline, double fps) {
 
 #ifndef MOTIONLANG_HAS_CORE_TEXT_LINES_HPP  // <motionlang/core/text_lines.hpp>
 #define MOTIONLANG_HAS_CORE_TEXT_LINES_HPP
-/// Texts line by line.
+/// Texts line by line, their blanks and small letters.
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// A letter of ASCII in small, whatever the locale.
+constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 /// Without the blanks at both ends.
 constexpr std::string_view trim(std::string_view s) {
@@ -10376,19 +10382,19 @@ inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
 /// "ddimN": the smallest stride that keeps N steps, starting at 0; or a list of counts "10,15,20" (one number is one
 /// section). Empty: all steps. Throws config_error 105.
 inline std::vector<Index> respace(Index steps, std::string_view specification) {
-  auto number = [&](std::string_view digits, Index least) {
+  auto number = [&](std::string_view digits) {
     while (digits.starts_with(' ')) digits.remove_prefix(1);  // as Python reads numbers
     while (digits.ends_with(' ')) digits.remove_suffix(1);
     Index n = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
-    if (error != std::errc{} || end != digits.data() + digits.size() || n < least) {
+    if (error != std::errc{} || end != digits.data() + digits.size() || n < 0) {
       raise<config_error>(105, "respacing: '", specification, "' is neither ddimN nor a list of counts");
     }
     return n;
   };
   if (specification.empty()) return respace(steps, std::vector<Index>{steps});
   if (specification.starts_with("ddim")) {
-    const Index wanted = number(specification.substr(4), 1);
+    const Index wanted = number(specification.substr(4));
     for (Index stride = 1; stride < steps; ++stride) {
       if ((steps + stride - 1) / stride != wanted) continue;
       std::vector<Index> kept;
@@ -10400,7 +10406,7 @@ inline std::vector<Index> respace(Index steps, std::string_view specification) {
   std::vector<Index> counts;
   for (std::size_t at = 0; at <= specification.size();) {
     const std::size_t comma = std::min(specification.find(',', at), specification.size());
-    counts.push_back(number(specification.substr(at, comma - at), 0));
+    counts.push_back(number(specification.substr(at, comma - at)));
     at = comma + 1;
   }
   return respace(steps, counts);
@@ -12982,7 +12988,7 @@ class WordPiece {
     std::vector<std::string> out;
     bool inside = false;
     for (char c : text) {
-      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+      c = detail::lower(c);
       const bool part = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
       if (part && !inside) out.emplace_back();
       if (part) out.back() += c;
@@ -13800,17 +13806,16 @@ inline std::string read_file(const FilePath& path) {
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
   static std::atomic<unsigned> writers{0};
   std::error_code problem;
-  const bool linked = std::filesystem::is_symlink(path.string(), problem);
-  std::string target = linked ? std::filesystem::weakly_canonical(path.string(), problem).string() : path.string();
-  if (problem) target = path.string();
-  const auto there = std::filesystem::status(target, problem);
-  if (std::filesystem::is_other(there))
+  std::filesystem::path followed = path.string();
+  constexpr int most_links = 40;                                                  // as Linux follows
+  for (int links = 0; std::filesystem::is_symlink(followed, problem); ++links) {  // the last may lead to no file yet
+    if (links == most_links) raise<io_error>(401, "cannot write ", path.string(), ": more than ", most_links, " links");
+    followed = followed.parent_path() / std::filesystem::read_symlink(followed, problem);
+  }
+  if (std::filesystem::is_other(std::filesystem::status(followed, problem)))
     raise<io_error>(401, "cannot write ", path.string(),
                     ": it is no file but a device or a pipe, which a file would replace");
-  if (!std::filesystem::exists(there) && std::filesystem::is_symlink(target, problem)) {
-    const std::filesystem::path link(target);
-    target = (link.parent_path() / std::filesystem::read_symlink(link, problem)).string();
-  }
+  const std::string target = followed.string();
   std::string temporary;
   int opened = -1;
   do {  // a name that no other thread and no other machine has

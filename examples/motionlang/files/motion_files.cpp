@@ -59,7 +59,7 @@ MotionReadOptions options_in_folder(MotionReadOptions options, const std::filesy
 
 std::string kind_of(const std::filesystem::path& path) {
   std::string kind = path.extension().string();
-  for (char& c : kind) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  for (char& c : kind) c = ml::detail::lower(c);
   return kind;
 }
 

@@ -109,29 +109,39 @@ inline std::string told_several_actions(const std::vector<ml::Timeline>& timelin
   return out;
 }
 
+/// Calls f(piece, owners) for every piece of a timeline that has texts: which of them moves each part.
+template <class F>
+void for_each_owned_piece(const ml::Timeline& timeline, F f) {
+  ml::FirstWins ties;
+  for (const ml::Piece& piece : ml::elementary_pieces(timeline)) {
+    if (!piece.intervals.empty()) f(piece, ml::assign_parts(timeline, piece.intervals, ties));
+  }
+}
+
+/// "FILE:LINE:COLUMN: 'TEXT'"
+inline std::string placed(const ml::Interval& i, const std::string& source) {
+  return ml::concat_text(source, ":", i.place.line, ":", i.place.column, ": '", i.text, "'");
+}
+
 /// A line for each text of a few body parts, as far as its words tell, that takes all of them from a text that needs others.
 inline std::string told_whole_body_texts(const std::vector<ml::Timeline>& timelines, const std::string& source) {
   std::string out;
-  ml::FirstWins ties;
   for (const ml::Timeline& t : timelines) {
     const auto interval = [&](ml::Index i) -> const ml::Interval& { return t.intervals[static_cast<std::size_t>(i)]; };
     std::vector<bool> told(t.intervals.size());
-    for (const ml::Piece& piece : ml::elementary_pieces(t)) {
-      if (piece.intervals.size() < 2) continue;
-      const auto owners = ml::assign_parts(t, piece.intervals, ties);
+    for_each_owned_piece(t, [&](const ml::Piece& piece, const auto& owners) {
       const ml::Index owner = owners.front();
-      if (std::ranges::count(owners, owner) != std::ssize(owners) || told[static_cast<std::size_t>(owner)]) continue;
+      if (std::ranges::count(owners, owner) != std::ssize(owners) || told[static_cast<std::size_t>(owner)]) return;
       const ml::BodyParts guessed = ml::guess_body_parts(interval(owner).text);
       const auto other = std::ranges::find_if(piece.intervals, [&](ml::Index i) {
         return (ml::guess_body_parts(interval(i).text).bits & ~guessed.bits) != 0;
       });
-      if (other == piece.intervals.end()) continue;
+      if (other == piece.intervals.end()) return;
       told[static_cast<std::size_t>(owner)] = true;
-      const auto& [line, column] = interval(owner).place;
-      out += ml::concat_text(source, ":", line, ":", column, ": '", interval(owner).text,
-                             "' moves the whole body, also while '", interval(*other).text, "' lasts; with '# ",
-                             ml::join_text(listed(guessed), " # "), "' it would leave that the rest\n");
-    }
+      out += ml::concat_text(placed(interval(owner), source), " moves the whole body, also while '",
+                             interval(*other).text, "' lasts; with '# ", ml::join_text(listed(guessed), " # "),
+                             "' it would leave that the rest\n");
+    });
   }
   return out;
 }
@@ -139,18 +149,13 @@ inline std::string told_whole_body_texts(const std::vector<ml::Timeline>& timeli
 /// A line for each text that moves nothing at any time: others with fewer parts, or as many and later in the file, take all that it has.
 inline std::string told_hidden_texts(const std::vector<ml::Timeline>& timelines, const std::string& source) {
   std::string out;
-  ml::FirstWins ties;
   for (const ml::Timeline& t : timelines) {
     std::vector<bool> moves(t.intervals.size());
-    for (const ml::Piece& piece : ml::elementary_pieces(t)) {
-      if (piece.intervals.empty()) continue;
-      for (const ml::Index owner : ml::assign_parts(t, piece.intervals, ties)) moves[static_cast<std::size_t>(owner)] = true;
-    }
+    for_each_owned_piece(t, [&](const ml::Piece&, const auto& owners) {
+      for (const ml::Index owner : owners) moves[static_cast<std::size_t>(owner)] = true;
+    });
     for (std::size_t i = 0; i < moves.size(); ++i) {
-      const auto& [line, column] = t.intervals[i].place;
-      if (!moves[i])
-        out += ml::concat_text(source, ":", line, ":", column, ": '", t.intervals[i].text,
-                               "' moves nothing: other texts take all its body parts\n");
+      if (!moves[i]) out += placed(t.intervals[i], source) + " moves nothing: other texts take all its body parts\n";
     }
   }
   return out;

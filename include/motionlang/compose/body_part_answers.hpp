@@ -29,7 +29,7 @@ inline std::string plain_answer(std::string_view answer) {
   for (const char c : answer) {
     const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'), digit = c >= '0' && c <= '9';
     if (c > ' ' && c < 0x7f && !letter && !digit) continue;
-    out += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    out += lower(c);
   }
   constexpr std::string_view word = "answer";
   for (std::size_t at = out.find(word); at != out.npos; at = out.find(word, at)) out.erase(at, word.size());

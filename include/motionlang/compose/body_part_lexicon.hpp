@@ -17,6 +17,7 @@
 #include <vector>       // words
 
 #include <motionlang/compose/timeline.hpp>
+#include <motionlang/core/text_lines.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -111,10 +112,10 @@ inline std::vector<std::string> words_of(std::string_view text) {
   std::vector<std::string> words;
   bool inside = false;
   for (char c : text) {
-    const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    const bool letter = lower >= 'a' && lower <= 'z';
+    const char small = lower(c);
+    const bool letter = small >= 'a' && small <= 'z';
     if (letter && !inside) words.emplace_back();
-    if (letter) words.back() += lower;
+    if (letter) words.back() += small;
     inside = letter;
   }
   return words;

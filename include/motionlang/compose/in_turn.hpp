@@ -15,6 +15,7 @@
 #include <vector>       // actions
 
 #include <motionlang/compose/long_texts.hpp>
+#include <motionlang/core/text_lines.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -35,7 +36,7 @@ inline std::vector<SentenceWord> sentence_words(std::string_view sentence) {
     const std::size_t end = std::min(sentence.find_first_of(space, at), sentence.size());
     SentenceWord word{.written = sentence.substr(at, end - at), .plain = {}};
     for (const char c : word.written) {
-      if (stops.find(c) == stops.npos) word.plain += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+      if (stops.find(c) == stops.npos) word.plain += lower(c);
     }
     words.push_back(std::move(word));
     at = sentence.find_first_not_of(space, end);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Texts line by line.
+/// Texts line by line, their blanks and small letters.
 #pragma once
 
 #include <algorithm>    // min
@@ -8,6 +8,9 @@
 #include <motionlang/core/shape.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
+
+/// A letter of ASCII in small, whatever the locale.
+constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 /// Without the blanks at both ends.
 constexpr std::string_view trim(std::string_view s) {

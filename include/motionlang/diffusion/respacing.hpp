@@ -36,19 +36,19 @@ inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
 /// "ddimN": the smallest stride that keeps N steps, starting at 0; or a list of counts "10,15,20" (one number is one
 /// section). Empty: all steps. Throws config_error 105.
 inline std::vector<Index> respace(Index steps, std::string_view specification) {
-  auto number = [&](std::string_view digits, Index least) {
+  auto number = [&](std::string_view digits) {
     while (digits.starts_with(' ')) digits.remove_prefix(1);  // as Python reads numbers
     while (digits.ends_with(' ')) digits.remove_suffix(1);
     Index n = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
-    if (error != std::errc{} || end != digits.data() + digits.size() || n < least) {
+    if (error != std::errc{} || end != digits.data() + digits.size() || n < 0) {
       raise<config_error>(105, "respacing: '", specification, "' is neither ddimN nor a list of counts");
     }
     return n;
   };
   if (specification.empty()) return respace(steps, std::vector<Index>{steps});
   if (specification.starts_with("ddim")) {
-    const Index wanted = number(specification.substr(4), 1);
+    const Index wanted = number(specification.substr(4));
     for (Index stride = 1; stride < steps; ++stride) {
       if ((steps + stride - 1) / stride != wanted) continue;
       std::vector<Index> kept;
@@ -60,7 +60,7 @@ inline std::vector<Index> respace(Index steps, std::string_view specification) {
   std::vector<Index> counts;
   for (std::size_t at = 0; at <= specification.size();) {
     const std::size_t comma = std::min(specification.find(',', at), specification.size());
-    counts.push_back(number(specification.substr(at, comma - at), 0));
+    counts.push_back(number(specification.substr(at, comma - at)));
     at = comma + 1;
   }
   return respace(steps, counts);

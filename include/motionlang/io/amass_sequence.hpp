@@ -80,13 +80,10 @@ inline std::string_view amass_poses(const NpzArchive& npz) {
   return "";
 }
 
-/// Frames per second of a sequence, if its file says them. Throws io_error 403 for an impossible rate.
+/// Frames per second of a sequence, as its file says them; it may say none, or impossible ones.
 inline std::optional<double> amass_rate(const NpzArchive& npz) {
   for (const char* name : {"mocap_frame_rate", "mocap_framerate", "fps"}) {
-    if (!npz.has(name)) continue;
-    const auto fps = npz.read(name).value<double>();
-    if (!(fps > 0 && fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", fps);
-    return fps;
+    if (npz.has(name)) return npz.read(name).value<double>();
   }
   return std::nullopt;
 }
@@ -126,13 +123,13 @@ inline AmassSequence read_amass_sequence(const FilePath& path, double fps = 0) {
   }
   out.trans = trans.to<double>();
   const std::optional<double> own = amass_rate(npz);
-  if (own && fps != 0 && fps != *own)
-    raise<config_error>(102, npz.file(), ": has ", *own, " frames per second, --rate says ", fps,
-                        " (--fps resamples, --speed makes faster)");
   if (!own && fps == 0)
     raise<io_error>(406, npz.file(), ": no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps': --rate says it");
   out.fps = own.value_or(fps);
   if (!(out.fps > 0 && out.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", out.fps);
+  if (fps != 0 && fps != out.fps)
+    raise<config_error>(102, npz.file(), ": has ", out.fps, " frames per second, --rate says ", fps,
+                        " (--fps resamples, --speed makes faster)");
   if (npz.has("gender")) out.gender = detail::amass_gender(zip);
   if (npz.has("betas")) {
     const NpyArray betas = npz.read("betas");

@@ -150,17 +150,16 @@ inline std::string read_file(const FilePath& path) {
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
   static std::atomic<unsigned> writers{0};
   std::error_code problem;
-  const bool linked = std::filesystem::is_symlink(path.string(), problem);
-  std::string target = linked ? std::filesystem::weakly_canonical(path.string(), problem).string() : path.string();
-  if (problem) target = path.string();
-  const auto there = std::filesystem::status(target, problem);
-  if (std::filesystem::is_other(there))
+  std::filesystem::path followed = path.string();
+  constexpr int most_links = 40;                                                  // as Linux follows
+  for (int links = 0; std::filesystem::is_symlink(followed, problem); ++links) {  // the last may lead to no file yet
+    if (links == most_links) raise<io_error>(401, "cannot write ", path.string(), ": more than ", most_links, " links");
+    followed = followed.parent_path() / std::filesystem::read_symlink(followed, problem);
+  }
+  if (std::filesystem::is_other(std::filesystem::status(followed, problem)))
     raise<io_error>(401, "cannot write ", path.string(),
                     ": it is no file but a device or a pipe, which a file would replace");
-  if (!std::filesystem::exists(there) && std::filesystem::is_symlink(target, problem)) {
-    const std::filesystem::path link(target);
-    target = (link.parent_path() / std::filesystem::read_symlink(link, problem)).string();
-  }
+  const std::string target = followed.string();
   std::string temporary;
   int opened = -1;
   do {  // a name that no other thread and no other machine has

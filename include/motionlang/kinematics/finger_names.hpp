@@ -7,6 +7,7 @@
 #include <string_view>  // names
 #include <utility>      // pair
 
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/kinematics/joint_sides.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -19,7 +20,7 @@ inline std::string finger_of(std::string_view joint) {
   if (side == Side::middle) return "";
   const std::string_view own = side == Side::left ? "left" : "right", opposite = side == Side::left ? "right" : "left";
   std::string name(joint);
-  for (char& c : name) c = 'A' <= c && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  for (char& c : name) c = detail::lower(c);
   const auto has = [&](std::string_view part) { return name.find(part) != name.npos; };
   if (has(opposite)) return "";
   for (const char* other : {"leaf", "end", "tip", "nub", "meta", "twist"}) {

@@ -15,6 +15,7 @@
 #include <string_view>  // parts of it
 #include <vector>       // pieces
 
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/version.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -71,7 +72,7 @@ inline std::string joined_words(const std::vector<std::string_view>& pieces, std
     const std::string_view piece = pieces[first + i];
     if (i % 2 == 1 && piece != "-" && piece != " ") return {};
     if (i % 2 == 0) {
-      for (const char c : piece) out += is_capital(c) ? static_cast<char>(c - 'A' + 'a') : c;
+      for (const char c : piece) out += lower(c);
     }
   }
   return out;

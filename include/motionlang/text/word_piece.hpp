@@ -14,6 +14,7 @@
 #include <vector>         // pieces
 
 #include <motionlang/core/shape.hpp>
+#include <motionlang/core/text_lines.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -133,7 +134,7 @@ class WordPiece {
     std::vector<std::string> out;
     bool inside = false;
     for (char c : text) {
-      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+      c = detail::lower(c);
       const bool part = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
       if (part && !inside) out.emplace_back();
       if (part) out.back() += c;

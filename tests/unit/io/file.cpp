@@ -89,6 +89,17 @@ TEST_CASE("write_file: behind a symbolic link that leads to no file yet, the fil
   CHECK(ml::read_file(folder.path / "disk" / "new") == "one");
 }
 
+TEST_CASE("write_file: links to links are followed, and not in a circle") {
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink("second", folder.path / "first");
+  std::filesystem::create_symlink("new", folder.path / "second");
+  ml::write_file(folder.path / "first", "one");
+  CHECK(std::filesystem::is_symlink(folder.path / "second"));
+  CHECK(ml::read_file(folder.path / "new") == "one");
+  std::filesystem::create_symlink("circle", folder.path / "circle");
+  CHECK_ERROR(ml::write_file(folder.path / "circle", "one"), "more than 40 links");
+}
+
 TEST_CASE("write_file: a pipe is not replaced") {
   const TemporaryFolder folder;
   const auto pipe = folder.path / "pipe";

@@ -11,6 +11,7 @@
 #include <string_view>  // the text
 
 #include <motionlang/core/error.hpp>
+#include <motionlang/core/text_lines.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI::detail {
 
@@ -20,8 +21,6 @@ inline constexpr std::size_t max_text_joints = 4096;
 /// joints that a frame does not mention could otherwise make much of little.
 constexpr std::size_t max_text_rotations(std::size_t bytes) { return 1'000'000 + 16 * bytes; }
 
-/// ASCII letters only, whatever the locale.
-constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 constexpr bool same_word(std::string_view a, std::string_view lower_case) {
   if (a.size() != lower_case.size()) return false;
   for (std::size_t i = 0; i < a.size(); ++i) {
