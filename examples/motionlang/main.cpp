@@ -2,11 +2,13 @@
 #include <csignal>
 #include <cstdio>
 #include <new>
+#include <string>
 
 #include <motionlang/core/error.hpp>
 #include <motionlang/version.hpp>
 
 #include "commands.hpp"
+#include "training_commands.hpp"
 
 namespace {
 
@@ -18,7 +20,7 @@ void on_interrupt(int) {
 void require_known_subcommand(const CLI::App& app, int argc, char** argv) {
   const auto meant = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(meant).empty())
-    throw CLI::ValidationError(std::string("there is no subcommand '") + argv[1] + "'");
+    throw CLI::ValidationError(program::no_subcommand(argv[1]));
 }
 
 }  // namespace
@@ -32,15 +34,15 @@ int main(int argc, char** argv) {
   app.allow_windows_style_options(false);  // the same command line everywhere: /name is a file
   app.require_subcommand(1);
   app.set_version_flag("--version", MOTIONLANG_VERSION);
-  app.footer(
+  std::string footer =
       "Exit codes: 0 done; 1 a file, a model or the computation failed; 2 the command line is wrong\n"
       "or asks for what the model or the motion does not have; 3 the timeline is wrong;\n"
-      "130 stopped by Ctrl-C (what was finished is kept)."
+      "130 stopped by Ctrl-C (what was finished is kept).";
 #ifndef MOTIONLANG_TRAINING
-      "\nBuilt without train-tmr, train-temos, train-sinc, train-teach, train-tm2t, train-actor, train-classifier and "
-      "evaluate (-DMOTIONLANG_TRAINING=ON has them)."
+  footer += "\nBuilt without " + motionlang::join_text(program::training_commands) +
+            ". To have them, in the folder of motionlang:\n" + program::build_with_training;
 #endif
-  );
+  app.footer(footer);
   program::add_generate(app);
   program::add_check(app);
   program::add_info(app);

@@ -14,6 +14,7 @@
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
 
+#include "../../examples/motionlang/training_commands.hpp"
 #include "../support/captioned_clips.hpp"
 #include "../support/mdm_results.hpp"
 #include "../support/octahedra_body.hpp"
@@ -124,6 +125,19 @@ TEST_CASE("help names every command and option, and the exit codes") {
     CHECK(help.code == 0);
     for (const std::string& name : names) CHECK_MESSAGE(contains(help.text, name), name, " in: ", help.text);
   }
+}
+
+TEST_CASE("a subcommand of a build with training is told with the command that makes one") {
+  const TemporaryFolder folder;
+  CHECK(program::no_subcommand("dance") == "there is no subcommand 'dance'");
+  for (const std::string_view name : program::training_commands) {
+    const std::string command(name), text = program::no_subcommand(command);
+    CHECK_MESSAGE(contains(text, "'" + command + "' needs a program that is built with training"), text);
+    CHECK_MESSAGE(contains(text, "cmake --preset release -DMOTIONLANG_TRAINING=ON && cmake --build build/release"),
+                  text);
+    CHECK_MESSAGE(run({command, "--help"}, folder.path).code == 0, command);  // tests are built with training
+  }
+  CHECK_MESSAGE(contains(run({"dance"}, folder.path).text, "there is no subcommand 'dance'"), "dance");
 }
 
 TEST_CASE("exit codes") {

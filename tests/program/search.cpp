@@ -229,13 +229,14 @@ TEST_CASE("index: arrays of joints and of features as convert reads them, but no
 TEST_CASE("index: listing, removing, captions") {
   const Gallery g;
   ml::write_file(g / "captions.tsv",
-                 "straight\t0.5\t2\tlegs\ta person walks\nleft\t0\t3\tlegs\ta person turns left | "
+                 "straight\t0.5\t2\tlegs\ta person walks\nleft\ta person turns left | "
                  "turns\nnobody\t0\t1\tlegs\ta person\n");
   check_contains(g.index({"--captions", "captions.tsv", "--license", "CC0 1.0", "--windows", "1", "--stride", "0.25"}),
                  0, {"6 clips", "there is no clip '", "nobody'"});
-  check_contains(g.run({"index", "-o", "moves.index", "--list"}), 0,
-                 {"straight.bvh\t0.50\t2.00\t20\t30\ta person walks\tCC0 1.0\n",
-                  "two.glb#spin\t0.00\t2.00\t20\t40\t\tCC0 1.0", "a person turns left | turns\tCC0"});
+  check_contains(
+      g.run({"index", "-o", "moves.index", "--list"}), 0,
+      {"straight.bvh\t0.50\t2.00\t20\t30\ta person walks\tCC0 1.0\n", "two.glb#spin\t0.00\t2.00\t20\t40\t\tCC0 1.0",
+       "left.bvh\t0.00\t6.00\t20\t120\ta person turns left | turns\tCC0"});
   const auto hits = g.search({"a person turns left", "--captions"});
   REQUIRE(hits.size() == 2);
   CHECK(file_of(hits[0]) == "left.bvh");

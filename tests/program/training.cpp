@@ -778,14 +778,73 @@ TEST_CASE("tables that cannot be used are refused with file and line") {
     CHECK_MESSAGE(contains(out.text, message), out.text);
     CHECK(!std::filesystem::exists(clips / "out/checkpoint.safetensors"));
   };
-  refused("train-tmr", "--captions", "clip0\t0\t2\tlegs", "wrong.tsv:2: expected clip, start, end, parts, captions");
-  refused("train-tmr", "--captions", "# no clip", "wrong.tsv: no line with clip, start, end, parts, captions");
+  const std::string forms = "clip, start, end, parts, captions, or clip, captions";
+  refused("train-tmr", "--captions", "clip0\t0\t2\tlegs",
+          "wrong.tsv:2: expected " + forms + ", separated by tabs; columns here: 4");
+  refused("train-temos", "--captions", "clip0 a person walks",
+          "wrong.tsv:2: expected " + forms + ", separated by tabs; columns here: 1");
+  refused("train-tmr", "--captions", "# no clip", "wrong.tsv: no line with " + forms);
+  refused("train-tmr", "--captions", "clip0\ta person walks | ", "wrong.tsv:2: an empty text");
   refused("train-temos", "--captions", "clip0\t0\t2\twings\ta person flies", "wrong.tsv:2: 'wings' is no body part");
   refused("train-tmr", "--captions", "clip0\t0\t2\tlegs\ta person walks | ", "wrong.tsv:2: an empty text");
   refused("train-tmr", "--captions", "clip9\t0\t2\tlegs\ta person walks", "wrong.tsv:2: no ./clip9.bvh");
   refused("train-actor", "--labels", "clip0\tsoon\t2\twalk", "wrong.tsv:2: 'soon' is not a time");
   refused("train-actor", "--labels", "clip0\t0\t2\twalk\tturn", "wrong.tsv:2: expected clip, start, end, label");
   refused("train-classifier", "--labels", "clip0\t1\t1.1\twalk", "wrong.tsv:2: clip0 1 to 1.1 s holds");
+}
+
+TEST_CASE("segments of one start are different motions, captions of one segment on two lines are of one") {
+  const Clips clips;
+  ml::write_file(clips / "captions.tsv",
+                 "clip0\t0\t1\tlegs\ta person walks\nclip0\t0\t2\tlegs\ta person walks ahead\n"
+                 "clip0\t0\t2\tleft arm\tsomeone swings an arm\nclip1\t0\t2\tlegs\ta person turns left\n"
+                 "clip1\tsomeone turns\n");
+  const auto trained =
+      train_tiny("train-tmr", clips.path,
+                 {"--data", ".", "--captions", "captions.tsv", "--set", "data.min_seconds=0.5", "--set",
+                  "data.test_share=0", "--set", "data.validation_share=0", "--set", "data.mirror=false"});
+  REQUIRE_MESSAGE(trained.code == 0, trained.text);
+  CHECK_MESSAGE(contains(trained.text, "4 motions to train on, 0 for validation, 0 for tests; 0 left out"),
+                trained.text);
+  for (const char* id : {"clip0@0-1", "clip0@0-2", "clip1@0-2", "clip1"}) {
+    CAPTURE(id);
+    ml::write_file(clips / "ids.txt", std::string(id) + "\n");
+    const auto measured = run({"evaluate", "out/model", "--data", ".", "--captions", "captions.tsv", "--part",
+                               "training", "--nsim", "ids.txt"},
+                              clips.path);
+    CHECK_MESSAGE(measured.code == 0, measured.text);
+  }
+}
+
+TEST_CASE("a table of clips and captions: each line is about all of a clip") {
+  const Clips clips;
+  std::string whole, segments;
+  for (int i = 0; i < 8; ++i) {
+    const std::string name = "clip" + std::to_string(i),
+                      captions = i % 2 == 1 ? "a person turns left | someone turns" : "a person walks ahead";
+    whole += name + "\t" + captions + "\n";
+    segments += name + "\t0\t" + ml::concat_text((40 + 2 * i) / 20.0) + "\tleft arm,right arm,legs,spine,head\t" +
+                captions + "\n";
+  }
+  ml::write_file(clips / "whole.tsv", whole);
+  ml::write_file(clips / "segments.tsv", segments);
+  for (const char* command : {"train", "train-tmr", "train-temos"}) {
+    CAPTURE(command);
+    std::vector<std::vector<float>> losses;
+    for (const char* table : {"whole.tsv", "segments.tsv"}) {
+      const std::vector<std::string> sources{"--data", ".", "--captions", table};
+      std::vector<std::string> tiny{"train",    "--out", "out",          "--fresh", "--steps",        "4",
+                                    "--batch",  "2",     "--width",      "16",      "--feed-forward", "24",
+                                    "--layers", "1",     "--vocabulary", "40",      "--text-steps",   "2"};
+      tiny.insert(tiny.end(), sources.begin(), sources.end());
+      const auto trained =
+          command == std::string("train") ? run(tiny, clips.path) : train_tiny(command, clips.path, sources);
+      REQUIRE_MESSAGE(trained.code == 0, trained.text);
+      losses.push_back(clips.losses("out"));
+    }
+    CHECK(!losses[0].empty());
+    CHECK(losses[0] == losses[1]);
+  }
 }
 
 TEST_CASE("data in the form of HumanML3D, and from an annotation file") {

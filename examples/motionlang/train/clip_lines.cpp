@@ -49,7 +49,8 @@ std::vector<ClipLine> read_rows(const std::filesystem::path& path, const char* e
     if (row.empty() || row[0] == '#') continue;
     const auto fields = split(row, "\t");
     ClipLine line{ml::concat_text(path.string(), ":", number), fields[0], fields[0], 0, 0, {}, {}};
-    if (!read(line, fields)) wrong(line, ml::concat_text("expected ", expected, ", separated by tabs"));
+    if (!read(line, fields))
+      wrong(line, ml::concat_text("expected ", expected, ", separated by tabs; columns here: ", fields.size()));
     for (const std::string& t : line.texts) {
       if (t.empty()) wrong(line, "an empty text");
     }
@@ -58,6 +59,9 @@ std::vector<ClipLine> read_rows(const std::filesystem::path& path, const char* e
   if (lines.empty()) ml::raise<ml::io_error>(403, path.string(), ": no line with ", expected);
   return lines;
 }
+
+/// Of a row with two columns: the whole clip.
+constexpr double to_the_end = std::numeric_limits<double>::infinity();
 
 /// Columns 1 and 2 of a row.
 void read_times(ClipLine& line, const std::vector<std::string>& fields) {
@@ -98,11 +102,16 @@ class LabelTable {
 }  // namespace
 
 std::vector<ClipLine> read_captions(const std::filesystem::path& path) {
-  return read_rows(path, "clip, start, end, parts, captions",
+  return read_rows(path, "clip, start, end, parts, captions, or clip, captions",
                    [](ClipLine& line, const std::vector<std::string>& fields) {
-                     if (fields.size() != 5) return false;
+                     if (fields.size() != 2 && fields.size() != 5) return false;
+                     line.texts = split(fields.back(), "|");
+                     if (fields.size() == 2) {
+                       line.end = to_the_end;
+                       line.parts = ml::BodyParts::all();
+                       return true;
+                     }
                      read_times(line, fields);
-                     line.texts = split(fields[4], "|");
                      for (const std::string& name : split(fields[3], ",")) {
                        const auto part = ml::parse_body_part(name);
                        if (!part) wrong(line, "'" + name + "' is no body part");
@@ -120,7 +129,7 @@ std::vector<ClipLine> read_labels(const std::filesystem::path& path) {
                      if (fields.size() == 4)
                        read_times(line, fields);
                      else
-                       line.end = std::numeric_limits<double>::infinity();
+                       line.end = to_the_end;
                      return true;
                    });
 }
@@ -204,15 +213,18 @@ ml::Motion read_clip(const std::filesystem::path& data, const ClipLine& line) {
 }
 
 ml::FrameSlice frames_of(const ml::Motion& clip, const ClipLine& line) {
-  const auto first = std::clamp<ml::Index>(static_cast<ml::Index>(line.start * clip.fps + 0.5), 0, clip.frames());
-  const auto last = std::clamp<ml::Index>(static_cast<ml::Index>(line.end * clip.fps + 0.5), first, clip.frames());
+  const auto frame = [&](double seconds) {
+    return static_cast<ml::Index>(std::clamp(seconds * clip.fps + 0.5, 0.0, static_cast<double>(clip.frames())));
+  };
+  const ml::Index first = frame(line.start), last = std::max(first, frame(line.end));
   return {first, last - first};
 }
 
 ml::Motion segment_of(const ml::Motion& clip, const ClipLine& line, ml::Index least) {
   const auto [first, frames] = frames_of(clip, line);
   if (frames < least)
-    wrong(line, ml::concat_text(line.clip, " ", line.start, " to ", line.end, " s holds ", frames, " frames"));
+    wrong(line, ml::concat_text(line.clip, " ", line.start, " to ", std::min(line.end, clip.seconds()), " s holds ",
+                                frames, " frames, at least ", least, " are wanted"));
   return ml::crop(clip, first, first + frames);
 }
 

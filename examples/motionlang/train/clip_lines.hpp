@@ -24,8 +24,8 @@ struct ClipLine {
   std::vector<std::string> texts;  // captions, or labels
 };
 
-/// clip, start, end, body parts, captions separated by |. Columns are separated by tabs, lines that begin with # are
-/// comments. Throws io_error 401, 403 with file and line.
+/// clip, start, end, body parts, captions separated by |; or clip, captions: all of it. Columns are separated by tabs,
+/// lines that begin with # are comments. Throws io_error 401, 403 with file and line.
 std::vector<ClipLine> read_captions(const std::filesystem::path& path);
 /// clip, start, end, label; or clip, label: all of it. Throws io_error 401, 403 with file and line.
 std::vector<ClipLine> read_labels(const std::filesystem::path& path);

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <set>
+#include <tuple>
 
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/rng.hpp>
@@ -67,6 +69,25 @@ bool can_be_read(const DataSources& sources, const std::string& clip) {
   return file.extension() != ".npy" || all_finite(ml::read_npy(file).to<float>());
 }
 
+/// Captions of one segment on several lines, of different body parts say, belong to one motion.
+std::vector<ClipLine> one_per_segment(std::vector<ClipLine> lines) {
+  std::vector<ClipLine> out;
+  std::map<std::tuple<std::string, double, double>, std::size_t> place;
+  for (ClipLine& line : lines) {
+    const auto [known, is_new] = place.emplace(std::tuple(line.clip, line.start, line.end), out.size());
+    if (is_new)
+      out.push_back(std::move(line));
+    else
+      std::ranges::move(line.texts, std::back_inserter(out[known->second].texts));
+  }
+  return out;
+}
+
+/// "clip@start-end", which tells segments of one clip apart; "clip": all of it.
+std::string id_of(const ClipLine& line) {
+  return std::isinf(line.end) ? line.id : ml::concat_text(line.id, "@", line.start, "-", line.end);
+}
+
 /// Clips of lines, each read once, on several threads.
 void read_lines(DescribedMotions& out, std::vector<ClipLine> lines, const DataSources& sources,
                 const DataConfig& config, const RowMaker& maker, ml::Progress progress) {
@@ -93,6 +114,7 @@ void read_lines(DescribedMotions& out, std::vector<ClipLine> lines, const DataSo
         const int part = split.of(keys[i]);
         if (part < 0) continue;
         ClipLine& line = lines[i];
+        const std::string id = id_of(line);
         if (std::isinf(line.end)) line.end = clip.seconds();
         const double seconds = line.end - line.start;
         if (part < 2 && (seconds < config.min_seconds || seconds > config.max_seconds)) {
@@ -105,8 +127,7 @@ void read_lines(DescribedMotions& out, std::vector<ClipLine> lines, const DataSo
         }
         const auto motion = segment_of(clip, line, fewest_rows + 1);
         auto add = [&](const ml::Motion& m, bool mirrored) {
-          DescribedMotion d{
-              ml::concat_text(mirrored ? "M" : "", line.id, "@", line.start), line.clip, rows_of(maker, m), {}};
+          DescribedMotion d{(mirrored ? "M" : "") + id, line.clip, rows_of(maker, m), {}};
           const Index frames = std::ssize(d.rows) / maker.width;
           for (const std::string& t : line.texts)
             d.texts.push_back({mirrored ? ml::mirror_caption(t) : t, {0, frames}});
@@ -263,7 +284,7 @@ DescribedMotions read_described_motions(const DataSources& sources, const DataCo
   if (listed.splits.empty() && is_data_set(sources.data) && std::filesystem::exists(sources.data / "train.txt"))
     listed.splits = sources.data;
   if (captions)
-    read_lines(out, read_captions(sources.captions), listed, config, maker, progress);
+    read_lines(out, one_per_segment(read_captions(sources.captions)), listed, config, maker, progress);
   else if (annotations && sources.labelled())
     read_lines(out, read_labelled_annotations(sources.annotations, sources.data, sources.labels), sources, config,
                maker, progress);

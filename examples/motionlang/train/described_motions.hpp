@@ -38,7 +38,8 @@ struct DescribedText {
   std::vector<ml::TaggedWord> words{};  // of data sets that have them: lemmas with their parts of speech
 };
 struct DescribedMotion {
-  std::string id, clip;     // motions of one clip are never split
+  std::string id;           // of a table: "clip@start-end", or "clip": all of it; "M" in front: mirrored
+  std::string clip;         // motions of one clip are never split
   std::vector<float> rows;  // (frames, width), not normalised
   std::vector<DescribedText> texts;
 };

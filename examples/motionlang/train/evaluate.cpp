@@ -117,7 +117,8 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--threshold", o->threshold, "TMR: from this score on texts mean the same")
       ->check(in_range(0, 1))
       ->capture_default_str();
-  c->add_option("--nsim", o->nsim, "TMR: list of ids of dissimilar texts; chosen unless given")
+  c->add_option("--nsim", o->nsim,
+                "TMR: list of ids of dissimilar texts, which of a table are clip@start-end; chosen unless given")
       ->check(CLI::ExistingFile);
   CLI::Option* synthesis = c->add_flag("--synthesis", o->synthesis,
                                        "TMR: also whether motions are found that were made for the texts, as long as the recorded ones");

@@ -78,7 +78,8 @@ void add_train(CLI::App& app) {
   c->add_option("--data", o->data, "Folder with the clips that the captions name")
       ->required()
       ->check(CLI::ExistingDirectory);
-  c->add_option("--captions", o->captions, "captions.tsv: clip, start, end, body parts, captions")
+  c->add_option("--captions", o->captions,
+                "Table of the clips: clip, start, end, body parts, captions, or clip, captions (all of it)")
       ->required()
       ->check(CLI::ExistingFile);
   c->add_option("--out", o->run.out, "Folder for checkpoint, weights and loss curve")->capture_default_str();

@@ -46,7 +46,9 @@ void LabelOptions::add_to(CLI::App& command) {
 }
 
 void CaptionOptions::add_to(CLI::App& command) {
-  command.add_option("--captions", captions, "Table of the clips: clip, start, end, body parts, captions")
+  command
+      .add_option("--captions", captions,
+                  "Table of the clips: clip, start, end, body parts, captions, or clip, captions (all of it)")
       ->check(CLI::ExistingFile);
   command.add_option("--annotations", annotations, "Unified annotation file (JSON); its paths lead into --data")
       ->check(CLI::ExistingFile);

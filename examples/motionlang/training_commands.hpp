@@ -1,0 +1,25 @@
+// The subcommands that need a build with training, and what is said of them in a build without.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace program {
+
+inline constexpr std::array<std::string_view, 8> training_commands{"train-tmr",        "train-temos", "train-sinc",
+                                                                   "train-teach",      "train-tm2t",  "train-actor",
+                                                                   "train-classifier", "evaluate"};
+inline constexpr const char* build_with_training =
+    "cmake --preset release -DMOTIONLANG_TRAINING=ON && cmake --build build/release --target motionlang_program";
+
+/// Of a subcommand that this program does not have.
+inline std::string no_subcommand(const std::string& name) {
+  if (std::ranges::find(training_commands, name) == training_commands.end())
+    return "there is no subcommand '" + name + "'";
+  return "'" + name +
+         "' needs a program that is built with training; in the folder of motionlang: " + build_with_training;
+}
+
+}  // namespace program
