@@ -25,10 +25,9 @@ namespace ml = motionlang;
 
 /// What --joints is about.
 inline constexpr const char* joints_help =
-    "Which joint is which, for skeletons of other names or axes: lines 'joint of SMPL<TAB>joint[<TAB>axes]', left_hip "
-    "and "
-    "LeftThigh for instance; axes are those of the joint that point left and up in a T-pose, +x+y unless given. Of the "
-    "character with --rig; else motions are put on SMPL's joints by it";
+    "Which joint is which, for skeletons of other names or axes: lines 'joint of SMPL<TAB>joint[<TAB>axes]', 'left_hip' "
+    "and 'LeftThigh' for instance; axes are those of the joint that point left and up in a T-pose, +x+y unless given. "
+    "Of the character with --rig; else motions are put on SMPL's joints by it";
 
 struct MotionReadOptions {
   double scale = 0.01;          // metres per unit of a BVH file
