@@ -5,6 +5,7 @@
 #include <cmath>    // atan2, round
 #include <numbers>  // pi
 
+#include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/geometry/degree.hpp>
 #include <motionlang/geometry/quaternion.hpp>
 #include <motionlang/kinematics/skeleton_table.hpp>
