@@ -96,11 +96,13 @@
 #include <motionlang/kinematics/sinc_part_motion.hpp>
 #include <motionlang/kinematics/sinc_parts.hpp>
 #include <motionlang/kinematics/skeleton.hpp>
+#include <motionlang/kinematics/skeleton_table.hpp>
 #include <motionlang/kinematics/skeleton_tables.hpp>
 #include <motionlang/kinematics/skinning.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
 #include <motionlang/kinematics/smoothing.hpp>
 #include <motionlang/kinematics/standard.hpp>
+#include <motionlang/kinematics/standing_skeleton.hpp>
 #include <motionlang/kinematics/surface_points.hpp>
 #include <motionlang/kinematics/uniform_skeleton.hpp>
 

@@ -988,6 +988,40 @@ TEST_CASE("convert: joints of a GLB file that move along their bones are told, a
   }
 }
 
+TEST_CASE("--joints says which joint is which, of motions and of the character") {
+  const Workplace w;
+  auto walk = synthetic::walk({.frames = 20});
+  std::string lines;
+  for (std::string& name : walk.skeleton.names) {
+    lines += name + "\tBip_" + name + "\n";
+    name = "Bip_" + name;
+  }
+  ml::write_bvh(w / "bip.bvh", walk);
+  ml::write_file(w / "bip.tsv", lines);
+  ml::write_file(w / "short.tsv", "pelvis\tBip_pelvis\n\nleft_hip\thip.L\n");
+  ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 20}));
+  const auto refused = w.run({"convert", "bip.bvh", "out.bvh", "--smpl"});
+  CHECK(refused.code != 0);
+  CHECK_MESSAGE(contains(refused.text, "'Bip_pelvis'); the closest, SMPL, needs a joint 'pelvis'"), refused.text);
+  CHECK_MESSAGE(contains(refused.text, "--joints FILE"), refused.text);
+  const auto wrong = w.run({"convert", "bip.bvh", "out.bvh", "--joints", "short.tsv"});
+  CHECK(wrong.code != 0);
+  CHECK_MESSAGE(contains(wrong.text, "short.tsv:3: the skeleton has no joint 'hip.L'"), wrong.text);
+  const auto made = w.run({"convert", "bip.bvh", "out.bvh", "--joints", "bip.tsv"});
+  CHECK_MESSAGE(made.code == 0, made.text);
+  ml::Motion out = ml::read_bvh_motion(w / "out.bvh"), wanted = ml::read_bvh_motion(w / "walk.bvh");
+  ml::place_on_floor(out), ml::place_on_floor(wanted);
+  CHECK(synthetic::largest_distance(out, wanted) < 1e-4);
+
+  ml::write_file(w / "bip.glb", rigs::glb_of(walk.skeleton));
+  CHECK(contains(w.run({"convert", "walk.bvh", "on_bip.glb", "--rig", "bip.glb"}).text, "--joints FILE"));
+  const auto on_rig = w.run({"convert", "walk.bvh", "on_bip.glb", "--rig", "bip.glb", "--joints", "bip.tsv"});
+  CHECK_MESSAGE(on_rig.code == 0, on_rig.text);
+  CHECK_MESSAGE(contains(on_rig.text, "SMPL -> bip.tsv: 24 of 24 joints follow"), on_rig.text);
+  CHECK(
+      contains(w.run({"generate", "--text", "a person walks", "--joints", "bip.tsv"}).text, "--joints requires --rig"));
+}
+
 TEST_CASE("convert: options that would be left out are refused; it is said how joints follow") {
   const Workplace w;
   ml::write_file(w / "rig.glb", rigs::glb_of(rigs::skeleton_of(ml::skeleton_table("Mixamo"), 0, 1, {}, "mixamorig:")));

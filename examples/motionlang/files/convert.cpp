@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/io/amass.hpp>
@@ -517,6 +518,7 @@ void add_convert(CLI::App& app) {
             option->get_name(), ml::concat_text(weights ? "is not" : "is",
                                                 " for weights, written as .safetensors; the result is ", o->out));
     }
+    if (!o->rig.file.empty()) o->rig.joints = std::exchange(o->read.joints, {});
     if (o->fps > 0) o->read.fps = o->fps;  // GLB keys are sampled where they are wanted
     run(*o);
   });

@@ -11,6 +11,7 @@
 #include <motionlang/io/film_strip.hpp>
 #include <motionlang/io/glb_rig.hpp>
 #include <motionlang/io/mdm_results.hpp>
+#include <motionlang/io/skeleton_table_file.hpp>
 #include <motionlang/io/viewer.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
@@ -37,6 +38,7 @@ void MotionReadOptions::add_to(CLI::App& command) {
                      "Skeleton of an AMC file, in a folder of those without one beside them; unless given, that of its "
                      "subject beside it or the only one there")
       ->check(CLI::ExistingFile);
+  command.add_option("--joints", joints, joints_help)->check(CLI::ExistingFile);
 }
 
 void MotionReadOptions::require_for(const std::filesystem::path& file) const {
@@ -223,6 +225,11 @@ ml::Motion read_amc(const std::filesystem::path& path, const MotionReadOptions& 
 
 }  // namespace
 
+static ml::Motion on_smpl_by(const std::string& joints, const ml::Motion& motion) {
+  const ml::SkeletonTable table = ml::read_skeleton_table(joints, motion.skeleton);
+  return ml::retarget(motion, ml::SkeletonMap(motion.skeleton, ml::smpl24_skeleton(), table));
+}
+
 std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options,
                                      std::string* told) {
   const std::string kind = kind_of(path);
@@ -247,6 +254,7 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
   for (ml::Motion& m : motions) {
     if (m.name.empty() || motions.size() == 1) m.name = path.stem().string();
     m.name = unique(m.name, taken);
+    if (!options.joints.empty()) m = on_smpl_by(options.joints, m);
   }
   return motions;
 }
@@ -373,18 +381,21 @@ std::string write_humanml3d(const std::filesystem::path& folder, const std::stri
 
 RigWriter rig_writer(const RigOptions& options) {
   if (options.file.empty()) return {};
-  return [rig = ml::GlbRig::open(options.file), options](const std::filesystem::path& path,
-                                                         std::span<const ml::Motion> motions) {
+  ml::GlbRig::FindTable find_table = ml::detect_skeleton_table;
+  if (!options.joints.empty())
+    find_table = [&](const ml::Skeleton& s) { return ml::read_skeleton_table(options.joints, s); };
+  return [rig = ml::GlbRig::open(options.file, find_table), options](const std::filesystem::path& path,
+                                                                     std::span<const ml::Motion> motions) {
     if (kind_of(path) != ".glb")
       ml::raise<usage_error>(103, path.string(), ": a character (--rig) is written to .glb, not '", kind_of(path), "'");
     if (motions.empty()) ml::raise<ml::config_error>(103, path.string(), ": no motion");
     std::optional<ml::SkeletonMap> map;  // from the first motion's skeleton, unless it is the character's own
-    if (motions.front().skeleton != rig.skeleton()) map.emplace(motions.front().skeleton, rig.skeleton());
+    if (motions.front().skeleton != rig.skeleton()) map.emplace(rig.map_from(motions.front().skeleton));
     std::vector<ml::Motion> on_rig;
     for (const ml::Motion& m : motions) {
       on_rig.push_back(m.skeleton == rig.skeleton()         ? m
                        : map && m.skeleton == map->source() ? ml::retarget(m, *map)
-                                                            : ml::retarget(m, rig.skeleton()));
+                                                            : ml::retarget(m, rig.map_from(m.skeleton)));
     }
     ml::write_glb(path, rig, on_rig, {.keep_animations = !options.drop_animations});
     return ml::concat_text(path.string(), " on ", options.file, "\n",

@@ -23,14 +23,21 @@ namespace program {
 
 namespace ml = motionlang;
 
+/// What --joints is about.
+inline constexpr const char* joints_help =
+    "Which joint is which, for skeletons of other names or axes: lines 'joint of SMPL<TAB>joint[<TAB>axes]', 'left_hip' "
+    "and 'LeftThigh' for instance; axes are those of the joint that point left and up in a T-pose, +x+y unless given. "
+    "Of the character with --rig; else motions are put on SMPL's joints by it";
+
 struct MotionReadOptions {
   double scale = 0.01;          // metres per unit of a BVH file
   std::optional<double> fps{};  // of a GLB file, whose keys have times of their own; none: their rate, or 30
   double rate = 0;              // of an .npy, .amc or .npz file that has none; 0: as published, 120 for AMC
   std::string up{};             // axis of an .npy file with positions, "y" or "z"; "": found
   std::string asf{};            // skeleton of an AMC file; "": asf_beside
+  std::string joints{};         // table by which motions are put on SMPL's joints; "": they stay on their own
 
-  /// --scale, --rate, --up, --asf
+  /// --scale, --rate, --up, --asf, --joints
   void add_to(CLI::App& command);
   /// Throws usage_error 102 for an option that says nothing about files of this kind.
   void require_for(const std::filesystem::path& file) const;
@@ -125,6 +132,7 @@ std::string write_humanml3d(const std::filesystem::path& folder, const std::stri
 /// A character's GLB file to put motions on: --rig.
 struct RigOptions {
   std::string file{};            // "": none, and no writer
+  std::string joints{};          // table of the character's joints; "": one of the known ones
   bool drop_animations = false;  // of the character's file
 };
 /// Writes a GLB file: the character with one animation for every motion; returns lines about how its skeleton follows. The character

@@ -280,6 +280,7 @@ void add_generate(CLI::App& app) {
                        ->check(CLI::ExistingFile);
   c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already")
       ->needs(rig);
+  c->add_option("--joints", o->rig.joints, joints_help)->needs(rig)->check(CLI::ExistingFile);
   const auto seed = c->add_option("--seed", o->settings.seed, "Same seed, same motion, on any number of threads")
                         ->check(seed_number())
                         ->capture_default_str();

@@ -7,7 +7,8 @@
 /// root) stays as it is at rest.
 #pragma once
 
-#include <set>  // names of animations
+#include <functional>  // which joint is which
+#include <set>         // names of animations
 
 #include <motionlang/io/detail/drop_animations.hpp>
 #include <motionlang/io/glb_reader.hpp>
@@ -22,21 +23,26 @@ struct GlbRigOptions {
 
 class GlbRig {
  public:
-  /// Of several skins, the first whose joints one of the skeleton tables knows.
+  /// Says which joint of a skeleton is which: one of the known tables, or read_skeleton_table.
+  using FindTable = std::function<SkeletonTable(const Skeleton&)>;
+
+  /// Of several skins, the first for which there is a table.
   /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits, for every skin if there
   ///         are several
-  static GlbRig open(const FilePath& path) { return GlbRig(MappedFile::open(path)->bytes(), path.string()); }
-  GlbRig(std::span<const std::byte> bytes, std::string name)
+  static GlbRig open(const FilePath& path, const FindTable& find_table = detect_skeleton_table) {
+    return GlbRig(MappedFile::open(path)->bytes(), path.string(), find_table);
+  }
+  GlbRig(std::span<const std::byte> bytes, std::string name, const FindTable& find_table = detect_skeleton_table)
       : bytes_(std::make_shared<const std::vector<std::byte>>(bytes.begin(), bytes.end())),
         document_(*bytes_, std::move(name)) {
     const Index skins = document_.count("skins");
     if (skins < 2) {
-      find_joints(0);
+      find_joints(0, find_table);
       return;
     }
     std::string reasons;
     for (Index skin = 0; skin < skins; ++skin) {
-      const auto find = [&] { find_joints(skin); };
+      const auto find = [&] { find_joints(skin, find_table); };
       const auto not_it = [&](const config_error& e) {
         const std::string_view what = e.what();
         reasons += concat_text("; skin ", skin, ": ", what.substr(what.find("] ") + 2));
@@ -51,7 +57,11 @@ class GlbRig {
   /// From the pelvis down; a root position is that of the pelvis in the world.
   const Skeleton& skeleton() const { return skeleton_; }
   /// The kind of skeleton that it is.
-  const SkeletonTable& table() const { return *table_; }
+  const SkeletonTable& table() const { return table_; }
+  /// How it follows a skeleton of a known kind. Throws what SkeletonMap throws.
+  SkeletonMap map_from(const Skeleton& source) const {
+    return SkeletonMap(source, detect_skeleton_table(source), skeleton_, table_);
+  }
 
   /// The file with one more animation for every motion, retargeted unless it is on this skeleton. A name that is taken
   /// gets a number.
@@ -73,7 +83,7 @@ class GlbRig {
     for (const Motion& motion : motions) {
       motion.validate();
       if (motion.frames() == 0) raise<config_error>(101, "GLB: motion '", motion.name, "' has no frames");
-      Motion added = in_nodes(motion.skeleton == skeleton_ ? motion : retarget(motion, skeleton_));
+      Motion added = in_nodes(motion.skeleton == skeleton_ ? motion : retarget(motion, map_from(motion.skeleton)));
       const std::string name = motion.name.empty() ? "motion" : motion.name;
       added.name = name;
       for (int k = 2; !taken.insert(added.name).second; ++k) added.name = concat_text(name, "_", k);
@@ -83,15 +93,15 @@ class GlbRig {
   }
 
  private:
-  void find_joints(Index skin) {
+  void find_joints(Index skin, const FindTable& find_table) {
     std::vector<detail::GltfAnimation> animations;
     detail::SharedAccessors keys(document_);
     if (document_.count("skins") == 0) {  // then joints are what moves
       for (Index i = 0; i < document_.count("animations"); ++i) animations.emplace_back(keys, i);
     }
     const detail::GltfSkeleton all(document_, animations, skin);
-    table_ = &detect_skeleton_table(all.skeleton);
-    const int pelvis = find_joint(all.skeleton, table_->find("pelvis")->source);
+    table_ = find_table(all.skeleton);
+    const int pelvis = find_joint(all.skeleton, table_.find("pelvis")->source);
     if (all.nodes[static_cast<std::size_t>(pelvis)] < 0) {  // "root", which was made up over several trees
       raise<config_error>(103, file(), ": no node is the joint '", all.skeleton.name(pelvis), "'");
     }
@@ -148,7 +158,7 @@ class GlbRig {
 
   std::shared_ptr<const std::vector<std::byte>> bytes_;
   detail::GltfDocument document_;
-  const SkeletonTable* table_ = nullptr;
+  SkeletonTable table_;
   Skeleton skeleton_;
   std::vector<int> nodes_;  // of the joints
   std::vector<Quaternion<double>> rest_rotations_;

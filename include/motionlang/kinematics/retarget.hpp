@@ -12,15 +12,13 @@
 
 #include <algorithm>  // max, min_element
 #include <array>      // limbs
-#include <numbers>    // pi
 
 #include <motionlang/core/quantile.hpp>
-#include <motionlang/geometry/degree.hpp>
 #include <motionlang/geometry/slerp.hpp>
 #include <motionlang/kinematics/finger_names.hpp>
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/kinematics/skeleton_tables.hpp>
-#include <motionlang/kinematics/standard.hpp>
+#include <motionlang/kinematics/standing_skeleton.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -47,10 +45,7 @@ inline std::string to_string(const RetargetReport& r) {
 
 namespace detail {
 
-/// The limb joints whose bones are turned to the target's direction in the rest pose, with the joint where each ends.
-struct LimbBone {
-  std::string_view joint, end;
-};
+/// The limb joints whose bones are turned to the target's direction in the rest pose.
 inline constexpr std::array<LimbBone, 4> leg_bones{{{"left_hip", "left_knee"},
                                                     {"left_knee", "left_ankle"},
                                                     {"right_hip", "right_knee"},
@@ -70,104 +65,14 @@ inline const LimbBone* find_limb_bone(std::string_view joint) {
   return nullptr;
 }
 
-inline Vec3<double> local_axis(std::string_view signed_letter) {
-  const double sign = signed_letter[0] == '-' ? -1 : 1;
-  const char c = signed_letter[1];
-  return {c == 'x' ? sign : 0, c == 'y' ? sign : 0, c == 'z' ? sign : 0};
-}
-/// World rotation of a joint in a T-pose, from "+x+y": its local axes that point left and up.
-inline Quaternion<double> axes_rotation(const MappedJoint& joint) {
-  const std::string_view axes = joint.axes;
-  if (axes.size() != 4 || axes[0] >= 'x' || axes[2] >= 'x' || axes.find_first_not_of("+-xyz") != axes.npos ||
-      axes[1] == axes[3] || axes[1] < 'x' || axes[3] < 'x') {
-    raise<config_error>(103, "SkeletonTable: '", axes, "' of '", joint.source, "' does not name two axes");
-  }
-  const Vec3<double> left = local_axis(axes.substr(0, 2)), up = local_axis(axes.substr(2, 2));
-  const auto frame = to_quaternion(Matrix3<double>::from_rows(left, up, cross(left, up)));
-  return to_quaternion(AxisAngle<double>{degree * joint.turn}) * frame;
-}
-
-/// A skeleton as its table sees it, standing in its T-pose (what limbs do not point to the sides or down is told by
-/// `bone`), turned by quarters of a circle about y until its left is nearest to +X.
-class StandingSkeleton {
- public:
-  Skeleton skeleton;
-  SkeletonTable table;
-  std::vector<Quaternion<double>> rotation;  // of each joint in the world
-
-  StandingSkeleton(const Skeleton& s, const SkeletonTable& t) : skeleton(s), table(t) {
-    const auto joints = static_cast<std::size_t>(skeleton.size());
-    rotation.assign(joints, Quaternion<double>::identity());
-    position_.assign(joints, {});
-    std::vector<bool> given(joints, false);
-    for (const MappedJoint& m : table.joints) {
-      const int j = find_joint(skeleton, m.source);
-      if (j < 0) continue;
-      rotation[static_cast<std::size_t>(j)] = axes_rotation(m);
-      given[static_cast<std::size_t>(j)] = true;
-    }
-    for (std::size_t j = 1; j < joints; ++j) {
-      const auto parent = static_cast<std::size_t>(skeleton.parents[j]);
-      if (!given[j]) rotation[j] = rotation[parent];
-      position_[j] = position_[parent] + rotate(rotation[parent], skeleton.offsets[j]);
-    }
-    face_forward();
-  }
-
-  /// The joint with a role, a name of SMPL's; -1 if there is none.
-  int joint(std::string_view role) const {
-    const MappedJoint* row = table.find(role);
-    return row == nullptr ? -1 : find_joint(skeleton, row->source);
-  }
-  /// The role of a joint: that which it fills with the largest share, of several the last. "" if it has none.
-  std::string role(int joint) const {
-    std::string best;
-    double largest = 0;
-    for (const MappedJoint& m : table.joints) {
-      const double share = find_joint(skeleton, m.source) == joint                        ? 1 - m.share
-                           : !m.second.empty() && find_joint(skeleton, m.second) == joint ? m.share
-                                                                                          : 0;
-      if (share > 0 && share >= largest) best = m.target, largest = share;
-    }
-    return best;
-  }
-  /// A bone of a limb; zero without its joints. Where the table says that the zero pose is the T-pose although bones
-  /// are not straight: as in SMPL.
-  Vec3<double> bone(const LimbBone& limb) const {
-    const int a = joint(limb.joint), b = joint(limb.end);
-    if (a < 0 || b < 0) return {};
-    if (!table.straighten) return smpl24_skeleton().offset(smpl24_skeleton()[limb.end]);
-    return position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)];
-  }
-  double length(const LimbBone& limb) const {
-    const int a = joint(limb.joint), b = joint(limb.end);
-    if (a < 0 || b < 0) return 0;
-    return norm(position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)]);
-  }
-
- private:
-  void face_forward() {
-    const int left = joint("left_hip"), right = joint("right_hip");
-    if (left < 0 || right < 0) return;
-    const auto across = position_[static_cast<std::size_t>(left)] - position_[static_cast<std::size_t>(right)];
-    constexpr double quarter = std::numbers::pi / 2;
-    const double quarters = std::round(std::atan2(-across.z, across.x) / quarter);
-    if (quarters == 0) return;
-    const auto back = from_axis_angle(Vec3<double>{0, 1, 0}, -quarters * quarter);
-    for (Quaternion<double>& q : rotation) q = back * q;
-    for (Vec3<double>& p : position_) p = rotate(back, p);
-  }
-
-  std::vector<Vec3<double>> position_;
-};
-
 }  // namespace detail
 
 /// How one skeleton follows another; made once, used for every clip.
 class SkeletonMap {
  public:
   /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for axes
-  /// that are none, or hips that a skeleton has not), 101 if the legs of a skeleton have no length.
+  /// that are none, or hips that a skeleton has not), and if a skeleton does not stand at rest by its table; 101 if the
+  /// legs of a skeleton have no length.
   SkeletonMap(const Skeleton& source, const SkeletonTable& source_table, const Skeleton& target,
               const SkeletonTable& target_table)
       : source_(source), target_(target) {
@@ -177,6 +82,13 @@ class SkeletonMap {
     report_.table = source_table.name;
     report_.target_table = target_table.name;
     const detail::StandingSkeleton from(source, source_table), to(target, target_table);
+    for (const detail::StandingSkeleton* s : {&from, &to}) {
+      const std::string lies = s->lies();
+      if (!lies.empty())
+        raise<config_error>(103, "SkeletonMap: a skeleton of ", s->skeleton.size(), " joints (root '",
+                            s->skeleton.name(0), "') does not stand as ", s->table.name, ": ", lies,
+                            "; other axes, and ", detail::own_table_hint);
+    }
     connect(from, to);
     measure(from, to);
   }

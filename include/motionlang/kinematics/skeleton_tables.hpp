@@ -3,79 +3,17 @@
 /// recognise one. They are read in both directions: SMPL's 24 joints are what all skeletons have in common.
 #pragma once
 
-#include <motionlang/kinematics/skeleton.hpp>
+#include <utility>  // pair
+
+#include <motionlang/kinematics/skeleton_table.hpp>
+#include <motionlang/kinematics/standing_skeleton.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
-/// A joint's name without what programs put before it: namespaces ("hero:Hips"), and Mixamo's "mixamorig:", also as
-/// "mixamorig1:" and, where colons were lost, "mixamorig".
-inline std::string_view bare_joint_name(std::string_view name) {
-  name = name.substr(name.rfind(':') + 1);  // npos + 1 = 0
-  constexpr std::string_view mixamo = "mixamorig";
-  if (!name.starts_with(mixamo)) return name;
-  const std::size_t rest = name.find_first_not_of("0123456789_", mixamo.size());
-  return rest == name.npos ? name : name.substr(rest);
-}
-/// The number of a joint by its name or else by its bare name; -1.
-inline int find_joint(const Skeleton& skeleton, std::string_view name) {
-  int j = skeleton.find(name);
-  for (int k = 0; k < skeleton.size() && j < 0; ++k) {
-    if (bare_joint_name(skeleton.name(k)) == name) j = k;
-  }
-  return j;
-}
-
-/// One joint of SMPL and the joint of the known skeleton whose orientation it takes.
-struct MappedJoint {
-  std::string target;  // name in SMPL
-  std::string source;
-  /// The two local axes of the source joint that point to the left and up while the figure stands in a T-pose. "+x+y"
-  /// for files whose rotations are all zero in that pose.
-  std::string axes = "+x+y";
-  /// How the frame given by `axes` is turned in the T-pose besides: rotation vector in degrees, x left, y up, z forward.
-  Vec3<double> turn{};
-  /// A second source joint and its share, for chains of different lengths. Its axes are those of its own row, else of
-  /// its parent.
-  std::string second{};
-  double share = 0;
-};
-
-/// A kind of skeleton. Hands, toes and collars may be missing; all other joints of the table must be there.
-struct SkeletonTable {
-  std::string name;
-  std::vector<MappedJoint> joints;
-  /// Whether limbs are turned so that the source's bones take the directions of the target's; false where the zero pose
-  /// (with `turn`) is known to be the T-pose although its bones are not straight.
-  bool straighten = true;
-  /// Whether the soles are level in the zero pose although the legs stand apart, as in the pose to which a character's
-  /// skin is bound. Otherwise feet lean to the side with their shins.
-  bool level_soles = false;
-
-  const MappedJoint* find(std::string_view target) const {
-    for (const MappedJoint& j : joints) {
-      if (j.target == target) return &j;
-    }
-    return nullptr;
-  }
-  /// The first joint that the table needs and the skeleton lacks; empty if there is none.
-  std::string missing(const Skeleton& source) const {
-    for (const MappedJoint& j : joints) {
-      const bool optional =
-          j.target.ends_with("_hand") || j.target.ends_with("_foot") || j.target.ends_with("_collar");
-      if (!optional && find_joint(source, j.source) < 0) return j.source;
-      if (!j.second.empty() && find_joint(source, j.second) < 0) return j.second;
-    }
-    return {};
-  }
-  /// How many of its joints the skeleton has.
-  int found(const Skeleton& source) const {
-    int n = 0;
-    for (const MappedJoint& j : joints) n += find_joint(source, j.source) >= 0 ? 1 : 0;
-    return n;
-  }
-};
-
 namespace detail {
+
+inline constexpr std::string_view own_table_hint =
+    "which joint is which can be told in a file: read_skeleton_table, --joints FILE of the program";
 
 /// A built-in table as a constant. As strings and vectors the tables would be a function of 130 kB.
 struct KnownTable {
@@ -172,6 +110,22 @@ inline constexpr KnownTable known_tables[] = {
       {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"}, {"left_hand", "LeftHandMiddle1"},
       {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightHandMiddle1"}},
      true, true},
+    // Ubisoft's LaFAN1 has Mixamo's names, but in its zero pose all bones lie along x. In a T-pose x runs along the bone
+    // and y to the front (of feet up); sides are mirrored by z. Offsets show that of the trunk; limbs are taken to be
+    // alike, which was not compared with recordings. Feet are turned by the slope of SMPL's.
+    {"LaFAN1",
+     {{"pelvis", "Hips", "+z+x"}, {"spine1", "Spine", "+z+x"}, {"spine2", "Spine1", "+z+x"}, {"spine3", "Spine2", "+z+x"}, {"neck", "Neck", "+z+x"}, {"head", "Head", "+z+x"},
+      {"left_hip", "LeftUpLeg", "-z-x"}, {"left_knee", "LeftLeg", "-z-x"}, {"left_ankle", "LeftFoot", "-z+y", {23, 0, 0}}, {"left_foot", "LeftToe", "-z+y"},
+      {"right_hip", "RightUpLeg", "-z-x"}, {"right_knee", "RightLeg", "-z-x"}, {"right_ankle", "RightFoot", "-z+y", {23, 0, 0}}, {"right_foot", "RightToe", "-z+y"},
+      {"left_collar", "LeftShoulder", "+x-z"}, {"left_shoulder", "LeftArm", "+x-z"}, {"left_elbow", "LeftForeArm", "+x-z"}, {"left_wrist", "LeftHand", "+x-z"},
+      {"right_collar", "RightShoulder", "-x+z"}, {"right_shoulder", "RightArm", "-x+z"}, {"right_elbow", "RightForeArm", "-x+z"}, {"right_wrist", "RightHand", "-x+z"}}},
+    // Xsens' suits, and 100STYLE, recorded with one. Chest is their L5, Chest2 L3, Chest3 T12 and Chest4 T8.
+    {"Xsens",
+     {{"pelvis", "Hips"}, {"spine1", "Chest"}, {"spine2", "Chest2", "+x+y", {}, "Chest3", 0.5}, {"spine3", "Chest4"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "LeftHip"}, {"left_knee", "LeftKnee"}, {"left_ankle", "LeftAnkle"}, {"left_foot", "LeftToe"},
+      {"right_hip", "RightHip"}, {"right_knee", "RightKnee"}, {"right_ankle", "RightAnkle"}, {"right_foot", "RightToe"},
+      {"left_collar", "LeftCollar"}, {"left_shoulder", "LeftShoulder"}, {"left_elbow", "LeftElbow"}, {"left_wrist", "LeftWrist"},
+      {"right_collar", "RightCollar"}, {"right_shoulder", "RightShoulder"}, {"right_elbow", "RightElbow"}, {"right_wrist", "RightWrist"}}},
     {"KayKit",
      {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "chest", "+x+y", {}, "head", 0.5}, {"head", "head"},
       {"left_hip", "upperleg.l"}, {"left_knee", "lowerleg.l"}, {"left_ankle", "foot.l"}, {"left_foot", "toes.l"},
@@ -242,12 +196,15 @@ inline const std::vector<SkeletonTable>& skeleton_tables() {
   return tables;
 }
 
-/// The table whose joints the skeleton has; of several the one with the most. Null if none fits.
+/// The table whose joints the skeleton has; of several one by which it stands at rest, then the one with the most. Null
+/// if none fits.
 inline const SkeletonTable* find_skeleton_table(const Skeleton& source) {
   const SkeletonTable* best = nullptr;
+  std::pair<bool, int> most{};
   for (const SkeletonTable& table : skeleton_tables()) {
     if (!table.missing(source).empty()) continue;
-    if (best == nullptr || table.found(source) > best->found(source)) best = &table;
+    const std::pair fits(detail::StandingSkeleton(source, table).lies().empty(), table.found(source));
+    if (best == nullptr || fits > most) best = &table, most = fits;
   }
   return best;
 }
@@ -260,7 +217,7 @@ inline const SkeletonTable& detect_skeleton_table(const Skeleton& source) {
   }
   raise<config_error>(103, "detect_skeleton_table: no table fits a skeleton of ", source.size(), " joints (root '",
                       source.names.front(), "'); the closest, ", closest->name, ", needs a joint '",
-                      closest->missing(source), "'");
+                      closest->missing(source), "'; ", detail::own_table_hint);
 }
 /// A built-in table by name. Throws config_error 103.
 inline const SkeletonTable& skeleton_table(std::string_view name) {

@@ -1,6 +1,7 @@
 // Retargeting: rest poses, local axes, chains of other lengths, scale, floor, tables.
 #include <doctest/doctest.h>
 
+#include <cctype>
 #include <map>
 
 #include <motionlang/core/rng.hpp>
@@ -172,6 +173,113 @@ TEST_CASE("arbitrary local axes: Bandai-Namco's skeleton in its T-pose") {
   // Toes and ankles are pitched by design: our made-up foot is not as steep as Bandai-Namco's.
   for (std::size_t j = 0; j < 24; ++j) CHECK(ml::distance(rest.local[j], ml::Quaternion<double>::identity()) < 1e-9);
   CHECK(rest.root_at(0).y == Approx(0.95));
+}
+
+namespace {
+
+/// LaFAN1's joints and its zero pose (Harvey et al. 2020): all bones lie along x.
+ml::Skeleton lafan1() {
+  std::vector<ml::Joint> joints{{"Hips", "", {0, 92, 0}},           {"Spine", "Hips", {6.9, -2.6, 0}},
+                                {"Spine1", "Spine", {12.59, 0, 0}}, {"Spine2", "Spine1", {12.34, 0, 0}},
+                                {"Neck", "Spine2", {25.83, 0, 0}},  {"Head", "Neck", {11.77, 0, 0}}};
+  for (const auto& [side, z] : {std::pair<std::string, double>{"Left", 1}, {"Right", -1}}) {
+    joints.push_back({side + "UpLeg", "Hips", {0.1, 1.86, 10.55 * z}});
+    joints.push_back({side + "Leg", side + "UpLeg", {43.5, 0, 0}});
+    joints.push_back({side + "Foot", side + "Leg", {42.37, 0, 0}});
+    joints.push_back({side + "Toe", side + "Foot", {17.3, 0, 0}});
+    joints.push_back({side + "Shoulder", "Spine2", {19.75, -1.48, 6 * z}});
+    joints.push_back({side + "Arm", side + "Shoulder", {11.28, 0, 0}});
+    joints.push_back({side + "ForeArm", side + "Arm", {33, 0, 0}});
+    joints.push_back({side + "Hand", side + "ForeArm", {25.2, 0, 0}});
+  }
+  return ml::Skeleton::from_joints(joints);
+}
+
+/// With other names: `from` becomes `to` wherever it stands.
+ml::Skeleton renamed(ml::Skeleton s, const std::string& from, const std::string& to) {
+  for (std::string& name : s.names) {
+    if (const auto at = name.find(from); at != name.npos) name.replace(at, from.size(), to);
+  }
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("LaFAN1 has Mixamo's names and lies in its zero pose: it is told by how it would stand") {
+  const ml::Skeleton source = lafan1();
+  CHECK(ml::detect_skeleton_table(source).name == "LaFAN1");
+  CHECK(ml::detect_skeleton_table(renamed(source, "Toe", "ToeBase")).name == "LaFAN1");
+  const auto mixamo = rigs::skeleton_of(ml::skeleton_table("Mixamo"));
+  CHECK(ml::detect_skeleton_table(mixamo).name == "Mixamo");
+  CHECK(ml::detect_skeleton_table(renamed(mixamo, "ToeBase", "Toe")).name == "Mixamo");
+
+  // Standing with arms to the sides: x along the bone, y to the front, of feet up.
+  const auto frame = [](const ml::Vec3<double>& x, const ml::Vec3<double>& y) {
+    return ml::to_quaternion(transpose(ml::Matrix3<double>::from_rows(x, y, cross(x, y))));
+  };
+  const ml::Vec3<double> left{1, 0, 0}, up{0, 1, 0}, front{0, 0, 1};
+  const auto pitch = synthetic::about_x(std::atan2(0.06, 0.14));  // of a foot like SMPL's
+  std::vector<ml::Quaternion<double>> world;
+  for (const std::string& name : source.names) {
+    const bool leg = name.ends_with("Leg"), foot = name.ends_with("Foot"), toe = name.ends_with("Toe"),
+               trunk = name == "Hips" || name.starts_with("Spine") || name == "Neck" || name == "Head";
+    world.push_back(trunk  ? frame(up, front)
+                    : leg  ? frame(-up, front)
+                    : foot ? pitch * frame(front, up)
+                    : toe  ? frame(front, up)
+                           : frame(name.starts_with("Left") ? left : -left, front));
+  }
+  const ml::Motion standing = posed(source, world);
+  const ml::Motion rest = ml::retarget(standing, ml::SkeletonMap(source));
+  for (std::size_t j = 0; j < 24; ++j) CHECK(ml::distance(rest.local[j], ml::Quaternion<double>::identity()) < 0.004);
+  // and from there to a character
+  const ml::Motion on_mixamo = ml::retarget(standing, mixamo);
+  for (const auto& q : on_mixamo.local) CHECK(ml::distance(q, ml::Quaternion<double>::identity()) < 0.004);
+}
+
+TEST_CASE("a skeleton that does not stand by its table is refused, as source and as target") {
+  ml::Skeleton lying = smpl_with({{"spine1", {0, 0.01, -0.11}}, {"spine2", {0, 0, -0.13}}, {"neck", {0, 0, -0.22}}});
+  const auto& smpl = ml::smpl24_skeleton();
+  const char* message =
+      "[motionlang.config.103] SkeletonMap: a skeleton of 24 joints (root 'pelvis') does not stand as SMPL: the head "
+      "is from "
+      "the pelvis in direction (0, 0.36, -0.93) at rest, not up (0, 1, 0); other axes, and which joint is which can be "
+      "told "
+      "in a file: read_skeleton_table, --joints FILE of the program";
+  CHECK_THROWS_WITH_AS(ml::SkeletonMap{lying}, Contains(message), ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::SkeletonMap(smpl, lying), Contains(message), ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::SkeletonMap{smpl_with({{"left_hip", {0, 0.06, 0}}, {"right_hip", {0, -0.06, 0}}})},
+                       Contains("the left hip is from the right one in direction (0, 1, 0) at rest"), ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::SkeletonMap{smpl_with({{"left_hip", {-0.09, -0.06, 0}}, {"right_hip", {0.09, -0.06, 0}}})},
+                       Contains("the left toes are from the ankle in direction (0, -0.39, -0.92) at rest"),
+                       ml::config_error);
+}
+
+TEST_CASE("Xsens and 100STYLE: there and back") {
+  ml::Skeleton xsens = renamed(rigs::skeleton_of(ml::skeleton_table("Xsens"), 0, 100), "Chest2", "Chest3");
+  const auto at = static_cast<std::ptrdiff_t>(xsens["Chest3"]);  // Chest2 comes before it, half of the way
+  const int before = static_cast<int>(at);
+  for (int& parent : xsens.parents) parent += parent >= before ? 1 : 0;
+  xsens.offsets[static_cast<std::size_t>(at)] = 0.5 * xsens.offsets[static_cast<std::size_t>(at)];
+  xsens.names.insert(xsens.names.begin() + at, "Chest2");
+  xsens.offsets.insert(xsens.offsets.begin() + at, xsens.offsets[static_cast<std::size_t>(at)]);
+  xsens.parents.insert(xsens.parents.begin() + at, xsens.parents[static_cast<std::size_t>(at)]);
+  xsens.parents[static_cast<std::size_t>(at) + 1] = before;
+  xsens.validate();
+  CHECK(ml::detect_skeleton_table(xsens).name == "Xsens");
+  const auto walk = synthetic::walk({.frames = 10, .turn = 0.5});
+  const auto again = ml::retarget(ml::retarget(walk, xsens, {.floor = false}), walk.skeleton, {.floor = false});
+  CHECK(synthetic::largest_distance(walk, again) < 0.011);
+}
+
+TEST_CASE("names are compared without regard to capital letters where no joint has just this name") {
+  ml::Skeleton unity = rigs::skeleton_of(ml::skeleton_table("VRM"));
+  for (std::string& name : unity.names) name[0] = static_cast<char>(std::toupper(name[0]));
+  CHECK(ml::detect_skeleton_table(unity).name == "VRM");
+  const auto two = ml::Skeleton::from_joints({{"Hips", "", {}}, {"rig:hips", "Hips", {}}, {"HEAD", "Hips", {}}});
+  CHECK(ml::find_joint(two, "hips") == 1);
+  CHECK(ml::find_joint(two, "head") == 2);
+  CHECK(ml::find_joint(two, "hip") == -1);
 }
 
 TEST_CASE("the path is scaled by the legs and the feet stand on the floor") {
