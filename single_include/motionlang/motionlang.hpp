@@ -7218,6 +7218,11 @@ PosedBody<B> pose_body(const BodyModel<B>& model, const Motion& motion,
 /// Which joint of a known skeleton has the part of which joint of SMPL: the tables behind retargeting, and how to
 /// recognise one. They are read in both directions: SMPL's 24 joints are what all skeletons have in common.
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLE_HPP  // <motionlang/kinematics/skeleton_table.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLE_HPP
+/// Which joint of a kind of skeleton has the part of which joint of SMPL: one table. Those that are known are in
+/// skeleton_tables.hpp.
+
 namespace motionlang::inline MOTIONLANG_ABI {
 
 /// A joint's name without what programs put before it: namespaces ("hero:Hips"), and Mixamo's "mixamorig:", also as
@@ -7229,13 +7234,24 @@ inline std::string_view bare_joint_name(std::string_view name) {
   const std::size_t rest = name.find_first_not_of("0123456789_", mixamo.size());
   return rest == name.npos ? name : name.substr(rest);
 }
-/// The number of a joint by its name or else by its bare name; -1.
+
+namespace detail {
+inline bool same_but_for_capitals(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
+}
+}  // namespace detail
+
+/// The number of a joint by its name, or else by its bare name, or else by that without regard to capital letters
+/// ("Hips" is "hips": Unity and Godot write VRM's names so); -1.
 inline int find_joint(const Skeleton& skeleton, std::string_view name) {
-  int j = skeleton.find(name);
-  for (int k = 0; k < skeleton.size() && j < 0; ++k) {
-    if (bare_joint_name(skeleton.name(k)) == name) j = k;
+  if (const int j = skeleton.find(name); j >= 0) return j;
+  int similar = -1;
+  for (int k = 0; k < skeleton.size(); ++k) {
+    const std::string_view bare = bare_joint_name(skeleton.name(k));
+    if (bare == name) return k;
+    if (similar < 0 && detail::same_but_for_capitals(bare, name)) similar = k;
   }
-  return j;
+  return similar;
 }
 
 /// One joint of SMPL and the joint of the known skeleton whose orientation it takes.
@@ -7245,7 +7261,8 @@ struct MappedJoint {
   /// The two local axes of the source joint that point to the left and up while the figure stands in a T-pose. "+x+y"
   /// for files whose rotations are all zero in that pose.
   std::string axes = "+x+y";
-  /// How the frame given by `axes` is turned in the T-pose besides: rotation vector in degrees, x left, y up, z forward.
+  /// How the frame given by `axes` is turned in the T-pose besides: rotation vector in degrees, x left, y up, z
+  /// forward.
   Vec3<double> turn{};
   /// A second source joint and its share, for chains of different lengths. Its axes are those of its own row, else of
   /// its parent.
@@ -7273,8 +7290,7 @@ struct SkeletonTable {
   /// The first joint that the table needs and the skeleton lacks; empty if there is none.
   std::string missing(const Skeleton& source) const {
     for (const MappedJoint& j : joints) {
-      const bool optional =
-          j.target.ends_with("_hand") || j.target.ends_with("_foot") || j.target.ends_with("_collar");
+      const bool optional = j.target.ends_with("_hand") || j.target.ends_with("_foot") || j.target.ends_with("_collar");
       if (!optional && find_joint(source, j.source) < 0) return j.source;
       if (!j.second.empty() && find_joint(source, j.second) < 0) return j.second;
     }
@@ -7288,7 +7304,214 @@ struct SkeletonTable {
   }
 };
 
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_STANDING_SKELETON_HPP  // <motionlang/kinematics/standing_skeleton.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_STANDING_SKELETON_HPP
+/// A skeleton as it stands in its T-pose, by the axes that its table states.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_STANDARD_HPP  // <motionlang/kinematics/standard.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_STANDARD_HPP
+/// The skeletons of the field: names, order and parents as published; the bone lengths are those of a neutral figure of
+/// our own (1.75 m), so that no licensed body model is needed. Rest pose: standing, arms to the sides, Y up, facing +Z,
+/// left at +X, metres.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+// clang-format off
+/// SMPL, 24 joints. Source: Loper et al. 2015; names as in the smplx package.
+inline const Skeleton& smpl24_skeleton() {
+  static const Skeleton skeleton = Skeleton::from_joints({
+      {"pelvis", "", {0, 0.95, 0}},
+      {"left_hip", "pelvis", {0.09, -0.06, 0}},        {"right_hip", "pelvis", {-0.09, -0.06, 0}},
+      {"spine1", "pelvis", {0, 0.11, 0}},
+      {"left_knee", "left_hip", {0, -0.41, 0}},        {"right_knee", "right_hip", {0, -0.41, 0}},
+      {"spine2", "spine1", {0, 0.13, 0}},
+      {"left_ankle", "left_knee", {0, -0.41, 0}},      {"right_ankle", "right_knee", {0, -0.41, 0}},
+      {"spine3", "spine2", {0, 0.06, 0}},
+      {"left_foot", "left_ankle", {0, -0.06, 0.14}},   {"right_foot", "right_ankle", {0, -0.06, 0.14}},
+      {"neck", "spine3", {0, 0.22, 0}},
+      {"left_collar", "spine3", {0.07, 0.13, 0}},      {"right_collar", "spine3", {-0.07, 0.13, 0}},
+      {"head", "neck", {0, 0.10, 0.02}},
+      {"left_shoulder", "left_collar", {0.11, 0.03, 0}},  {"right_shoulder", "right_collar", {-0.11, 0.03, 0}},
+      {"left_elbow", "left_shoulder", {0.27, 0, 0}},   {"right_elbow", "right_shoulder", {-0.27, 0, 0}},
+      {"left_wrist", "left_elbow", {0.25, 0, 0}},      {"right_wrist", "right_elbow", {-0.25, 0, 0}},
+      {"left_hand", "left_wrist", {0.08, 0, 0}},       {"right_hand", "right_wrist", {-0.08, 0, 0}},
+  });
+  return skeleton;
+}
+
+/// HumanML3D, 22 joints: SMPL without the hands.
+inline const Skeleton& humanml3d22_skeleton() {
+  static const Skeleton skeleton = [] {
+    Skeleton s = smpl24_skeleton();
+    s.names.resize(22), s.parents.resize(22), s.offsets.resize(22);
+    return s;
+  }();
+  return skeleton;
+}
+
+/// KIT Motion-Language, 21 joints of the Master Motor Map. Here in metres; the data set's own coordinates are in other units.
+inline const Skeleton& kit21_skeleton() {
+  static const Skeleton skeleton = Skeleton::from_joints({
+      {"root", "", {0, 0.95, 0}},
+      {"BP", "root", {0, 0.11, 0}},     {"BT", "BP", {0, 0.19, 0}},     {"BLN", "BT", {0, 0.22, 0}},      {"BUN", "BLN", {0, 0.10, 0}},
+      {"LS", "BLN", {0.18, -0.06, 0}},  {"LE", "LS", {0.27, 0, 0}},     {"LW", "LE", {0.25, 0, 0}},
+      {"RS", "BLN", {-0.18, -0.06, 0}}, {"RE", "RS", {-0.27, 0, 0}},    {"RW", "RE", {-0.25, 0, 0}},
+      {"LH", "root", {0.09, -0.06, 0}}, {"LK", "LH", {0, -0.41, 0}},    {"LA", "LK", {0, -0.41, 0}},
+      {"LMrot", "LA", {0, -0.06, 0.04}},{"LF", "LMrot", {0, 0, 0.10}},
+      {"RH", "root", {-0.09, -0.06, 0}},{"RK", "RH", {0, -0.41, 0}},    {"RA", "RK", {0, -0.41, 0}},
+      {"RMrot", "RA", {0, -0.06, 0.04}},{"RF", "RMrot", {0, 0, 0.10}},
+  });
+  return skeleton;
+}
+// clang-format on
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
 namespace detail {
+
+/// A joint of a limb and the one where its bone ends, by SMPL's names.
+struct LimbBone {
+  std::string_view joint, end;
+};
+
+inline Vec3<double> local_axis(std::string_view signed_letter) {
+  const double sign = signed_letter[0] == '-' ? -1 : 1;
+  const char c = signed_letter[1];
+  return {c == 'x' ? sign : 0, c == 'y' ? sign : 0, c == 'z' ? sign : 0};
+}
+/// Whether a text names two different axes, as "+x+y" does.
+inline bool is_axes(std::string_view axes) {
+  const auto sign = [](char c) { return c == '+' || c == '-'; };
+  const auto letter = [](char c) { return c >= 'x' && c <= 'z'; };
+  return axes.size() == 4 && sign(axes[0]) && letter(axes[1]) && sign(axes[2]) && letter(axes[3]) && axes[1] != axes[3];
+}
+/// World rotation of a joint in a T-pose, from "+x+y": its local axes that point left and up.
+inline Quaternion<double> axes_rotation(const MappedJoint& joint) {
+  const std::string_view axes = joint.axes;
+  if (!is_axes(axes))
+    raise<config_error>(103, "SkeletonTable: '", axes, "' of '", joint.source, "' does not name two axes");
+  const Vec3<double> left = local_axis(axes.substr(0, 2)), up = local_axis(axes.substr(2, 2));
+  const auto frame = to_quaternion(Matrix3<double>::from_rows(left, up, cross(left, up)));
+  return to_quaternion(AxisAngle<double>{degree * joint.turn}) * frame;
+}
+
+/// A skeleton as its table sees it, standing in its T-pose (what limbs do not point to the sides or down is told by
+/// `bone`), turned by quarters of a circle about y until its left is nearest to +X.
+class StandingSkeleton {
+ public:
+  Skeleton skeleton;
+  SkeletonTable table;
+  std::vector<Quaternion<double>> rotation;  // of each joint in the world
+
+  StandingSkeleton(const Skeleton& s, const SkeletonTable& t) : skeleton(s), table(t) {
+    const auto joints = static_cast<std::size_t>(skeleton.size());
+    rotation.assign(joints, Quaternion<double>::identity());
+    position_.assign(joints, {});
+    std::vector<bool> given(joints, false);
+    for (const MappedJoint& m : table.joints) {
+      const int j = find_joint(skeleton, m.source);
+      if (j < 0) continue;
+      rotation[static_cast<std::size_t>(j)] = axes_rotation(m);
+      given[static_cast<std::size_t>(j)] = true;
+    }
+    for (std::size_t j = 1; j < joints; ++j) {
+      const auto parent = static_cast<std::size_t>(skeleton.parents[j]);
+      if (!given[j]) rotation[j] = rotation[parent];
+      position_[j] = position_[parent] + rotate(rotation[parent], skeleton.offsets[j]);
+    }
+    face_forward();
+  }
+
+  /// What says that it does not stand, facing forward: the head is not over the pelvis, the hips are not side by side,
+  /// or toes point back as left and right are exchanged. "" if it stands, or has no such joints.
+  std::string lies() const {
+    const double slant = 0.7;  // cosine of some 45 degrees
+    const auto between = [&](std::string_view from, std::string_view to) {
+      const int a = joint(from), b = joint(to);
+      return a < 0 || b < 0 ? Vec3<double>{}
+                            : position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)];
+    };
+    const auto told = [](const char* what, Vec3<double> v, const char* wanted) {
+      v = (1 / norm(v)) * v;
+      const auto rounded = [](double x) { return std::round(x * 100) / 100; };
+      return concat_text(what, " (", rounded(v.x), ", ", rounded(v.y), ", ", rounded(v.z), ") at rest, ", wanted);
+    };
+    const Vec3<double> trunk = between("pelvis", "head"), across = between("right_hip", "left_hip");
+    if (trunk.y < slant * norm(trunk))
+      return told("the head is from the pelvis in direction", trunk, "not up (0, 1, 0)");
+    if (across.x < slant * norm(across))
+      return told("the left hip is from the right one in direction", across, "not to the left (1, 0, 0)");
+    const Vec3<double> foot = between("left_ankle", "left_foot");
+    if (foot.z < -slant * norm(foot))
+      return told("the left toes are from the ankle in direction", foot,
+                  "not forward (0, 0, 1) with the left hip at +x");
+    return {};
+  }
+
+  /// The joint with a role, a name of SMPL's; -1 if there is none.
+  int joint(std::string_view role) const {
+    const MappedJoint* row = table.find(role);
+    return row == nullptr ? -1 : find_joint(skeleton, row->source);
+  }
+  /// The role of a joint: that which it fills with the largest share, of several the last. "" if it has none.
+  std::string role(int joint) const {
+    std::string best;
+    double largest = 0;
+    for (const MappedJoint& m : table.joints) {
+      const double share = find_joint(skeleton, m.source) == joint                        ? 1 - m.share
+                           : !m.second.empty() && find_joint(skeleton, m.second) == joint ? m.share
+                                                                                          : 0;
+      if (share > 0 && share >= largest) best = m.target, largest = share;
+    }
+    return best;
+  }
+  /// A bone of a limb; zero without its joints. Where the table says that the zero pose is the T-pose although bones
+  /// are not straight: as in SMPL.
+  Vec3<double> bone(const LimbBone& limb) const {
+    const int a = joint(limb.joint), b = joint(limb.end);
+    if (a < 0 || b < 0) return {};
+    if (!table.straighten) return smpl24_skeleton().offset(smpl24_skeleton()[limb.end]);
+    return position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)];
+  }
+  double length(const LimbBone& limb) const {
+    const int a = joint(limb.joint), b = joint(limb.end);
+    if (a < 0 || b < 0) return 0;
+    return norm(position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)]);
+  }
+
+ private:
+  void face_forward() {
+    const int left = joint("left_hip"), right = joint("right_hip");
+    if (left < 0 || right < 0) return;
+    const auto across = position_[static_cast<std::size_t>(left)] - position_[static_cast<std::size_t>(right)];
+    constexpr double quarter = std::numbers::pi / 2;
+    const double quarters = std::round(std::atan2(-across.z, across.x) / quarter);
+    if (quarters == 0) return;
+    const auto back = from_axis_angle(Vec3<double>{0, 1, 0}, -quarters * quarter);
+    for (Quaternion<double>& q : rotation) q = back * q;
+    for (Vec3<double>& p : position_) p = rotate(back, p);
+  }
+
+  std::vector<Vec3<double>> position_;
+};
+
+}  // namespace detail
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+namespace detail {
+
+inline constexpr std::string_view own_table_hint =
+    "which joint is which can be told in a file: read_skeleton_table, --joints FILE of the program";
 
 /// A built-in table as a constant. As strings and vectors the tables would be a function of 130 kB.
 struct KnownTable {
@@ -7385,6 +7608,22 @@ inline constexpr KnownTable known_tables[] = {
       {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"}, {"left_hand", "LeftHandMiddle1"},
       {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightHandMiddle1"}},
      true, true},
+    // Ubisoft's LaFAN1 has Mixamo's names, but in its zero pose all bones lie along x. In a T-pose x runs along the bone
+    // and y to the front (of feet up); sides are mirrored by z. Offsets show that of the trunk; limbs are taken to be
+    // alike, which was not compared with recordings. Feet are turned by the slope of SMPL's.
+    {"LaFAN1",
+     {{"pelvis", "Hips", "+z+x"}, {"spine1", "Spine", "+z+x"}, {"spine2", "Spine1", "+z+x"}, {"spine3", "Spine2", "+z+x"}, {"neck", "Neck", "+z+x"}, {"head", "Head", "+z+x"},
+      {"left_hip", "LeftUpLeg", "-z-x"}, {"left_knee", "LeftLeg", "-z-x"}, {"left_ankle", "LeftFoot", "-z+y", {23, 0, 0}}, {"left_foot", "LeftToe", "-z+y"},
+      {"right_hip", "RightUpLeg", "-z-x"}, {"right_knee", "RightLeg", "-z-x"}, {"right_ankle", "RightFoot", "-z+y", {23, 0, 0}}, {"right_foot", "RightToe", "-z+y"},
+      {"left_collar", "LeftShoulder", "+x-z"}, {"left_shoulder", "LeftArm", "+x-z"}, {"left_elbow", "LeftForeArm", "+x-z"}, {"left_wrist", "LeftHand", "+x-z"},
+      {"right_collar", "RightShoulder", "-x+z"}, {"right_shoulder", "RightArm", "-x+z"}, {"right_elbow", "RightForeArm", "-x+z"}, {"right_wrist", "RightHand", "-x+z"}}},
+    // Xsens' suits, and 100STYLE, recorded with one. Chest is their L5, Chest2 L3, Chest3 T12 and Chest4 T8.
+    {"Xsens",
+     {{"pelvis", "Hips"}, {"spine1", "Chest"}, {"spine2", "Chest2", "+x+y", {}, "Chest3", 0.5}, {"spine3", "Chest4"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "LeftHip"}, {"left_knee", "LeftKnee"}, {"left_ankle", "LeftAnkle"}, {"left_foot", "LeftToe"},
+      {"right_hip", "RightHip"}, {"right_knee", "RightKnee"}, {"right_ankle", "RightAnkle"}, {"right_foot", "RightToe"},
+      {"left_collar", "LeftCollar"}, {"left_shoulder", "LeftShoulder"}, {"left_elbow", "LeftElbow"}, {"left_wrist", "LeftWrist"},
+      {"right_collar", "RightCollar"}, {"right_shoulder", "RightShoulder"}, {"right_elbow", "RightElbow"}, {"right_wrist", "RightWrist"}}},
     {"KayKit",
      {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "chest", "+x+y", {}, "head", 0.5}, {"head", "head"},
       {"left_hip", "upperleg.l"}, {"left_knee", "lowerleg.l"}, {"left_ankle", "foot.l"}, {"left_foot", "toes.l"},
@@ -7455,12 +7694,15 @@ inline const std::vector<SkeletonTable>& skeleton_tables() {
   return tables;
 }
 
-/// The table whose joints the skeleton has; of several the one with the most. Null if none fits.
+/// The table whose joints the skeleton has; of several one by which it stands at rest, then the one with the most. Null
+/// if none fits.
 inline const SkeletonTable* find_skeleton_table(const Skeleton& source) {
   const SkeletonTable* best = nullptr;
+  std::pair<bool, int> most{};
   for (const SkeletonTable& table : skeleton_tables()) {
     if (!table.missing(source).empty()) continue;
-    if (best == nullptr || table.found(source) > best->found(source)) best = &table;
+    const std::pair fits(detail::StandingSkeleton(source, table).lies().empty(), table.found(source));
+    if (best == nullptr || fits > most) best = &table, most = fits;
   }
   return best;
 }
@@ -7473,7 +7715,7 @@ inline const SkeletonTable& detect_skeleton_table(const Skeleton& source) {
   }
   raise<config_error>(103, "detect_skeleton_table: no table fits a skeleton of ", source.size(), " joints (root '",
                       source.names.front(), "'); the closest, ", closest->name, ", needs a joint '",
-                      closest->missing(source), "'");
+                      closest->missing(source), "'; ", detail::own_table_hint);
 }
 /// A built-in table by name. Throws config_error 103.
 inline const SkeletonTable& skeleton_table(std::string_view name) {
@@ -7525,66 +7767,6 @@ inline std::optional<BodyJoints> find_body_joints(const Skeleton& skeleton) {
 /// body, fingers have the mean pose of the body's hands, or are stretched out; jaw and eyes are at rest. The path is scaled with the
 /// length of the legs.
 /// Source  spec body-models.md 2, 4
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_STANDARD_HPP  // <motionlang/kinematics/standard.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_STANDARD_HPP
-/// The skeletons of the field: names, order and parents as published; the bone lengths are those of a neutral figure of
-/// our own (1.75 m), so that no licensed body model is needed. Rest pose: standing, arms to the sides, Y up, facing +Z,
-/// left at +X, metres.
-
-namespace motionlang::inline MOTIONLANG_ABI {
-
-// clang-format off
-/// SMPL, 24 joints. Source: Loper et al. 2015; names as in the smplx package.
-inline const Skeleton& smpl24_skeleton() {
-  static const Skeleton skeleton = Skeleton::from_joints({
-      {"pelvis", "", {0, 0.95, 0}},
-      {"left_hip", "pelvis", {0.09, -0.06, 0}},        {"right_hip", "pelvis", {-0.09, -0.06, 0}},
-      {"spine1", "pelvis", {0, 0.11, 0}},
-      {"left_knee", "left_hip", {0, -0.41, 0}},        {"right_knee", "right_hip", {0, -0.41, 0}},
-      {"spine2", "spine1", {0, 0.13, 0}},
-      {"left_ankle", "left_knee", {0, -0.41, 0}},      {"right_ankle", "right_knee", {0, -0.41, 0}},
-      {"spine3", "spine2", {0, 0.06, 0}},
-      {"left_foot", "left_ankle", {0, -0.06, 0.14}},   {"right_foot", "right_ankle", {0, -0.06, 0.14}},
-      {"neck", "spine3", {0, 0.22, 0}},
-      {"left_collar", "spine3", {0.07, 0.13, 0}},      {"right_collar", "spine3", {-0.07, 0.13, 0}},
-      {"head", "neck", {0, 0.10, 0.02}},
-      {"left_shoulder", "left_collar", {0.11, 0.03, 0}},  {"right_shoulder", "right_collar", {-0.11, 0.03, 0}},
-      {"left_elbow", "left_shoulder", {0.27, 0, 0}},   {"right_elbow", "right_shoulder", {-0.27, 0, 0}},
-      {"left_wrist", "left_elbow", {0.25, 0, 0}},      {"right_wrist", "right_elbow", {-0.25, 0, 0}},
-      {"left_hand", "left_wrist", {0.08, 0, 0}},       {"right_hand", "right_wrist", {-0.08, 0, 0}},
-  });
-  return skeleton;
-}
-
-/// HumanML3D, 22 joints: SMPL without the hands.
-inline const Skeleton& humanml3d22_skeleton() {
-  static const Skeleton skeleton = [] {
-    Skeleton s = smpl24_skeleton();
-    s.names.resize(22), s.parents.resize(22), s.offsets.resize(22);
-    return s;
-  }();
-  return skeleton;
-}
-
-/// KIT Motion-Language, 21 joints of the Master Motor Map. Here in metres; the data set's own coordinates are in other units.
-inline const Skeleton& kit21_skeleton() {
-  static const Skeleton skeleton = Skeleton::from_joints({
-      {"root", "", {0, 0.95, 0}},
-      {"BP", "root", {0, 0.11, 0}},     {"BT", "BP", {0, 0.19, 0}},     {"BLN", "BT", {0, 0.22, 0}},      {"BUN", "BLN", {0, 0.10, 0}},
-      {"LS", "BLN", {0.18, -0.06, 0}},  {"LE", "LS", {0.27, 0, 0}},     {"LW", "LE", {0.25, 0, 0}},
-      {"RS", "BLN", {-0.18, -0.06, 0}}, {"RE", "RS", {-0.27, 0, 0}},    {"RW", "RE", {-0.25, 0, 0}},
-      {"LH", "root", {0.09, -0.06, 0}}, {"LK", "LH", {0, -0.41, 0}},    {"LA", "LK", {0, -0.41, 0}},
-      {"LMrot", "LA", {0, -0.06, 0.04}},{"LF", "LMrot", {0, 0, 0.10}},
-      {"RH", "root", {-0.09, -0.06, 0}},{"RK", "RH", {0, -0.41, 0}},    {"RA", "RK", {0, -0.41, 0}},
-      {"RMrot", "RA", {0, -0.06, 0.04}},{"RF", "RMrot", {0, 0, 0.10}},
-  });
-  return skeleton;
-}
-// clang-format on
-
-}  // namespace motionlang::inline MOTIONLANG_ABI
-#endif
 
 namespace motionlang::inline MOTIONLANG_ABI {
 
@@ -9091,10 +9273,7 @@ inline std::string to_string(const RetargetReport& r) {
 
 namespace detail {
 
-/// The limb joints whose bones are turned to the target's direction in the rest pose, with the joint where each ends.
-struct LimbBone {
-  std::string_view joint, end;
-};
+/// The limb joints whose bones are turned to the target's direction in the rest pose.
 inline constexpr std::array<LimbBone, 4> leg_bones{{{"left_hip", "left_knee"},
                                                     {"left_knee", "left_ankle"},
                                                     {"right_hip", "right_knee"},
@@ -9114,104 +9293,14 @@ inline const LimbBone* find_limb_bone(std::string_view joint) {
   return nullptr;
 }
 
-inline Vec3<double> local_axis(std::string_view signed_letter) {
-  const double sign = signed_letter[0] == '-' ? -1 : 1;
-  const char c = signed_letter[1];
-  return {c == 'x' ? sign : 0, c == 'y' ? sign : 0, c == 'z' ? sign : 0};
-}
-/// World rotation of a joint in a T-pose, from "+x+y": its local axes that point left and up.
-inline Quaternion<double> axes_rotation(const MappedJoint& joint) {
-  const std::string_view axes = joint.axes;
-  if (axes.size() != 4 || axes[0] >= 'x' || axes[2] >= 'x' || axes.find_first_not_of("+-xyz") != axes.npos ||
-      axes[1] == axes[3] || axes[1] < 'x' || axes[3] < 'x') {
-    raise<config_error>(103, "SkeletonTable: '", axes, "' of '", joint.source, "' does not name two axes");
-  }
-  const Vec3<double> left = local_axis(axes.substr(0, 2)), up = local_axis(axes.substr(2, 2));
-  const auto frame = to_quaternion(Matrix3<double>::from_rows(left, up, cross(left, up)));
-  return to_quaternion(AxisAngle<double>{degree * joint.turn}) * frame;
-}
-
-/// A skeleton as its table sees it, standing in its T-pose (what limbs do not point to the sides or down is told by
-/// `bone`), turned by quarters of a circle about y until its left is nearest to +X.
-class StandingSkeleton {
- public:
-  Skeleton skeleton;
-  SkeletonTable table;
-  std::vector<Quaternion<double>> rotation;  // of each joint in the world
-
-  StandingSkeleton(const Skeleton& s, const SkeletonTable& t) : skeleton(s), table(t) {
-    const auto joints = static_cast<std::size_t>(skeleton.size());
-    rotation.assign(joints, Quaternion<double>::identity());
-    position_.assign(joints, {});
-    std::vector<bool> given(joints, false);
-    for (const MappedJoint& m : table.joints) {
-      const int j = find_joint(skeleton, m.source);
-      if (j < 0) continue;
-      rotation[static_cast<std::size_t>(j)] = axes_rotation(m);
-      given[static_cast<std::size_t>(j)] = true;
-    }
-    for (std::size_t j = 1; j < joints; ++j) {
-      const auto parent = static_cast<std::size_t>(skeleton.parents[j]);
-      if (!given[j]) rotation[j] = rotation[parent];
-      position_[j] = position_[parent] + rotate(rotation[parent], skeleton.offsets[j]);
-    }
-    face_forward();
-  }
-
-  /// The joint with a role, a name of SMPL's; -1 if there is none.
-  int joint(std::string_view role) const {
-    const MappedJoint* row = table.find(role);
-    return row == nullptr ? -1 : find_joint(skeleton, row->source);
-  }
-  /// The role of a joint: that which it fills with the largest share, of several the last. "" if it has none.
-  std::string role(int joint) const {
-    std::string best;
-    double largest = 0;
-    for (const MappedJoint& m : table.joints) {
-      const double share = find_joint(skeleton, m.source) == joint                        ? 1 - m.share
-                           : !m.second.empty() && find_joint(skeleton, m.second) == joint ? m.share
-                                                                                          : 0;
-      if (share > 0 && share >= largest) best = m.target, largest = share;
-    }
-    return best;
-  }
-  /// A bone of a limb; zero without its joints. Where the table says that the zero pose is the T-pose although bones
-  /// are not straight: as in SMPL.
-  Vec3<double> bone(const LimbBone& limb) const {
-    const int a = joint(limb.joint), b = joint(limb.end);
-    if (a < 0 || b < 0) return {};
-    if (!table.straighten) return smpl24_skeleton().offset(smpl24_skeleton()[limb.end]);
-    return position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)];
-  }
-  double length(const LimbBone& limb) const {
-    const int a = joint(limb.joint), b = joint(limb.end);
-    if (a < 0 || b < 0) return 0;
-    return norm(position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)]);
-  }
-
- private:
-  void face_forward() {
-    const int left = joint("left_hip"), right = joint("right_hip");
-    if (left < 0 || right < 0) return;
-    const auto across = position_[static_cast<std::size_t>(left)] - position_[static_cast<std::size_t>(right)];
-    constexpr double quarter = std::numbers::pi / 2;
-    const double quarters = std::round(std::atan2(-across.z, across.x) / quarter);
-    if (quarters == 0) return;
-    const auto back = from_axis_angle(Vec3<double>{0, 1, 0}, -quarters * quarter);
-    for (Quaternion<double>& q : rotation) q = back * q;
-    for (Vec3<double>& p : position_) p = rotate(back, p);
-  }
-
-  std::vector<Vec3<double>> position_;
-};
-
 }  // namespace detail
 
 /// How one skeleton follows another; made once, used for every clip.
 class SkeletonMap {
  public:
   /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for axes
-  /// that are none, or hips that a skeleton has not), 101 if the legs of a skeleton have no length.
+  /// that are none, or hips that a skeleton has not), and if a skeleton does not stand at rest by its table; 101 if the
+  /// legs of a skeleton have no length.
   SkeletonMap(const Skeleton& source, const SkeletonTable& source_table, const Skeleton& target,
               const SkeletonTable& target_table)
       : source_(source), target_(target) {
@@ -9221,6 +9310,13 @@ class SkeletonMap {
     report_.table = source_table.name;
     report_.target_table = target_table.name;
     const detail::StandingSkeleton from(source, source_table), to(target, target_table);
+    for (const detail::StandingSkeleton* s : {&from, &to}) {
+      const std::string lies = s->lies();
+      if (!lies.empty())
+        raise<config_error>(103, "SkeletonMap: a skeleton of ", s->skeleton.size(), " joints (root '",
+                            s->skeleton.name(0), "') does not stand as ", s->table.name, ": ", lies,
+                            "; other axes, and ", detail::own_table_hint);
+    }
     connect(from, to);
     measure(from, to);
   }

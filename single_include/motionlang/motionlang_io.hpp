@@ -13446,21 +13446,26 @@ struct GlbRigOptions {
 
 class GlbRig {
  public:
-  /// Of several skins, the first whose joints one of the skeleton tables knows.
+  /// Says which joint of a skeleton is which: one of the known tables, or read_skeleton_table.
+  using FindTable = std::function<SkeletonTable(const Skeleton&)>;
+
+  /// Of several skins, the first for which there is a table.
   /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits, for every skin if there
   ///         are several
-  static GlbRig open(const FilePath& path) { return GlbRig(MappedFile::open(path)->bytes(), path.string()); }
-  GlbRig(std::span<const std::byte> bytes, std::string name)
+  static GlbRig open(const FilePath& path, const FindTable& find_table = detect_skeleton_table) {
+    return GlbRig(MappedFile::open(path)->bytes(), path.string(), find_table);
+  }
+  GlbRig(std::span<const std::byte> bytes, std::string name, const FindTable& find_table = detect_skeleton_table)
       : bytes_(std::make_shared<const std::vector<std::byte>>(bytes.begin(), bytes.end())),
         document_(*bytes_, std::move(name)) {
     const Index skins = document_.count("skins");
     if (skins < 2) {
-      find_joints(0);
+      find_joints(0, find_table);
       return;
     }
     std::string reasons;
     for (Index skin = 0; skin < skins; ++skin) {
-      const auto find = [&] { find_joints(skin); };
+      const auto find = [&] { find_joints(skin, find_table); };
       const auto not_it = [&](const config_error& e) {
         const std::string_view what = e.what();
         reasons += concat_text("; skin ", skin, ": ", what.substr(what.find("] ") + 2));
@@ -13475,7 +13480,11 @@ class GlbRig {
   /// From the pelvis down; a root position is that of the pelvis in the world.
   const Skeleton& skeleton() const { return skeleton_; }
   /// The kind of skeleton that it is.
-  const SkeletonTable& table() const { return *table_; }
+  const SkeletonTable& table() const { return table_; }
+  /// How it follows a skeleton of a known kind. Throws what SkeletonMap throws.
+  SkeletonMap map_from(const Skeleton& source) const {
+    return SkeletonMap(source, detect_skeleton_table(source), skeleton_, table_);
+  }
 
   /// The file with one more animation for every motion, retargeted unless it is on this skeleton. A name that is taken
   /// gets a number.
@@ -13497,7 +13506,7 @@ class GlbRig {
     for (const Motion& motion : motions) {
       motion.validate();
       if (motion.frames() == 0) raise<config_error>(101, "GLB: motion '", motion.name, "' has no frames");
-      Motion added = in_nodes(motion.skeleton == skeleton_ ? motion : retarget(motion, skeleton_));
+      Motion added = in_nodes(motion.skeleton == skeleton_ ? motion : retarget(motion, map_from(motion.skeleton)));
       const std::string name = motion.name.empty() ? "motion" : motion.name;
       added.name = name;
       for (int k = 2; !taken.insert(added.name).second; ++k) added.name = concat_text(name, "_", k);
@@ -13507,15 +13516,15 @@ class GlbRig {
   }
 
  private:
-  void find_joints(Index skin) {
+  void find_joints(Index skin, const FindTable& find_table) {
     std::vector<detail::GltfAnimation> animations;
     detail::SharedAccessors keys(document_);
     if (document_.count("skins") == 0) {  // then joints are what moves
       for (Index i = 0; i < document_.count("animations"); ++i) animations.emplace_back(keys, i);
     }
     const detail::GltfSkeleton all(document_, animations, skin);
-    table_ = &detect_skeleton_table(all.skeleton);
-    const int pelvis = find_joint(all.skeleton, table_->find("pelvis")->source);
+    table_ = find_table(all.skeleton);
+    const int pelvis = find_joint(all.skeleton, table_.find("pelvis")->source);
     if (all.nodes[static_cast<std::size_t>(pelvis)] < 0) {  // "root", which was made up over several trees
       raise<config_error>(103, file(), ": no node is the joint '", all.skeleton.name(pelvis), "'");
     }
@@ -13572,7 +13581,7 @@ class GlbRig {
 
   std::shared_ptr<const std::vector<std::byte>> bytes_;
   detail::GltfDocument document_;
-  const SkeletonTable* table_ = nullptr;
+  SkeletonTable table_;
   Skeleton skeleton_;
   std::vector<int> nodes_;  // of the joints
   std::vector<Quaternion<double>> rest_rotations_;
@@ -15573,6 +15582,66 @@ inline std::string search_html(std::span<const FoundMotion> found, std::string_v
   }
   if (found.empty()) out += "<p>Nothing was found.</p>\n";
   return out + "</body>\n</html>\n";
+}
+
+}  // namespace motionlang::inline MOTIONLANG_ABI
+#endif
+
+#ifndef MOTIONLANG_HAS_IO_SKELETON_TABLE_FILE_HPP  // <motionlang/io/skeleton_table_file.hpp>
+#define MOTIONLANG_HAS_IO_SKELETON_TABLE_FILE_HPP
+/// A table of the user's own: which joint of a skeleton has the part of which joint of SMPL. One line for each joint of
+/// SMPL, fields between tabs:
+///
+///     pelvis<TAB>Bip01 Pelvis
+///     left_hip<TAB>Bip01 L Thigh<TAB>+z-x
+/// The third field are the local axes of the joint that point to the left and up in a T-pose, "+x+y" unless given.
+/// Empty lines and those that begin with # are skipped. Joints of SMPL without a line follow none.
+
+namespace motionlang::inline MOTIONLANG_ABI {
+
+/// The table of a text for a skeleton.
+/// Throws  with the line: io_error 403 for a line that has not two or three fields, config_error 103 for a joint that
+///         SMPL or the skeleton has not, and for axes that are none, 102 for a second line of the same joint;
+///         config_error 103 if the pelvis, a hip, a knee or an ankle has no line
+inline SkeletonTable parse_skeleton_table(std::string_view text, const Skeleton& skeleton,
+                                          std::string_view name = "table of joints") {
+  SkeletonTable table{.name = std::string(name), .joints = {}, .level_soles = true};
+  std::array<Index, 24> line_of{};  // 0: none yet
+  detail::for_each_line(text, [&](std::string_view line, Index number) {
+    if (detail::trim(line).empty() || detail::trim(line).starts_with('#')) return;
+    std::array<std::string_view, 3> fields{"", "", "+x+y"};
+    std::size_t n = 0;
+    for (std::size_t at = 0; at <= line.size(); ++n) {
+      const std::size_t end = std::min(line.find('\t', at), line.size());
+      if (n < fields.size()) fields[n] = detail::trim(line.substr(at, end - at));
+      at = end + 1;
+    }
+    const auto& [target, source, axes] = fields;
+    if (n < 2 || n > 3 || source.empty())
+      raise<io_error>(403, name, ":", number, ": '", line, "' is not 'joint of SMPL<TAB>joint[<TAB>axes]'");
+    const int role = smpl24_skeleton().find(target);
+    if (role < 0)
+      raise<config_error>(103, name, ":", number, ": '", target,
+                          "' is no joint of SMPL: ", join_text(smpl24_skeleton().names));
+    Index& before = line_of[static_cast<std::size_t>(role)];
+    if (before > 0) raise<config_error>(102, name, ":", number, ": '", target, "' is in line ", before, " already");
+    before = number;
+    if (find_joint(skeleton, source) < 0)
+      raise<config_error>(103, name, ":", number, ": the skeleton has no joint '", source,
+                          "': ", join_text(skeleton.names));
+    table.joints.push_back({std::string(target), std::string(source), std::string(axes)});
+    if (!detail::is_axes(axes))
+      raise<config_error>(103, name, ":", number, ": '", axes, "' does not name two axes, as +x+y does");
+  });
+  for (const char* needed :
+       {"pelvis", "left_hip", "right_hip", "left_knee", "right_knee", "left_ankle", "right_ankle"}) {
+    if (table.find(needed) == nullptr) raise<config_error>(103, name, ": no line says which joint is '", needed, "'");
+  }
+  return table;
+}
+/// Throws io_error 401 and as parse_skeleton_table.
+inline SkeletonTable read_skeleton_table(const FilePath& path, const Skeleton& skeleton) {
+  return parse_skeleton_table(detail::as_text(MappedFile::open(path)->bytes()), skeleton, path.string());
 }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -5,6 +5,7 @@
 
 #include <algorithm>  // equal
 
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/kinematics/skeleton.hpp>
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -21,8 +22,7 @@ inline std::string_view bare_joint_name(std::string_view name) {
 
 namespace detail {
 inline bool same_but_for_capitals(std::string_view a, std::string_view b) {
-  auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
 }
 }  // namespace detail
 
