@@ -612,6 +612,17 @@ TEST_CASE("generate --samples: different motions, of which the first is the one 
   CHECK(w.generate("none", {"--samples", "0"}).code == 2);
 }
 
+TEST_CASE("generate does not write over what it keeps") {
+  const Workplace w;
+  std::filesystem::create_directories(w / "out");
+  ml::write_bvh(w / "out/two.bvh", synthetic::walk({.frames = 40}));
+  const std::string before = ml::read_file(w / "out/two.bvh");
+  const Outcome over = w.generate("out", {"--keep", "out/two.bvh", "--keep-parts", "legs"});
+  CHECK(over.code == 2);
+  CHECK_MESSAGE(contains(over.text, "out/two.bvh is what is read"), over.text);
+  CHECK(ml::read_file(w / "out/two.bvh") == before);
+}
+
 TEST_CASE("generate --keep: frames and body parts of a motion stay, in their place") {
   const Workplace w;
   ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 40, .turn = 0.5}));
@@ -649,6 +660,11 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
                                                      "--no-smooth", "--no-fix-feet"});
   CHECK_MESSAGE(contains(performed.text, "exported.bvh: left out is 1 frame of an inserted T-pose"), performed.text);
   CHECK(synthetic::largest_distance(ml::read_bvh_motion(w / "performed/two.bvh"), begun) < 1e-3);
+  // the way comes to another place, which is said
+  const auto apart = begun.root_at(16) - walk.root_at(16);
+  REQUIRE(std::hypot(apart.x, apart.z) > 0.1);
+  CHECK_MESSAGE(contains(performed.text, "--keep-seconds: frames that are kept behind made ones are up to"),
+                performed.text);
   // what is made goes on where what is kept ends, and comes to where it begins again
   REQUIRE(w.generate("fitted", {"--keep", "walk.bvh", "--keep-seconds", "0-0.25,0.8-1", "--no-fix-feet"}).code == 0);
   const ml::Motion fitted = ml::read_bvh_motion(w / "fitted/two.bvh");

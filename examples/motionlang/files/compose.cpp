@@ -14,6 +14,7 @@
 
 #include "../commands.hpp"
 #include "../option_checks.hpp"
+#include "input_files.hpp"
 #include "motion_files.hpp"
 
 namespace program {
@@ -83,7 +84,7 @@ void write(const ComposeOptions& o, const ml::Motion& m) {
 
 void compose(const ComposeOptions& o) {
   require_folder_of(o.out);
-  for (const std::string& file : o.in) require_other_file(file, o.out);
+  InputFiles(o.in).refuse(o.out);
   const auto clip = [&](const std::string& file) {
     return on_smpl(read_only_performed_motion(file, options_in_folder(o.read, file)));
   };
@@ -112,7 +113,7 @@ ml::Motion joined(const ml::Motion& first, const ml::Motion& second, double blen
 
 void join(const ComposeOptions& o) {
   require_folder_of(o.out);
-  for (const std::string& file : o.in) require_other_file(file, o.out);
+  InputFiles(o.in).refuse(o.out);
   std::optional<ml::Motion> whole;
   for (const std::string& file : o.in) {
     for (ml::Motion& m : read_performed_motions(file, options_in_folder(o.read, file)))

@@ -23,6 +23,7 @@
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
 #include "box.hpp"
+#include "input_files.hpp"
 #include "motion_files.hpp"
 #include "texts.hpp"
 #include "weights.hpp"
@@ -59,8 +60,14 @@ Denoiser denoiser_of(const ConvertOptions& o) {
 
 /// What the options name, read once for all files; null without the option.
 struct Loaded {
-  explicit Loaded(const ConvertOptions& o)
-      : rig(rig_writer(o.rig)), body(shown_body(o.body)), denoised(denoiser_of(o)) {}
+  Loaded(const ConvertOptions& o, const std::vector<fs::path>& files)
+      : inputs{o.rig.file, o.body.file, o.denoise},
+        rig(rig_writer(o.rig)),
+        body(shown_body(o.body)),
+        denoised(denoiser_of(o)) {
+    for (const fs::path& file : files) inputs.add(file);
+  }
+  InputFiles inputs;
   RigWriter rig;
   std::unique_ptr<const ShownBody> body;
   Denoiser denoised;
@@ -209,6 +216,7 @@ class Conversion {
   }
 
   void write() {
+    loaded_.inputs.refuse(o_.out);
     if (loaded_.rig) {
       told_ += loaded_.rig(o_.out, made_);
     } else if (loaded_.body != nullptr && holds_several(o_.out)) {
@@ -230,6 +238,7 @@ class Conversion {
   }
 
   std::string write_one(const fs::path& path, const ml::Motion& m) const {
+    loaded_.inputs.refuse(path);
     if (loaded_.body != nullptr) return loaded_.body->write(path, {m}, betas_);
     if (!o_.features.empty()) return write_features(path, m, o_.features, o_.fps);
     if (!amass_ || kind_of(path) != ".npz") return write_motion(path, m, o_.scale);
@@ -252,26 +261,25 @@ class Conversion {
 /// that fails is named and stops no other.
 class FolderConversion {
  public:
-  explicit FolderConversion(const ConvertOptions& o) : o_(o), loaded_(o) {}
+  explicit FolderConversion(const ConvertOptions& o) : o_(o), files_(motion_files_below(o.in)), loaded_(o, files_) {}
 
   void run() {
     refuse_to_overwrite();
-    const auto files = motion_files_below(o_.in);
-    if (files.empty()) ml::raise<ml::config_error>(101, "convert: no motion file in ", o_.in);
+    if (files_.empty()) ml::raise<ml::config_error>(101, "convert: no motion file in ", o_.in);
     ProgressBar bar("converting");
     std::size_t done = 0;
-    for (const fs::path& file : files) {
+    for (const fs::path& file : files_) {
       convert(file);
-      if (!bar(static_cast<std::ptrdiff_t>(++done), std::ssize(files)) && done < files.size()) break;
+      if (!bar(static_cast<std::ptrdiff_t>(++done), std::ssize(files_)) && done < files_.size()) break;
     }
     bar.finish();
     for (const std::string& f : failures_) std::fprintf(stderr, "%s\n", f.c_str());
     tell();
     std::printf("%s: %zu of %zu files converted\n", (o_.out.empty() ? o_.in : o_.out).c_str(), done - failures_.size(),
-                files.size());
-    if (done < files.size()) throw ml::cancelled();
+                files_.size());
+    if (done < files_.size()) throw ml::cancelled();
     if (!failures_.empty())
-      ml::raise<ml::config_error>(101, "convert: ", failures_.size(), " of the ", files.size(), " files of ", o_.in,
+      ml::raise<ml::config_error>(101, "convert: ", failures_.size(), " of the ", files_.size(), " files of ", o_.in,
                                   " could not be converted");
   }
 
@@ -326,6 +334,7 @@ class FolderConversion {
   }
 
   const ConvertOptions& o_;
+  const std::vector<fs::path> files_;
   const Loaded loaded_;
   std::set<std::string> taken_;
   std::vector<std::string> failures_;
@@ -333,7 +342,8 @@ class FolderConversion {
 };
 
 void convert_file(const ConvertOptions& o) {
-  const Loaded loaded(o);
+  const Loaded loaded(o, {o.in});
+  loaded.inputs.refuse(o.out);
   std::set<std::string> taken;
   Conversion one(o, loaded, taken);
   const auto tell = [&] { std::printf("%s", one.told().c_str()); };
@@ -350,6 +360,7 @@ void convert_file(const ConvertOptions& o) {
 void merge_hands(const ConvertOptions& o) {
   if (kind_of(o.out) != ".npz")
     ml::raise<usage_error>(103, o.out, ": a body is written to .npz, not '", kind_of(o.out), "'");
+  InputFiles{o.in, o.hands.at(0), o.hands.at(1)}.refuse(o.out);
   ml::merge_smplh(o.in, o.hands.at(0), o.hands.at(1), o.out);
   std::printf("%s: the body of %s with the hands of %s and %s\n", o.out.c_str(), o.in.c_str(), o.hands[0].c_str(),
               o.hands[1].c_str());
@@ -372,7 +383,6 @@ void run(ConvertOptions o) {
     throw CLI::ValidationError("--as", ".obj files show a body: --body says which");
   if (folder) return FolderConversion(o).run();
   o.read.require_for(o.in);
-  require_other_file(o.in, o.out);
   if (o.data_set == nullptr) require_folder_of(o.out);
   convert_file(o);
 }

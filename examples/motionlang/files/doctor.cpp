@@ -7,8 +7,9 @@
 
 #include "../commands.hpp"
 #include "../option_checks.hpp"
-#include "motion_files.hpp"
 #include "../progress_bar.hpp"
+#include "input_files.hpp"
+#include "motion_files.hpp"
 
 namespace program {
 
@@ -36,6 +37,8 @@ class Doctor {
       require_folder_of(o_.report);
     }
     const auto files = motion_files_below(folder_);
+    for (const fs::path& file : files) inputs_.add(file);
+    inputs_.refuse(o_.report);
     if (files.empty())
       ml::raise<ml::config_error>(101, "doctor: no .bvh, .amc, .npz, .npy, .glb or .vrma file below '", o_.folder, "'");
     if (!o_.clean.empty()) make_output_folder("--clean", o_.clean);
@@ -97,6 +100,7 @@ class Doctor {
     if (seen.has(ml::Fault::not_finite) || seen.has(ml::Fault::empty)) return;
     const std::string stem = kind_of(name) == ".bvh" ? fs::path(name).replace_extension().string() : name;
     const fs::path path = fs::path(o_.clean) / (unique(stem, copies_) + ".bvh");
+    inputs_.refuse(path);
     fs::create_directories(path.parent_path());
     write_motion(path, ml::mended(motion, seen.cure));
   }
@@ -125,6 +129,7 @@ class Doctor {
 
   const DoctorOptions& o_;
   fs::path folder_;
+  InputFiles inputs_;
   std::vector<ml::InspectedMotion> found_;
   std::set<std::string> copies_;  // their names
   std::array<int, ml::fault_info.size()> drawn_{};  // strips so far

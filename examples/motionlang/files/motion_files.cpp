@@ -71,12 +71,6 @@ void require_folder_of(const std::filesystem::path& file) {
     ml::raise<ml::io_error>(401, file.string(), ": there is no folder ", folder.string());
 }
 
-void require_other_file(const std::filesystem::path& input, const std::filesystem::path& output) {
-  std::error_code no_output;
-  if (std::filesystem::equivalent(input, output, no_output))
-    ml::raise<usage_error>(102, output.string(), " is what is read: name another file for the result");
-}
-
 void make_output_folder(const std::string& option, const std::filesystem::path& folder) {
   std::error_code problem;
   std::filesystem::create_directories(folder, problem);
@@ -366,6 +360,10 @@ std::string write_humanml3d(const std::filesystem::path& folder, const std::stri
                                   "), the new clip has rows of ", form.form.width(), " (", form.features, ")");
   }
   FeatureRows made = feature_rows(motion, ml::motion_features(form.features), fps);
+  if (const auto there = rows_file(folder, id);
+      std::filesystem::exists(there) && ml::read_npy(there).to<float>() != made.values)
+    ml::raise<ml::config_error>(102, there.string(), ": the clip '", id,
+                                "' is there already, of another motion: name the file otherwise");
   ml::HumanMl3dClip clip{id, made.rows, std::move(made.values), {}, {}};
   const std::vector<double> rows(clip.features.begin(), clip.features.end());
   for (const auto& p : ml::guoh3d_joints(std::span<const double>(rows), form.form.joints)) {

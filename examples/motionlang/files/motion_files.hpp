@@ -61,8 +61,6 @@ std::vector<std::filesystem::path> motion_files_below(const std::filesystem::pat
 
 /// Throws io_error 401 unless the folder is there in which a file is to be written: before long work rather than after it.
 void require_folder_of(const std::filesystem::path& file);
-/// Throws usage_error 102 if the result would take the place of a file that is read.
-void require_other_file(const std::filesystem::path& input, const std::filesystem::path& output);
 /// Makes the folder that an option names, unless it is there: as early. Throws io_error 401 if it cannot be written in.
 void make_output_folder(const std::string& option, const std::filesystem::path& folder);
 /// The same; what it made is removed in the end if nothing has been written there.

@@ -2,11 +2,13 @@
 #include "texts.hpp"
 
 #include <map>
+#include <vector>  // erase_if
 
 #include <motionlang/io/babel.hpp>
 #include <motionlang/io/humanml3d_texts.hpp>
 
 #include "../formatted.hpp"
+#include "input_files.hpp"
 #include "motion_files.hpp"
 
 namespace program {
@@ -39,9 +41,21 @@ std::vector<ml::MotionCaption> captions_of(const ml::AnnotatedMotion& m) {
   return captions;
 }
 
+/// Files of captions cannot tell a text from 0 to 0 seconds from one for the whole motion. How many were left out.
+std::size_t without_momentary(ml::AnnotatedMotion& m) {
+  return std::erase_if(m.annotations, [](const ml::Annotation& a) { return a.start == a.end; });
+}
+
 void write_texts(const std::filesystem::path& folder, const std::vector<ml::AnnotatedMotion>& motions) {
   std::map<std::string, std::string> files;  // all of them before the first is written: one may be refused
-  for (const ml::AnnotatedMotion& m : motions) files[file_name(m.id) + ".txt"] = ml::format_captions(captions_of(m));
+  std::map<std::string, std::string> ids;
+  for (const ml::AnnotatedMotion& m : motions) {
+    const std::string name = file_name(m.id) + ".txt";
+    if (const auto [other, is_new] = ids.emplace(name, m.id); !is_new)
+      ml::raise<ml::config_error>(102, folder.string(), ": '", other->second, "' and '", m.id,
+                                  "' would both be the file ", name);
+    files[name] = ml::format_captions(captions_of(m));
+  }
   make_output_folder("output", folder / "texts");
   for (const auto& [name, text] : files) ml::write_file(folder / "texts" / name, text);
 }
@@ -56,15 +70,21 @@ std::string convert_texts(const std::filesystem::path& in, const std::filesystem
     ml::raise<ml::config_error>(
         103, out.string(), ": texts of motions are written to .json or, as files of captions, into a folder, not '",
         kind_of(out), "'");
-  const auto motions = read_annotated(in);
-  if (folder)
+  InputFiles{in}.refuse(out);
+  auto motions = read_annotated(in);
+  std::string told;
+  if (folder) {
+    std::size_t momentary = 0;
+    for (ml::AnnotatedMotion& m : motions) momentary += without_momentary(m);
+    if (momentary > 0) told = formatted("%s: %zu texts of no duration are left out\n", in.string().c_str(), momentary);
     write_texts(out, motions);
-  else
+  } else {
     ml::write_annotations(out, motions);
+  }
   std::size_t texts = 0;
   for (const ml::AnnotatedMotion& m : motions) texts += m.annotations.size();
-  return formatted("%s: %zu texts of %zu motions\n", (folder ? out / "texts" : out).string().c_str(), texts,
-                   motions.size());
+  return told + formatted("%s: %zu texts of %zu motions\n", (folder ? out / "texts" : out).string().c_str(), texts,
+                          motions.size());
 }
 
 }  // namespace program

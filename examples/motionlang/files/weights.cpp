@@ -9,6 +9,7 @@
 #include <motionlang/io/module_file.hpp>
 #include <motionlang/io/weight_file.hpp>
 
+#include "input_files.hpp"
 #include "motion_files.hpp"
 
 namespace program {
@@ -66,6 +67,7 @@ void show_weights(const std::filesystem::path& path) {
 
 void convert_weights(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& keys,
                      std::optional<ml::DType> stored) {
+  InputFiles{in}.refuse(out);
   ml::WeightOptions options;
   if (!keys.empty()) options.path = keys;
   const auto file = ml::open_weights(in, options);

@@ -7,6 +7,7 @@
 #include <motionlang/io/tm2t_run.hpp>
 
 #include "../commands.hpp"
+#include "../files/input_files.hpp"
 #include "../files/motion_files.hpp"
 #include "../files/weights.hpp"
 #include "../machine_options.hpp"
@@ -74,6 +75,7 @@ class Describer {
   void run() {
     const auto places = places_of(o_.inputs);
     if (!o_.out.empty()) require_names(places);
+    for (const MotionPlace& p : places) InputFiles{p.path}.refuse(o_.out);
     bool stopped = false;
     {
       ProgressBar bar("describing");

@@ -1,5 +1,6 @@
 // motionlang generate: a timeline in, motions out in every format, and a page to look at.
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <set>
 
@@ -12,13 +13,14 @@
 #include <motionlang/io/glb_writer.hpp>
 #include <motionlang/io/viewer.hpp>
 
-#include "from_latent.hpp"
-#include "../files/motion_files.hpp"
 #include "../commands.hpp"
+#include "../files/input_files.hpp"
+#include "../files/motion_files.hpp"
 #include "../formatted.hpp"
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
+#include "from_latent.hpp"
 #include "known_words.hpp"
 #include "reuse.hpp"
 #include "timelines.hpp"
@@ -86,9 +88,32 @@ std::string wanted_name(const GenerateOptions& o) {
   return o.towards.empty() ? name_of(o.text) : name_of(o.text) + "_to_" + name_of(o.towards);
 }
 
+/// The names of the motions, those of a timeline one after the other.
+std::vector<std::string> names_of(const std::string& name, std::size_t timelines, ml::Index samples) {
+  std::vector<std::string> names;
+  for (std::size_t t = 0; t < timelines; ++t) {
+    for (ml::Index s = 0; s < samples; ++s)
+      names.push_back(name + (timelines == 1 ? "" : "_" + std::to_string(t)) +
+                      (samples == 1 ? "" : "_" + std::to_string(s + 1)));
+  }
+  return names;
+}
+/// Files that a motion becomes: this behind its name, the page behind that of all.
+constexpr std::array motion_extensions{".bvh", ".glb", ".npz", ".npy", ".svg"};
+constexpr const char* page_extension = ".html";
+
+/// Throws usage_error 102 if one of the files is what is read: before long work rather than after it.
+void require_other_files(const GenerateOptions& o, const std::string& name, const std::vector<std::string>& motions) {
+  const InputFiles inputs{o.keep, o.timeline, o.rig.file, o.settings.noise_file};
+  for (const std::string& motion : motions) {
+    for (const char* extension : motion_extensions) inputs.refuse(std::filesystem::path(o.out) / (motion + extension));
+  }
+  inputs.refuse(std::filesystem::path(o.out) / (name + page_extension));
+}
+
 /// `samples` motions of each timeline, one timeline after the other. The first is the motion of a run without others.
 std::vector<ml::ViewerMotion> samples_of(const std::vector<ml::Timeline>& timelines, ml::Index samples,
-                                         const std::string& name, const Generator& generator,
+                                         const std::vector<std::string>& names, const Generator& generator,
                                          const GenerationSettings& settings) {
   std::vector<ml::Timeline> all;
   for (ml::Index s = 0; s < samples; ++s) all.insert(all.end(), timelines.begin(), timelines.end());
@@ -98,8 +123,7 @@ std::vector<ml::ViewerMotion> samples_of(const std::vector<ml::Timeline>& timeli
   for (std::size_t t = 0; t < timelines.size(); ++t) {
     for (ml::Index s = 0; s < samples; ++s) {
       ml::Motion& m = motions[static_cast<std::size_t>(s) * timelines.size() + t];
-      m.name = name + (timelines.size() == 1 ? "" : "_" + std::to_string(t)) +
-               (samples == 1 ? "" : "_" + std::to_string(s + 1));
+      m.name = names[out.size()];
       out.push_back({std::move(m), tracks_of(timelines[t], generator.fps())});
     }
   }
@@ -107,10 +131,11 @@ std::vector<ml::ViewerMotion> samples_of(const std::vector<ml::Timeline>& timeli
 }
 
 /// Motions from the text or action to the other one.
-std::vector<ml::ViewerMotion> line_of(const GenerateOptions& o, ml::Index count, const std::string& name,
+std::vector<ml::ViewerMotion> line_of(const GenerateOptions& o, const std::vector<std::string>& names,
                                       const Generator& generator, const GenerationSettings& settings) {
   const ml::Timeline from = timeline_of(o.text, o.seconds, generator.fps()),
                      to = timeline_of(o.towards, o.seconds, generator.fps());
+  const ml::Index count = std::ssize(names);
   std::vector<ml::Motion> motions = from_latent(generator, "--towards", o.model).between(from, to, count, settings);
   std::vector<ml::ViewerMotion> out;
   for (ml::Index i = 0; i < count; ++i) {
@@ -120,7 +145,7 @@ std::vector<ml::ViewerMotion> line_of(const GenerateOptions& o, ml::Index count,
       shown.intervals[0].text =
           formatted("%s %.0f %%, %s %.0f %%", o.text.c_str(), 100 - share, o.towards.c_str(), share);
     ml::Motion& m = motions[static_cast<std::size_t>(i)];
-    m.name = name + "_" + std::to_string(i + 1);
+    m.name = names[out.size()];
     out.push_back({std::move(m), tracks_of(shown, generator.fps())});
   }
   return out;
@@ -205,6 +230,9 @@ void run(const GenerateOptions& o) {
     settings.record_file = (std::filesystem::path(o.out) / (name + record_extension)).string();
 
   auto timelines = o.towards.empty() ? wanted_timelines(o, generator->fps()) : std::vector<ml::Timeline>();
+  const ml::Index samples = o.samples.value_or(o.towards.empty() ? 1 : 5);
+  const auto names = names_of(name, o.towards.empty() ? timelines.size() : 1, samples);
+  require_other_files(o, name, names);
   if (o.in_turn && generator->system() != diffusion_model)
     ml::raise<usage_error>(102, o.model, ": --in-turn is for models of timelines (STMC); this is ",
                            generator->system());
@@ -217,16 +245,23 @@ void run(const GenerateOptions& o) {
     if (settings.cut_texts && !generator->takes_actions())
       std::fprintf(stderr, "%s", told_long_texts(timelines, generator->fps()).c_str());
   }
-  const auto made = o.towards.empty() ? samples_of(timelines, o.samples.value_or(1), name, *generator, settings)
-                                      : line_of(o, o.samples.value_or(5), name, *generator, settings);
+  const auto made = o.towards.empty() ? samples_of(timelines, samples, names, *generator, settings)
+                                      : line_of(o, names, *generator, settings);
   std::printf("%s", notes.reuse.c_str());
+  constexpr double noticeable = 0.1;  // metres
+  if (notes.kept_moved > noticeable)
+    std::fprintf(
+        stderr,
+        "--keep-seconds: frames that are kept behind made ones are up to %.1f m from where they were: the made "
+        "ones lead there\n",
+        notes.kept_moved);
   for (const ml::ViewerMotion& m : made) write(m, o.out, write_on_rig);
   const auto model =
       std::filesystem::is_directory(o.model) ? std::filesystem::path(o.model) : std::filesystem::path(o.model).stem();
   const std::string drawn = settings.noise_file.empty()
                                 ? "seed " + std::to_string(notes.seed.value_or(settings.seed))
                                 : "noise " + std::filesystem::path(settings.noise_file).filename().string();
-  const auto page = std::filesystem::path(o.out) / (name + ".html");
+  const auto page = std::filesystem::path(o.out) / (name + page_extension);
   ml::write_viewer(page, made, {.title = name, .info = drawn + ", model " + model.filename().string()});
   std::printf("Open %s in a browser to watch it.\n", std::filesystem::absolute(page).string().c_str());
 }

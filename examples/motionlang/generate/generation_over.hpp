@@ -1,6 +1,9 @@
 // The Generator over one backend, for models of any denoiser and text encoder.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/io/stmc_record.hpp>
 #include <motionlang/kinematics/blend.hpp>
@@ -121,13 +124,21 @@ class GeneratorOver final : public Generator {
     return ml::generate_around<B>(model_, timelines, ml::Philox{.seed = s.seed}, options, std::span<const ml::KeptMotion<B>>(kept));
   }
   /// Without jumps where what is kept begins and ends; turned and moved over the floor to where the clip is, where its
-  /// way is kept.
+  /// way is kept. Frames that are kept behind made ones are where these lead, which is noted.
   ml::Motion in_its_place(ml::Motion motion, const Kept& kept, const GenerationSettings& s) const {
     const auto ranges = kept_frames(*s.keep, kept.frames, motion.frames());
     if (s.smooth) motion = without_jumps(std::move(motion), ranges, ml::frame_at(s.overlap, model_.fps));
     if (!s.keep->parts.has(ml::BodyPart::legs)) return motion;
     const ml::Index first = std::ranges::min(ranges, {}, &ml::IndexRange::begin).begin;
-    return ml::placed(motion, ml::placement_between(motion, first, kept.clip, first));
+    motion = ml::placed(motion, ml::placement_between(motion, first, kept.clip, first));
+    if (s.notes != nullptr) {
+      for (const ml::IndexRange& r : ranges) {
+        const auto d =
+            motion.root[static_cast<std::size_t>(r.begin)] - kept.clip.root[static_cast<std::size_t>(r.begin)];
+        s.notes->kept_moved = std::max(s.notes->kept_moved, std::hypot(d.x, d.z));
+      }
+    }
+    return motion;
   }
   /// Made frames, at most so many beside those that are kept, lead from the ones to the others.
   static ml::Motion without_jumps(ml::Motion motion, const std::vector<ml::IndexRange>& kept, ml::Index frames) {

@@ -192,8 +192,9 @@ class Indexer {
   }
 
   void open_model() {
-    const std::string path = !o_.model.empty() ? o_.model : index_ ? index_->model().path : "";
-    if (path.empty()) ml::raise<usage_error>(102, "index: a new index needs a model (--model)");
+    const std::string path = !o_.model.empty() ? o_.model
+                             : index_          ? index_->model().path
+                                               : default_search_model().string();
     const std::string encoder = !o_.text_encoder.empty() ? o_.text_encoder : index_ ? index_->model().text_encoder : "";
     model_.emplace(folder_of(model_folder(path)), encoder.empty() ? fs::path() : folder_of(encoder));
     ml::IndexModel wanted{.id = model_->id(),
@@ -418,7 +419,8 @@ void add_index(CLI::App& app) {
       ->check(CLI::ExistingDirectory);
   c->add_option("-o,--out", o->out, "The index")->required();
   c->add_option("--model", o->model,
-                "Folder of TMR: of train-tmr or as it was published; that of the index unless given")
+                "Folder of TMR: of train-tmr or as it was published; that of the index unless given, of a new one the "
+                "model that comes with motionlang")
       ->check(CLI::ExistingDirectory);
   c->add_option("--text-encoder", o->text_encoder,
                 "Language model that the model reads, if it has no word pieces of its own: a folder, or a cache (.npy)")

@@ -8,11 +8,12 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../commands.hpp"
+#include "../files/input_files.hpp"
 #include "../files/motion_files.hpp"
+#include "../files/weights.hpp"
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "search_model.hpp"
-#include "../files/weights.hpp"
 
 namespace program {
 
@@ -54,6 +55,7 @@ class Search {
     if (o_.moments && o_.captions)
       ml::raise<usage_error>(102, "search: --moments and --captions are two different searches");
     if (!o_.html.empty()) require_folder_of(o_.html);
+    InputFiles{o_.index, o_.like, o_.model}.refuse(o_.html);
     const auto query = vector_of_query();
     const auto search = ml::open_motion_search(file_, o_.exact, o_.storage());
     const auto hits = o_.moments    ? search.moments(query, o_.top, o_.overlap)

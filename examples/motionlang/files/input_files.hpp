@@ -1,0 +1,48 @@
+// The files that a command reads, which it must not write: a result would take the place of what it is made from.
+#pragma once
+
+#include <filesystem>
+#include <initializer_list>
+#include <set>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <motionlang/core/error.hpp>
+
+#include "../usage_error.hpp"
+
+namespace program {
+
+class InputFiles {
+ public:
+  InputFiles() = default;
+  InputFiles(std::initializer_list<std::filesystem::path> files) {
+    for (const auto& file : files) add(file);
+  }
+  explicit InputFiles(const std::vector<std::string>& files) {
+    for (const auto& file : files) add(file);
+  }
+
+  /// A file, or all of a folder. "": none.
+  void add(const std::filesystem::path& file) {
+    if (file.empty()) return;
+    std::error_code problem;
+    files_.insert(std::filesystem::weakly_canonical(file, problem));
+    std::filesystem::recursive_directory_iterator entries(file, problem);
+    for (; entries != std::filesystem::recursive_directory_iterator(); entries.increment(problem))
+      files_.insert(std::filesystem::weakly_canonical(entries->path(), problem));
+  }
+
+  /// Throws usage_error 102 if the file is one of them, by whatever name.
+  void refuse(const std::filesystem::path& output) const {
+    std::error_code problem;
+    if (files_.contains(std::filesystem::weakly_canonical(output, problem)))
+      motionlang::raise<usage_error>(102, output.string(), " is what is read: name another file for the result");
+  }
+
+ private:
+  std::set<std::filesystem::path> files_;  // absolute, without links
+};
+
+}  // namespace program

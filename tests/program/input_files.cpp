@@ -1,0 +1,105 @@
+// What motionlang reads it does not write over: by another name, from folder into folder, of several kinds.
+#include <doctest/doctest.h>
+
+#include <motionlang/io/bvh.hpp>
+#include <motionlang/io/glb.hpp>
+#include <motionlang/io/module_file.hpp>
+#include <motionlang/io/npy.hpp>
+#include <motionlang/kinematics/skeleton_tables.hpp>
+
+#include "../support/rigs.hpp"
+#include "../support/synthetic_motion.hpp"
+#include "../support/temporary_folder.hpp"
+#include "process.hpp"
+
+namespace ml = motionlang;
+
+namespace {
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+struct Originals : TemporaryFolder {
+  void walk(const std::string& file, int frames = 20) const {
+    std::filesystem::create_directories((*this / file).parent_path());
+    ml::write_bvh(*this / file, synthetic::walk({.frames = frames}));
+  }
+  /// Refused for this file, which stays as it is.
+  void keeps(const std::string& file, const std::vector<std::string>& arguments, int code = 2) const {
+    const std::string before = ml::read_file(*this / file);
+    const Outcome out = ::run(arguments, path);
+    CHECK_MESSAGE(out.code == code, arguments[0], ": ", out.text);
+    CHECK_MESSAGE(contains(out.text, file + " is what is read"), out.text);
+    CHECK(ml::read_file(*this / file) == before);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("from folder into folder no original is written over") {
+  const Originals w;
+  w.walk("d/a/x.bvh", 10);
+  w.walk("d/a/a/x.bvh", 20);
+  w.keeps("d/a/x.bvh", {"convert", "d/a", "d", "--as", ".bvh"}, 1);
+  w.keeps("d/a/x.bvh", {"doctor", "d/a", "--clean", "d"});
+  ml::write_bvh(w / "d/page.bvh", synthetic::walk({.frames = 5}));
+  w.keeps("d/page.bvh", {"join", "d/page.bvh", "d/a/x.bvh", "-o", "d/page.bvh"});
+}
+
+TEST_CASE("a link to an original is the original") {
+  const Originals w;
+  w.walk("walk.bvh");
+  std::filesystem::create_symlink("walk.bvh", w / "link.bvh");
+  w.keeps("link.bvh", {"convert", "walk.bvh", "link.bvh", "--mirror"});
+  w.keeps("walk.bvh", {"convert", "link.bvh", "walk.bvh", "--mirror"});
+}
+
+TEST_CASE("a character, weights and texts are not written over") {
+  const Originals w;
+  w.walk("walk.bvh");
+  ml::write_file(w / "hero.glb", rigs::glb_of(rigs::skeleton_of(ml::skeleton_table("Mixamo"), 0, 1, {}, "mixamorig:")));
+  w.keeps("hero.glb", {"convert", "walk.bvh", "hero.glb", "--rig", "hero.glb", "--drop-animations"});
+
+  ml::TensorStore store;
+  store.add<double>("weight", ml::Shape{2}, std::vector<double>{1, 2}, ml::DType::F32);
+  ml::write_safetensors(w / "m.safetensors", store.views());
+  w.keeps("m.safetensors", {"convert", "m.safetensors", "m.safetensors", "--store", "F16"});
+
+  ml::write_file(w / "babel.json", std::string_view(R"({"1": {"babel_sid": 1, "url": "", "feat_p": "X/f_poses.npz",
+    "dur": 2.0, "seq_ann": {"labels": [{"raw_label": "walk", "proc_label": "walk", "seg_id": "a"}]},
+    "frame_ann": null}})"));
+  w.keeps("babel.json", {"convert", "babel.json", "babel.json"});
+}
+
+TEST_CASE("texts of two motions that would be one file are refused, those of no duration are named") {
+  const Originals w;
+  const auto entry = [](const char* id, const char* times) {
+    return ml::concat_text("\"", id, R"(": {"babel_sid": 7, "url": "", "feat_p": "X/f_poses.npz", "dur": 2.0,
+      "seq_ann": null, "frame_ann": {"labels": [{"proc_label": "sit", )",
+                           times, R"(}, {"proc_label": "walk", "start_t": 0, "end_t": 1}]}})");
+  };
+  ml::write_file(w / "babel.json", "{" + entry("7", R"("start_t": 0, "end_t": 0)") + "}");
+  const Outcome one = run({"convert", "babel.json", "texts"}, w.path);
+  CHECK_MESSAGE(one.code == 0, one.text);
+  CHECK_MESSAGE(contains(one.text, "babel.json: 1 texts of no duration are left out"), one.text);
+  CHECK(ml::read_file(w / "texts/texts/00007.txt") == "walk##0.0#1.0\n");
+
+  const std::string times = R"("start_t": 1, "end_t": 2)";
+  ml::write_file(w / "babel.json", "{" + entry("M/1", times.c_str()) + "," + entry("M_1", times.c_str()) + "}");
+  const Outcome two = run({"convert", "babel.json", "more"}, w.path);
+  CHECK(two.code == 1);
+  CHECK_MESSAGE(contains(two.text, "'M/1' and 'M_1' would both be the file M_1.txt"), two.text);
+  CHECK(!std::filesystem::exists(w / "more"));
+}
+
+TEST_CASE("a clip of a data set is not replaced by that of another motion") {
+  const Originals w;
+  w.walk("walk.bvh", 40);
+  REQUIRE(run({"convert", "walk.bvh", "set", "--features", "guoh3d"}, w.path).code == 0);
+  CHECK(run({"convert", "walk.bvh", "set", "--features", "guoh3d"}, w.path).code == 0);  // the same again
+  w.walk("walk.bvh", 60);
+  const std::string before = ml::read_file(w / "set/new_joint_vecs/walk.npy");
+  const Outcome other = run({"convert", "walk.bvh", "set", "--features", "guoh3d"}, w.path);
+  CHECK(other.code == 1);
+  CHECK_MESSAGE(contains(other.text, "the clip 'walk' is there already, of another motion"), other.text);
+  CHECK(ml::read_file(w / "set/new_joint_vecs/walk.npy") == before);
+}
