@@ -1267,6 +1267,12 @@ TEST_CASE("doctor: finds what is broken in a folder, writes a page and a mended 
   const auto over = w.run({"doctor", "data", "--clean", "data/deep/.."});
   CHECK(over.code == 2);
   CHECK_MESSAGE(contains(over.text, "is the folder of the originals"), over.text);
+  std::filesystem::create_symlink("loop.bvh", w / "clean/loop.bvh");  // to itself
+  std::filesystem::create_directory_symlink(".", w / "clean/again");
+  const auto circle = w.run({"doctor", "clean"});
+  CHECK(circle.code == 0);
+  CHECK_MESSAGE(contains(circle.text, "skipped: clean/loop.bvh: "), circle.text);
+  CHECK_MESSAGE(contains(circle.text, "3 motions, 3 without a finding"), circle.text);
   CHECK(w.run({"doctor", "nowhere"}).code == 2);
   std::filesystem::create_directories(w / "empty");
   CHECK(contains(w.run({"doctor", "empty"}).text, "no .bvh, .amc, .npz, .npy, .glb or .vrma file below 'empty'"));

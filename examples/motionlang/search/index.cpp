@@ -93,7 +93,8 @@ class LicenseFiles {
     for (const auto& entry : fs::directory_iterator(folder)) {
       std::string name = entry.path().stem().string();
       for (char& c : name) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
-      if (entry.is_regular_file() && (name == "LICENSE" || name == "LICENCE" || name == "COPYING"))
+      std::error_code none;
+      if (entry.is_regular_file(none) && (name == "LICENSE" || name == "LICENCE" || name == "COPYING"))
         found.insert(entry.path());
     }
     if (found.empty()) return {};
