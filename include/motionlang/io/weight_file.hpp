@@ -345,7 +345,7 @@ class WeightReader {
     add_tensor({.name = {}, .dtype = dtype, .shape = FileShape(std::span<const Index>(shape)), .bytes = bytes});
   }
   void add_copy(NpyArray array) {
-    memory_.spend(array.data.size());
+    memory_.spend(array.data.size() + array.place.size());
     const NpyArray& kept = memory_.keep(std::move(array));
     add_elements(kept.kind, kept.item_size, kept.shape, kept.data);
   }
