@@ -276,7 +276,9 @@ TEST_CASE("index: what is said later about clips that are there already: caption
   fs::remove(g / "clips/broken.bvh");
   fs::remove(g / "clips/LICENSE.txt");
   REQUIRE(g.index({"--license", "CC0"}).code == 0);
-  ml::write_file(g / "captions.tsv", "left\t1\t2\tlegs\ta person turns left\nleft\t2\t4\tlegs\tturns\n");
+  ml::write_file(g / "captions.tsv",
+                 "\xEF\xBB\xBF"
+                 "left\t1\t2\tlegs\ta person turns left\nleft\t2\t4\tlegs\tturns\n");  // a byte order mark
   const std::vector<std::string> again{"index", "clips", "-o", "moves.index"};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), again.begin(), again.end());
