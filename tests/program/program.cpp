@@ -326,6 +326,11 @@ TEST_CASE("check and info show what a file holds") {
   for (const char* line : {"timeline 0: 120 frames, 6.00 s, 2 texts cut into 4\n", "timeline 1: 40 frames, 2.00 s, 1 text\n"})
     CHECK_MESSAGE(contains(pieces.text, line), pieces.text);
   CHECK(!contains(pieces.text, "moves nothing"));
+  ml::write_file(w / "odd.txt", "walk \x1b[31mred # 0 # 2\n");  // what a terminal would obey
+  for (const char* command : {"check", "info"}) {
+    const auto odd = w.run({command, "odd.txt"});
+    CHECK_MESSAGE((contains(odd.text, "walk ?[31mred") && !contains(odd.text, "\x1b")), odd.text);
+  }
 }
 
 TEST_CASE("standard output that cannot be written is an error") {
