@@ -3,7 +3,7 @@
 #pragma once
 
 #include <fcntl.h>     // open
-#include <sys/stat.h>  // fstat, mkdir
+#include <sys/stat.h>  // fstat, fchmod, mkdir
 #include <unistd.h>    // read, write, close, getpid
 #if defined(_WIN32)
 #include <io.h>      // _commit
