@@ -1295,6 +1295,8 @@ TEST_CASE("embed: a cache in the layout of TMR and STMC") {
   REQUIRE(found.size() == 12);
   for (std::size_t i = 0; i < 12; ++i) CHECK(found[i] == doctest::Approx(wanted.span()[i]).epsilon(1e-5));
 
+  w.did({"embed", "texts.txt", "--encoder", "clip/", "-o", "named"});
+  CHECK(ml::EmbeddingCache::read(w / "named", "clip").count() == 3);
   w.did({"embed", "texts.txt", "--encoder", "clip/ViT-B-32.pt", "-o", "tokens", "--name", "clip", "--no-empty"});
   const auto tokens = ml::EmbeddingCache::read(w / "tokens", "clip");
   CHECK((tokens.count() == 2 && tokens.width() == 64 && tokens.find("walk").size() == 3 * 64));

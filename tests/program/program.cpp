@@ -326,6 +326,11 @@ TEST_CASE("check and info show what a file holds") {
   for (const char* line : {"timeline 0: 120 frames, 6.00 s, 2 texts cut into 4\n", "timeline 1: 40 frames, 2.00 s, 1 text\n"})
     CHECK_MESSAGE(contains(pieces.text, line), pieces.text);
   CHECK(!contains(pieces.text, "moves nothing"));
+  ml::write_file(w / "odd.txt", "walk \x1b[31mred # 0 # 2\n");  // what a terminal would obey
+  for (const char* command : {"check", "info"}) {
+    const auto odd = w.run({command, "odd.txt"});
+    CHECK_MESSAGE((contains(odd.text, "walk ?[31mred") && !contains(odd.text, "\x1b")), odd.text);
+  }
 }
 
 TEST_CASE("standard output that cannot be written is an error") {
@@ -1283,6 +1288,12 @@ TEST_CASE("doctor: finds what is broken in a folder, writes a page and a mended 
   const auto over = w.run({"doctor", "data", "--clean", "data/deep/.."});
   CHECK(over.code == 2);
   CHECK_MESSAGE(contains(over.text, "is the folder of the originals"), over.text);
+  std::filesystem::create_symlink("loop.bvh", w / "clean/loop.bvh");  // to itself
+  std::filesystem::create_directory_symlink(".", w / "clean/again");
+  const auto circle = w.run({"doctor", "clean"});
+  CHECK(circle.code == 0);
+  CHECK_MESSAGE(contains(circle.text, "skipped: clean/loop.bvh: "), circle.text);
+  CHECK_MESSAGE(contains(circle.text, "3 motions, 3 without a finding"), circle.text);
   CHECK(w.run({"doctor", "nowhere"}).code == 2);
   std::filesystem::create_directories(w / "empty");
   CHECK(contains(w.run({"doctor", "empty"}).text, "no .bvh, .amc, .npz, .npy, .glb or .vrma file below 'empty'"));

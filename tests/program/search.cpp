@@ -226,6 +226,15 @@ TEST_CASE("index: arrays of joints and of features as convert reads them, but no
                  {"joints.npy\t0.00\t5.00\t10\t50\t", "rows.npy\t0.00\t"});
 }
 
+TEST_CASE("index: a path that is not UTF-8 is skipped, a license becomes UTF-8") {
+  const Gallery g;
+  fs::rename(g / "clips/broken.bvh", g / "clips/w\xE4lzer.bvh");
+  ml::write_file(g / "clips/LICENSE.txt", "\xEF\xBB\xBF# \xA9 nobody\r\n");
+  check_contains(g.index(), 0, {"6 clips", "1 skipped", "w?lzer.bvh: [motionlang.io.404] the path is not UTF-8"});
+  check_contains(g.run({"index", "-o", "moves.index", "--list"}), 0, {"left.bvh\t0.00\t6.00\t20\t120\t\t? nobody\n"});
+  check_contains(g.index(), 0, {"(0 added, 0 removed, 0 renamed, 5 unchanged, 1 skipped)"});
+}
+
 TEST_CASE("index: listing, removing, captions") {
   const Gallery g;
   ml::write_file(g / "captions.tsv",
@@ -276,7 +285,9 @@ TEST_CASE("index: what is said later about clips that are there already: caption
   fs::remove(g / "clips/broken.bvh");
   fs::remove(g / "clips/LICENSE.txt");
   REQUIRE(g.index({"--license", "CC0"}).code == 0);
-  ml::write_file(g / "captions.tsv", "left\t1\t2\tlegs\ta person turns left\nleft\t2\t4\tlegs\tturns\n");
+  ml::write_file(g / "captions.tsv",
+                 "\xEF\xBB\xBF"
+                 "left\t1\t2\tlegs\ta person turns left\nleft\t2\t4\tlegs\tturns\n");  // a byte order mark
   const std::vector<std::string> again{"index", "clips", "-o", "moves.index"};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), again.begin(), again.end());

@@ -319,6 +319,15 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   const auto weights = ml::SafetensorsFile::open(clips / "warm/model/weights.safetensors");
   CHECK(ml::values_of<double>(weights.tensor("log_temperature")).front() != doctest::Approx(std::log(0.1)).epsilon(1e-4));
   CHECK(run({"evaluate", "warm/model", "--data", ".", "--captions", "captions.tsv"}, clips.path).code == 0);
+  const std::string whole = ml::read_file(clips / "warm/model/config.json");
+  std::string wrong = whole;
+  wrong.replace(wrong.find("\"num_layers\": "), 14, "\"num_layers\": -");
+  ml::write_file(clips / "warm/model/config.json", wrong);
+  const auto named = run({"evaluate", "warm/model", "--data", ".", "--captions", "captions.tsv"}, clips.path);
+  CHECK_MESSAGE(
+      contains(named.text, "[motionlang.config.101] warm/model/config.json: config: network: num_layers is -"),
+      named.text);
+  ml::write_file(clips / "warm/model/config.json", whole);
   const auto cold = clips.train("train-tmr", "cold", {"--set", "losses.learned_temperature=true", "--set", "losses.contrastive_loss=margin"});
   CHECK(contains(cold.text, "losses.learned_temperature is for info_nce"));
 

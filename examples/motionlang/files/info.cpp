@@ -23,7 +23,8 @@ namespace {
 /// Number, name and parent of each.
 void joints_of(const ml::Skeleton& s) {
   for (int j = 0; j < s.size(); ++j)
-    std::printf("  %3d %-24s %s\n", j, s.name(j).c_str(), j == 0 ? "" : s.name(s.parent(j)).c_str());
+    std::printf("  %3d %-24s %s\n", j, ml::printable(s.name(j)).c_str(),
+                j == 0 ? "" : ml::printable(s.name(s.parent(j))).c_str());
 }
 
 /// Of one position at least.
@@ -33,8 +34,8 @@ std::string extent_of(std::span<const ml::Vec3<double>> positions) {
 }
 
 void motion(const std::string& path, const ml::Motion& m) {
-  std::printf("%s: %s, %g frames per second, %.2f s, %s\n", path.c_str(), counted(m.frames(), "frame").c_str(), m.fps,
-              m.seconds(), counted(m.skeleton.size(), "joint").c_str());
+  std::printf("%s: %s, %g frames per second, %.2f s, %s\n", ml::printable(path).c_str(),
+              counted(m.frames(), "frame").c_str(), m.fps, m.seconds(), counted(m.skeleton.size(), "joint").c_str());
   if (m.frames() == 0) return;
   std::printf("  root moves within %s\n", extent_of(m.root).c_str());
   if (std::ranges::is_permutation(m.skeleton.names, ml::smpl24_skeleton().names)) {  // BVH has them depth first
@@ -61,7 +62,7 @@ void timelines(const std::string& path) {
                 static_cast<double>(t.end()) / 20);
     for (const auto& i : t.intervals)
       std::printf("  %6.2f - %6.2f s  %s\n", static_cast<double>(i.start) / 20, static_cast<double>(i.end) / 20,
-                  i.text.c_str());
+                  ml::printable(i.text).c_str());
   }
 }
 
@@ -108,11 +109,11 @@ void run(const std::string& path) {
   if (kind == ".bvh" || kind == ".amc" || is_gltf(path) || arrays) {
     std::string told;
     const auto motions = read_motions(path, {}, &told);
-    std::printf("%s", told.c_str());
+    std::printf("%s", ml::printable(told, "\n").c_str());
     if (motions.size() > 1) {
       std::printf("%zu %s\n", motions.size(), is_gltf(path) ? "animations" : kind == ".bvh" ? "roots" : "motions");
       for (std::size_t i = 0; i < motions.size(); ++i)
-        std::printf("  %zu %s, %.2f s\n", i, motions[i].name.c_str(), motions[i].seconds());
+        std::printf("  %zu %s, %.2f s\n", i, ml::printable(motions[i].name).c_str(), motions[i].seconds());
     }
     return motion(motions.size() == 1 ? path : path + ", 0 " + motions.front().name, motions.front());
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/amc.hpp>
@@ -122,14 +123,32 @@ bool is_second_form(const std::filesystem::path& file) {
   const auto folder = file.parent_path();
   return folder.filename() == "new_joints" && is_data_set(folder.parent_path());
 }
+void tell_skipped(const std::filesystem::path& path, const std::error_code& problem) {
+  std::fprintf(stderr, "skipped: %s: %s\n", ml::printable(path.string()).c_str(), problem.message().c_str());
+}
+/// What ended it before the end of the folder. Links to folders are not followed.
+std::error_code add_motion_files(const std::filesystem::path& folder, std::vector<std::filesystem::path>& files) {
+  std::error_code problem;
+  for (std::filesystem::directory_iterator at(folder, problem), end; !problem && at != end; at.increment(problem)) {
+    const auto& path = at->path();
+    std::error_code unknown;
+    const auto type = at->status(unknown).type();
+    if (type == std::filesystem::file_type::none) {
+      tell_skipped(path, unknown);
+    } else if (type == std::filesystem::file_type::directory && !at->is_symlink(unknown)) {
+      if (const auto inside = add_motion_files(path, files)) tell_skipped(path, inside);
+    } else if (type == std::filesystem::file_type::regular && is_motion_file(path) && !is_second_form(path)) {
+      if (kind_of(path) != ".npy" || has_frames(path)) files.push_back(path);
+    }
+  }
+  return problem;
+}
 }  // namespace
 
 std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file() || !is_motion_file(entry.path()) || is_second_form(entry.path())) continue;
-    if (kind_of(entry.path()) != ".npy" || has_frames(entry.path())) files.push_back(entry.path());
-  }
+  if (const auto problem = add_motion_files(folder, files))
+    ml::raise<ml::io_error>(401, "cannot read the folder ", folder.string(), ": ", problem.message());
   std::sort(files.begin(), files.end());
   return files;
 }

@@ -56,7 +56,8 @@ bool is_gltf(const std::filesystem::path& path);
 bool is_motion_file(const std::filesystem::path& path);
 
 /// The motion files in a folder and in those below it, in order, but not .npy files with one axis, which are mean and
-/// deviation of a data set.
+/// deviation of a data set. Folders below it that cannot be read and links that lead in a circle are skipped, and named on stderr. Throws
+/// io_error 401 if the folder itself cannot be read.
 std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder);
 
 /// Throws io_error 401 unless the folder is there in which a file is to be written: before long work rather than after it.

@@ -50,7 +50,7 @@ bool holds_joints(const std::filesystem::path& npy) {
 void show_weights(const std::filesystem::path& path) {
   const auto file = ml::open_weights(path);
   std::printf("%s: %s\n", path.string().c_str(), summary(file).c_str());
-  if (std::filesystem::is_directory(path)) std::printf("%s", describe_folder(path).c_str());
+  if (std::filesystem::is_directory(path)) std::printf("%s", ml::printable(describe_folder(path), "\n").c_str());
   for (const ml::FileValue& v : file.values()) {
     const std::string text = to_string(v);
     const auto lines = std::count(text.begin(), text.end(), '\n') + 1;

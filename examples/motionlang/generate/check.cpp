@@ -22,9 +22,9 @@ void run(const std::string& path, double fps, double overlap, const std::string&
     longest = config.denoiser.longest_crop();
   }
   auto written = read_timelines(path, fps);
-  if (in_turn) std::fprintf(stderr, "%s", program::in_turn(written, fps).c_str());
-  std::fprintf(stderr, "%s", told_whole_body_texts(written, timeline_source(path)).c_str());
-  std::fprintf(stderr, "%s", told_hidden_texts(written, timeline_source(path)).c_str());
+  if (in_turn) std::fprintf(stderr, "%s", ml::printable(program::in_turn(written, fps), "\n").c_str());
+  std::fprintf(stderr, "%s", ml::printable(told_whole_body_texts(written, timeline_source(path)), "\n").c_str());
+  std::fprintf(stderr, "%s", ml::printable(told_hidden_texts(written, timeline_source(path)), "\n").c_str());
   auto timelines = written;
   if (cut) cut_texts(timelines, fps);
   for (std::size_t m = 0; m < timelines.size(); ++m) {
@@ -38,7 +38,8 @@ void run(const std::string& path, double fps, double overlap, const std::string&
     std::printf("\n");
     for (const auto& i : plan.timeline.intervals) {
       std::printf("  %6.2f - %6.2f s  %-40s %s\n", static_cast<double>(i.start) / fps, static_cast<double>(i.end) / fps,
-                  i.text.empty() ? "(no text: moves freely)" : i.text.c_str(), ml::join_text(listed(i.parts)).c_str());
+                  i.text.empty() ? "(no text: moves freely)" : ml::printable(i.text).c_str(),
+                  ml::join_text(listed(i.parts)).c_str());
     }
     for (int p = 0; p < ml::body_part_count; ++p) {
       std::printf("  %-10s", ml::body_part_names[static_cast<std::size_t>(p)].data());
@@ -46,7 +47,7 @@ void run(const std::string& path, double fps, double overlap, const std::string&
         if (part.part != static_cast<ml::BodyPart>(p)) continue;
         const auto& text = plan.timeline.intervals[static_cast<std::size_t>(part.owner)].text;
         std::printf(" [%.2f-%.2f %s]", static_cast<double>(part.range.start) / fps,
-                    static_cast<double>(part.range.end) / fps, text.empty() ? "-" : text.c_str());
+                    static_cast<double>(part.range.end) / fps, text.empty() ? "-" : ml::printable(text).c_str());
       }
       std::printf("\n");
     }

@@ -44,6 +44,12 @@ std::vector<std::string> read_texts(const EmbedOptions& o) {
   return texts;
 }
 
+/// The last name of a path, whether a slash follows it or not.
+std::string last_name(const std::string& path) {
+  const auto whole = std::filesystem::absolute(path).lexically_normal();
+  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+}
+
 void run(EmbedOptions o) {
   const std::map<std::string, ml::Pooling> poolings{
       {"none", ml::Pooling::none}, {"mean", ml::Pooling::mean}, {"first", ml::Pooling::first}, {"end", ml::Pooling::end}};
@@ -51,7 +57,7 @@ void run(EmbedOptions o) {
   if (o.truncate) options.limits.truncate = true;
   options.limits.cleaning = ml::ClipCleaning::original;  // as STMC's own caches
   const auto encoder = ml::load_text_encoder<B>(o.encoder, options);
-  if (o.name.empty()) o.name = std::filesystem::path(o.encoder).lexically_normal().filename().string();
+  if (o.name.empty()) o.name = last_name(o.encoder);
   const auto texts = read_texts(o);
   const std::string probe = texts.empty() ? "" : texts.front();
   ml::EmbeddingCache cache(encoder.encode<B>(std::span(&probe, 1)).tokens.width());

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/io/vector_graph.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/search/motion_search.hpp>
@@ -75,7 +76,8 @@ bool is_below(const fs::path& path, const fs::path& folder) {
   return end == folder.end();
 }
 
-/// The first line of the file LICENSE (LICENCE, COPYING, with or without an extension) beside a motion or in a folder above it.
+/// The first line of the file LICENSE (LICENCE, COPYING, with or without an extension) beside a motion or in a folder above it, as
+/// UTF-8.
 class LicenseFiles {
  public:
   explicit LicenseFiles(fs::path top) : top_(std::move(top)) {}
@@ -93,14 +95,17 @@ class LicenseFiles {
     for (const auto& entry : fs::directory_iterator(folder)) {
       std::string name = entry.path().stem().string();
       for (char& c : name) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
-      if (entry.is_regular_file() && (name == "LICENSE" || name == "LICENCE" || name == "COPYING"))
+      std::error_code none;
+      if (entry.is_regular_file(none) && (name == "LICENSE" || name == "LICENCE" || name == "COPYING"))
         found.insert(entry.path());
     }
     if (found.empty()) return {};
-    const std::string text = ml::read_file(*found.begin());
-    const std::size_t first = text.find_first_not_of(" \t\r\n#"),
-                      last = text.find_first_of("\r\n", std::min(first, text.size()));
-    return first == text.npos ? std::string() : text.substr(first, std::min<std::size_t>(last - first, 200));
+    std::string first;
+    ml::detail::for_each_line(ml::read_file(*found.begin()), [&](std::string_view line, Index) {
+      line.remove_prefix(std::min(line.find_first_not_of(" \t#"), line.size()));
+      if (first.empty()) first = ml::printable(line.substr(0, 200));
+    });
+    return first;
   }
 
   fs::path top_;
@@ -296,7 +301,7 @@ class Indexer {
   }
   /// That of this call, else of the LICENSE file, else what the index had.
   std::string license_of(const fs::path& path, const std::string& before) const {
-    if (!o_.license.empty()) return o_.license;
+    if (!o_.license.empty()) return ml::printable(o_.license);
     const std::string& beside = licenses_->of(path.parent_path());
     return beside.empty() ? before : beside;
   }
@@ -329,6 +334,8 @@ class Indexer {
   /// Of a file the whole motions, or the parts of its motion that the table of captions names.
   std::vector<Prepared> prepare(const FileState& file) const {
     std::vector<Prepared> out;
+    if (!ml::is_utf8(file.path.string()))
+      ml::raise<ml::io_error>(404, "the path is not UTF-8, as which an index keeps it");
     const auto motions = read_motions(file.path, options_in_folder(o_.read, file.path));
     const auto found = lines_of_.find(named_as(file.path));
     const std::string content = checksum(file.path), lines = found != lines_of_.end() ? checksum(found->second) : "";

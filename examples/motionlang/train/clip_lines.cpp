@@ -5,6 +5,7 @@
 #include <map>
 
 #include <motionlang/compose/timeline_text.hpp>
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/features/amass_releases.hpp>
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/amc.hpp>
@@ -43,11 +44,9 @@ template <class Read>
 std::vector<ClipLine> read_rows(const std::filesystem::path& path, const char* expected, Read read) {
   std::vector<ClipLine> lines;
   const std::string text = ml::read_file(path);
-  std::size_t number = 0;
-  for (const std::string& row : split(text, "\n")) {
-    ++number;
-    if (row.empty() || row[0] == '#') continue;
+  ml::detail::for_each_line(text, [&](std::string_view row, ml::Index number) {
     const auto fields = split(row, "\t");
+    if (fields[0].starts_with('#') || (fields.size() == 1 && fields[0].empty())) return;
     ClipLine line{ml::concat_text(path.string(), ":", number), fields[0], fields[0], 0, 0, {}, {}};
     if (!read(line, fields))
       wrong(line, ml::concat_text("expected ", expected, ", separated by tabs; columns here: ", fields.size()));
@@ -55,7 +54,7 @@ std::vector<ClipLine> read_rows(const std::filesystem::path& path, const char* e
       if (t.empty()) wrong(line, "an empty text");
     }
     lines.push_back(std::move(line));
-  }
+  });
   if (lines.empty()) ml::raise<ml::io_error>(403, path.string(), ": no line with ", expected);
   return lines;
 }

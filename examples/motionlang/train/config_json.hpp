@@ -61,6 +61,17 @@ void require_sizes(const Network& n) {
   require_value("dropout", n.dropout, n.dropout >= 0 && n.dropout < 1, "0 or more, and less than 1");
 }
 
+/// Throws what config.require_sound() throws, with the place in front.
+template <class C>
+void require_sound(const C& config, const std::string& place) {
+  try {
+    config.require_sound();
+  } catch (const ml::config_error& e) {
+    const std::string_view message = e.what();
+    ml::raise<ml::config_error>(e.id(), place, ": ", message.substr(message.find("] ") + 2));
+  }
+}
+
 /// Members that the document has replace those of `config`; others stay. Throws config_error 103 for a name that is no
 /// member, with the one that is most like it; 107 for a value of the wrong kind; 101 for a number that means nothing.
 template <ml::Module C>
@@ -76,7 +87,7 @@ void read_config(C& config, const ml::JsonView& view) {
   }
   detail::ConfigReader read{view};
   ml::detail::each_field(read, ml::detail::walk(config));
-  if constexpr (requires { config.require_sound(); }) config.require_sound();
+  if constexpr (requires { config.require_sound(); }) require_sound(config, view.path());
 }
 
 namespace detail {

@@ -145,8 +145,8 @@ inline std::string read_file(const FilePath& path) {
   return std::string(reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size());
 }
 
-/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is. Of a symbolic link, the file
-/// that it leads to is written. Throws io_error 401, also for devices and pipes.
+/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is, which has its permissions. Of a
+/// symbolic link, the file that it leads to is written. Throws io_error 401, also for devices and pipes.
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
   static std::atomic<unsigned> writers{0};
   std::error_code problem;
@@ -163,7 +163,7 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
   std::string temporary;
   int opened = -1;
   do {  // a name that no other thread and no other machine has
-    temporary = concat_text(target, ".part-", ::getpid(), "-", writers++);
+    temporary = (followed.parent_path() / concat_text(".part-", ::getpid(), "-", writers++)).string();
     opened = detail::system::create(temporary.c_str());
   } while (opened < 0 && errno == EEXIST);
   int reason = 0;
@@ -174,6 +174,7 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
   const char* wrong = nullptr;
   {
     const detail::Descriptor file(opened);
+    if (file.get() >= 0) detail::system::copy_permissions(target.c_str(), file.get());
     if (file.get() < 0 || !file.write(contents))
       wrong = "write";
     else if (!detail::system::flush(file.get()))

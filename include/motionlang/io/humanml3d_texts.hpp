@@ -81,13 +81,14 @@ inline std::vector<MotionCaption> read_captions(const FilePath& path) {
   return parse_captions(detail::as_text(MappedFile::open(path)->bytes()), path.string());
 }
 
+/// `name` stands in messages.
 /// Laws    parse_captions(format_captions(x)) equals x
 /// Throws  timeline_error 510 for a caption or word that other readers would take apart: with '#', a line end, blanks
 ///         at its ends or in a word, '/' in a tag; io_error 403 for a time that is none
-inline std::string format_captions(std::span<const MotionCaption> captions) {
+inline std::string format_captions(std::span<const MotionCaption> captions, std::string_view name = "captions") {
   std::string out;
-  auto require = [](bool holds, const std::string& text) {
-    if (!holds) raise<timeline_error>(510, "'", text, "' cannot stand in a file of captions");
+  auto require = [&](bool holds, const std::string& text) {
+    if (!holds) raise<timeline_error>(510, name, ": '", text, "' cannot stand in a file of captions");
   };
   for (const MotionCaption& c : captions) {
     require(c.text.find_first_of("#\r\n") == c.text.npos && detail::trim(c.text) == c.text, c.text);
@@ -101,7 +102,8 @@ inline std::string format_captions(std::span<const MotionCaption> captions) {
       out += (i > 0 ? " " : "") + word + (tag.empty() ? "" : "/" + tag);
     }
     for (const double seconds : {c.start, c.end}) {
-      if (!(seconds >= 0 && std::isfinite(seconds))) raise<io_error>(403, "'", c.text, "': ", seconds, " is no time");
+      if (!(seconds >= 0 && std::isfinite(seconds)))
+        raise<io_error>(403, name, ": '", c.text, "': ", seconds, " is no time");
       out += '#' + detail::time_text(seconds);
     }
     out += '\n';

@@ -29,26 +29,65 @@ inline constexpr int max_json_depth = 256;
 
 namespace detail {
 
+/// Line and column of a byte of the text, "3:14".
+inline std::string json_place(std::string_view text, std::size_t byte) {
+  const std::string_view before = text.substr(0, std::min(byte, text.size()));
+  const std::size_t line = before.rfind('\n') + 1;  // npos + 1 = 0
+  return concat_text(std::count(before.begin(), before.end(), '\n') + 1, ":", before.size() - line + 1);
+}
 /// Throws io_error 403 with line and column of a byte of the text.
 [[noreturn]] inline void raise_json(std::string_view text, std::size_t byte, std::string_view name,
                                     std::string_view what) {
-  const std::string_view before = text.substr(0, std::min(byte, text.size()));
-  const std::size_t line = before.rfind('\n') + 1;  // npos + 1 = 0
-  raise<io_error>(403, name, ":", std::count(before.begin(), before.end(), '\n') + 1, ":", before.size() - line + 1,
-                  ": ", what);
+  raise<io_error>(403, name, ":", json_place(text, byte), ": ", what);
+}
+
+/// Position behind the string that begins at a quote; npos if it has no end.
+inline std::size_t json_string_end(std::string_view text, std::size_t quote) {
+  std::size_t at = quote + 1;
+  while (at < text.size() && text[at] != '"') at += text[at] == '\\' ? 2 : 1;
+  return at < text.size() ? at + 1 : text.npos;
+}
+/// Number of members of all objects in a document.
+inline std::size_t json_members(const nlohmann::json& document) {
+  std::size_t count = document.is_object() ? document.size() : 0;
+  if (document.is_structured()) {
+    for (const auto& value : document) count += json_members(value);
+  }
+  return count;
+}
+/// Throws io_error 403 for a name that stands twice in an object of the well-formed document in a part of the text.
+inline void refuse_json_repetition(std::string_view text, std::size_t begin, std::size_t size, std::string_view name) {
+  std::vector<std::map<std::string, std::size_t>> objects;  // around the place: names and where they are
+  const std::size_t end = begin + size;
+  for (std::size_t at = begin; at < end;) {
+    const std::size_t start = at++;
+    if (text[start] == '{') objects.emplace_back();
+    if (text[start] == '}') objects.pop_back();
+    if (text[start] != '"') continue;
+    at = json_string_end(text, start);
+    const std::size_t next = text.find_first_not_of(" \t\r\n", at);
+    if (next >= end || text[next] != ':') continue;  // a value
+    const std::string key = nlohmann::json::parse(text.substr(start, at - start)).get<std::string>();
+    const auto [first, is_new] = objects.back().emplace(key, start);
+    if (!is_new)
+      raise_json(text, start, name,
+                 concat_text("the name '", key, "' stands twice, first at ", json_place(text, first->second)));
+  }
 }
 
 /// Reads the document in `size` bytes of a text from `begin` on; messages give the place in the whole text.
 inline nlohmann::json parse_json_part(std::string_view text, std::size_t begin, std::size_t size,
                                       std::string_view name) {
   const std::string_view part = text.substr(begin, size);
-  const auto shallow = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+  std::size_t names = 0;
+  const auto shallow = [&](int depth, nlohmann::json::parse_event_t event, const nlohmann::json&) {
+    names += event == nlohmann::json::parse_event_t::key;
     if (depth > max_json_depth) raise<io_error>(403, name, ": nested deeper than ", max_json_depth, " levels");
     return true;
   };
   const auto malformed = [&](const nlohmann::json::parse_error& e) -> bool {
     const std::string_view message = e.what();
-    const std::size_t detail = message.rfind(": ");  // behind id and position
+    const std::size_t detail = message.find(": ");  // behind id and position
     raise_json(text, begin + (e.byte == 0 ? 0 : e.byte - 1), name,
                detail == message.npos ? message : message.substr(detail + 2));
   };
@@ -63,12 +102,13 @@ inline nlohmann::json parse_json_part(std::string_view text, std::size_t begin, 
   guard<nlohmann::json::parse_error>([&] { guard<nlohmann::json::out_of_range>(parse, too_large); }, malformed);
   if (document.is_discarded())
     raise_json(text, begin, name, "not JSON, or a number beyond the range of double");  // no exceptions
+  if (names != json_members(document)) refuse_json_repetition(text, begin, size, name);
   return document;
 }
 
 }  // namespace detail
 
-/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column.
+/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column, also where a name stands twice in an object.
 inline nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON") {
   return detail::parse_json_part(text, 0, text.size(), name);
 }

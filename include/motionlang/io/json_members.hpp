@@ -69,7 +69,10 @@ class JsonMembers {
     const std::size_t value = at_;
     skip_value();
     if (at_ == value) fail(at_, "expected a value");
-    if (!parts_.emplace(key, Part{value, at_ - value}).second) fail(start, "the name '" + key + "' stands twice");
+    const auto [first, is_new] = parts_.emplace(key, Part{value, at_ - value});
+    if (!is_new)
+      fail(start, concat_text("the name '", key, "' stands twice, first with the value at ",
+                              detail::json_place(text_, first->second.begin)));
     keys_.push_back(key);
   }
   /// To the place behind a value: brackets are counted and strings stepped over. What stands between them is for the
@@ -92,12 +95,9 @@ class JsonMembers {
     } while (depth > 0);
   }
   void skip_string() {
-    const std::size_t start = at_++;
-    for (; at_ < text_.size() && text_[at_] != '"'; ++at_) {
-      if (text_[at_] == '\\') ++at_;
-    }
-    if (at_ >= text_.size()) fail(start, "a string has no end");
-    ++at_;
+    const std::size_t end = detail::json_string_end(text_, at_);
+    if (end == text_.npos) fail(at_, "a string has no end");
+    at_ = end;
   }
 
   char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }

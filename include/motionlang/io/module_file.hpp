@@ -127,23 +127,21 @@ bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, 
 class TensorStore {
  public:
   /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error 301
-  /// for a number that F16 cannot hold.
+  /// for a number that would become infinite; F16 holds no NaN and infinity either.
   template <Scalar S>
   void add(std::string name, const FileShape& shape, std::span<const S> values, DType dtype) {
     switch (dtype) {
       case DType::F32:
+        require_held(name, values, dtype, std::numeric_limits<float>::infinity());
         return put<float>(std::move(name), shape, values, dtype, [](S x) { return static_cast<float>(x); });
       case DType::F64:
         return put<double>(std::move(name), shape, values, dtype, [](S x) { return static_cast<double>(x); });
       case DType::F16:
-        for (std::size_t i = 0; i < values.size(); ++i) {
-          if (!(std::abs(values[i]) < S(65520)))  // what rounds to infinity
-            raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i],
-                                 ", too large for F16");
-        }
+        require_held(name, values, dtype, 65520);
         return put<std::uint16_t>(std::move(name), shape, values, dtype,
                                   [](S x) { return float_to_half(static_cast<float>(x)); });
       case DType::BF16:
+        require_held(name, values, dtype, 0x1.FFp127F);
         return put<std::uint16_t>(std::move(name), shape, values, dtype,
                                   [](S x) { return float_to_bfloat16(static_cast<float>(x)); });
       default:
@@ -170,6 +168,16 @@ class TensorStore {
     FileShape shape;
     std::vector<std::byte> bytes;
   };
+  /// end   what rounds to infinity, and all above it
+  template <Scalar S>
+  static void require_held(const std::string& name, std::span<const S> values, DType dtype, float end) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (std::abs(static_cast<float>(values[i])) < end) continue;
+      if (std::isfinite(values[i]) || dtype == DType::F16)
+        raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i], ", too large for ",
+                             dtype);
+    }
+  }
   template <class Stored, Scalar S, class F>
   void put(std::string name, const FileShape& shape, std::span<const S> values, DType dtype, F convert) {
     Entry e{std::move(name), dtype, shape, std::vector<std::byte>(values.size() * sizeof(Stored))};

@@ -64,6 +64,7 @@ struct NpyArray {
   std::size_t item_size = 4;  // bytes of one element; a character of U has four
   std::vector<Index> shape;   // empty: a single value
   std::vector<std::byte> data;
+  std::string place = "NpyArray";  // for messages: where it was read
 
   /// Throws shape_error 205 if the number of values does not fit the shape.
   template <detail::NpyNumber T>
@@ -118,7 +119,7 @@ struct NpyArray {
         out.push_back(converted<T>(value));
       }
     });
-    if (!known) raise<io_error>(407, "NpyArray: elements of type ", type(), " are not numbers");
+    if (!known) raise<io_error>(407, place, ": elements of type ", type(), " are not numbers");
     return out;
   }
   /// The only element as T. Throws io_error 407 if there are more.
@@ -130,7 +131,7 @@ struct NpyArray {
 
   /// All texts as UTF-8, without the NULs that fill them up. Throws io_error 407 if the elements are numbers.
   std::vector<std::string> texts() const {
-    if (!is_text()) raise<io_error>(407, "NpyArray: elements of type ", type(), " are not texts");
+    if (!is_text()) raise<io_error>(407, place, ": elements of type ", type(), " are not texts");
     std::vector<std::string> out(static_cast<std::size_t>(count()));
     const std::size_t unit = kind == 'U' ? 4 : 1;
     for (std::size_t i = 0; i < out.size(); ++i) {
@@ -155,17 +156,17 @@ struct NpyArray {
 
  private:
   void require_one() const {
-    if (count() != 1) raise<io_error>(407, "NpyArray: ", count(), " elements where one is expected");
+    if (count() != 1) raise<io_error>(407, place, ": ", count(), " elements where one is expected");
   }
   template <class T, class E>
-  static T converted(E value) {
+  T converted(E value) const {
     if constexpr (std::same_as<E, detail::HalfBits>) {
       return converted<T>(half_to_float(value.bits));
     } else if constexpr (std::integral<T> && !std::same_as<T, bool>) {
       if constexpr (std::floating_point<E>) {
-        raise<io_error>(407, "NpyArray: real numbers where integers are expected");
+        raise<io_error>(407, place, ": real numbers where integers are expected");
       } else {
-        if (!std::in_range<T>(value)) raise<io_error>(407, "NpyArray: ", value, " is out of range");
+        if (!std::in_range<T>(value)) raise<io_error>(407, place, ": ", value, " is out of range");
         return static_cast<T>(value);
       }
     } else {
@@ -215,6 +216,7 @@ inline std::size_t checked_size(std::span<const Index> shape, std::size_t item_s
 inline NpyArray described_array(std::string_view type, std::vector<Index> shape, std::string_view where) {
   NpyArray array;
   array.shape = std::move(shape);
+  array.place = where;
   std::size_t digits = 0;
   const char* end = type.data() + type.size();
   if (type.size() < 3 || std::from_chars(type.data() + 2, end, digits).ptr != end || digits > 1'000'000'000) {

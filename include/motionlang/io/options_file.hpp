@@ -4,14 +4,16 @@
 ///     const auto options = read_options("run/opt.yaml");
 ///     const FileValue* width = find_value(options, "model/latent_dim");
 ///
-/// Of YAML the part that programs write: nested mappings and lists by indentation, plain and quoted texts, numbers, flat lists in
-/// brackets, tags (which are ignored). No texts of several lines, no anchors.
+/// Of YAML the part that programs write: nested mappings and lists by indentation, plain and quoted texts, numbers, flat lists and
+/// mappings in brackets, tags (which are ignored). No texts of several lines, no anchors.
 /// opt.txt is what text-to-motion, TM2T and MotionDiffuse write: a banner of dashes, lines of "key: value", a banner.
+/// A whole number of more than 64 bits is a text, its digits. A name that stands twice is refused.
 /// OmegaConf's references "${model.latent_dim}" are texts; `find_option` follows them.
 #pragma once
 
 #include <algorithm>  // replace
 #include <charconv>   // numbers
+#include <map>        // lines of keys
 #include <optional>   // a key without its value
 
 #include <motionlang/core/text_lines.hpp>
@@ -34,10 +36,14 @@ class OptionValues {
   }
   template <class T>
   void add(const std::string& path, T value) {
-    const std::size_t cost = 3 * sizeof(FileValue) + path.size();
-    if (cost > left_) raise<io_error>(405, file_, ": more options than a file of options has");
-    left_ -= cost;
+    spend(path);
     values_.push_back({path, std::move(value)});
+  }
+  /// Throws io_error 403 if the key at the end of the path stood in a line before.
+  void add_key(const std::string& path, std::size_t line) {
+    spend(path);
+    const auto [first, is_new] = lines_.emplace(path, line);
+    if (!is_new) raise<io_error>(403, file_, ":", line, ": '", path, "' stands twice, first in line ", first->second);
   }
   /// A plain or quoted text as what it means; nothing if it means that there is no value.
   void add_text(const std::string& path, std::string_view text);
@@ -49,7 +55,13 @@ class OptionValues {
 
  private:
   static constexpr std::size_t most_text = std::size_t{1} << 20;
+  void spend(const std::string& path) {
+    const std::size_t cost = 3 * sizeof(FileValue) + path.size();
+    if (cost > left_) raise<io_error>(405, file_, ": more options than a file of options has");
+    left_ -= cost;
+  }
   std::string_view file_;
+  std::map<std::string, std::size_t> lines_;  // of keys
   std::vector<FileValue> values_;
   std::size_t left_ = std::size_t{24} << 20;  // bytes
 };
@@ -79,7 +91,9 @@ inline void OptionValues::add_text(const std::string& path, std::string_view tex
   const char* const end = text.data() + text.size();
   const auto all_of_it = [&](const std::from_chars_result& r) { return r.ec == std::errc{} && r.ptr == end; };
   std::int64_t integer = 0;
-  if (!text.empty() && all_of_it(std::from_chars(text.data(), end, integer))) return add(path, integer);
+  const auto whole = std::from_chars(text.data(), end, integer);
+  if (!text.empty() && all_of_it(whole)) return add(path, integer);
+  if (whole.ec == std::errc::result_out_of_range && whole.ptr == end) return add(path, std::string(text));
   double real = 0;
   const bool number = !text.empty() && text.find_first_not_of("0123456789+-.eE") == text.npos;
   if (number && all_of_it(std::from_chars(text.data(), end, real))) return add(path, real);
@@ -101,7 +115,7 @@ class YamlReader {
     while (!text.empty()) {
       ++line_;
       const std::size_t end = std::min(text.find('\n'), text.size());
-      read_line(without_comment(text.substr(0, end)));
+      read_line(text.substr(0, end));
       text.remove_prefix(std::min(end + 1, text.size()));
     }
   }
@@ -115,6 +129,10 @@ class YamlReader {
     bool list;
     std::size_t items;
   };
+  struct Folded {  // a text that may go on in the next line: programs fold long ones
+    std::size_t indent;
+    char quote;  // in which it is still; else 0
+  };
   struct Pending {  // a key whose value follows on the next lines
     std::size_t indent;
     std::string path;
@@ -127,26 +145,37 @@ class YamlReader {
     const std::size_t first = text.find_first_not_of(" \r"), last = text.find_last_not_of(" \r");
     return first == text.npos ? std::string_view() : text.substr(first, last - first + 1);
   }
-  static std::string_view without_comment(std::string_view line) {
-    char quote = 0;
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      if (quote != 0) {
-        if (line[i] == quote) quote = 0;
-      } else if (is_quote(line[i]) && (i == 0 || std::string_view(" [,").find(line[i - 1]) != std::string_view::npos)) {
-        quote = line[i];
-      } else if (line[i] == '#' && (i == 0 || line[i - 1] == ' ')) {
-        return line.substr(0, i);
-      }
+  /// Position behind the quote that ends a quoted text, of which `at` is inside; the size of the text if there is none.
+  static std::size_t quote_end(std::string_view text, char quote, std::size_t at) {
+    for (; at < text.size(); ++at) {
+      const bool twice = text.substr(at).starts_with("''");
+      if (quote == '"' ? text[at] == '\\' : twice)
+        ++at;
+      else if (text[at] == quote)
+        return at + 1;
+    }
+    return text.size();
+  }
+  /// open   the quote of a text that began in a line before and goes on; else 0
+  static std::string_view without_comment(std::string_view line, char open) {
+    for (std::size_t i = open == 0 ? 0 : quote_end(line, open, 0); i < line.size();) {
+      const bool begins = i == 0 || std::string_view(" [,{").find(line[i - 1]) != std::string_view::npos;
+      if (line[i] == '#' && (i == 0 || line[i - 1] == ' ')) return line.substr(0, i);
+      i = begins && is_quote(line[i]) ? quote_end(line, line[i], i + 1) : i + 1;
     }
     return line;
   }
 
   void read_line(std::string_view line) {
     const std::size_t indent = std::min(line.find_first_not_of(' '), line.size());
-    const std::string_view text = trimmed(line);
+    const bool goes_on = folded_ && indent > folded_->indent;
+    const std::string_view text = trimmed(without_comment(line, goes_on ? folded_->quote : '\0'));
     if (text.empty() || text == "---" || text == "...") return;
     if (text[0] == '\t') fail(403, "a tab as indentation");
-    if (folded_ && indent > *folded_ && key_end(text) == text.npos && values.append_to_last(text)) return;
+    if (goes_on && (folded_->quote != 0 || key_end(text) == text.npos) && values.append_to_last(text)) {
+      if (folded_->quote != 0 && text.back() == folded_->quote) folded_.reset();
+      return;
+    }
     folded_.reset();
     const bool item = is_item(text);
     if (pending_) {
@@ -183,19 +212,24 @@ class YamlReader {
   }
   /// Position of the colon behind a key.
   static std::size_t key_end(std::string_view text) {
-    std::size_t from = 0;
-    if (is_quote(text[0])) from = std::min(text.find(text[0], 1), text.size());
+    if (text.empty() || text[0] == '[' || text[0] == '{') return text.npos;
+    const std::size_t from = is_quote(text[0]) ? quote_end(text, text[0], 1) : 0;
     for (std::size_t at = text.find(':', from); at != text.npos; at = text.find(':', at + 1)) {
       if (at + 1 == text.size() || text[at + 1] == ' ') return at;
     }
     return text.npos;
   }
+  /// The path of the key before a colon, in a mapping at `path`.
+  std::string key_path(const std::string& path, std::string_view text) {
+    text = trimmed(text);
+    const std::string out = below(path, is_quoted(text) ? unquoted(text) : std::string(text));
+    values.add_key(out, line_);
+    return out;
+  }
   void read_key(std::string_view text, std::size_t indent) {
     const std::size_t colon = key_end(text);
     if (colon == text.npos) fail(403, "a key with a colon expected");
-    const std::string_view key = trimmed(text.substr(0, colon));
-    read_value(below(levels_.back().path, is_quoted(key) ? unquoted(key) : std::string(key)),
-               trimmed(text.substr(colon + 1)), indent);
+    read_value(key_path(levels_.back().path, text.substr(0, colon)), trimmed(text.substr(colon + 1)), indent);
   }
 
   void read_value(const std::string& path, std::string_view text, std::size_t indent) {
@@ -205,30 +239,42 @@ class YamlReader {
       pending_ = Pending{indent, path};
     } else if (text[0] == '|' || text[0] == '>' || text[0] == '*') {
       fail(404, "texts of several lines and references are not read");
-    } else if (text[0] == '[' && text.back() == ']') {
-      text = text.substr(1, text.size() - 2);
-      for (std::size_t i = 0; !trimmed(text).empty(); ++i) {
-        const std::size_t comma = comma_outside_quotes(text);
-        const std::string_view element = trimmed(text.substr(0, comma));
-        if (element.starts_with('[') || element.starts_with('{')) fail(404, "brackets in brackets are not read");
-        values.add_text(below(path, concat_text(i)), element);
-        text.remove_prefix(std::min(comma + 1, text.size()));
-      }
+    } else if ((text[0] == '[' && text.back() == ']') || (text[0] == '{' && text.back() == '}')) {
+      read_brackets(path, text);
     } else {
       values.add_text(path, text);
-      if (text[0] != '[' && text[0] != '{') folded_ = indent;
+      const bool open = is_quote(text[0]) && quote_end(text, text[0], 1) == text.size() && text.back() != text[0];
+      if (text[0] != '[' && text[0] != '{') folded_ = Folded{indent, open ? text[0] : '\0'};
+    }
+  }
+  /// A list or a mapping in one line.
+  void read_brackets(const std::string& path, std::string_view text) {
+    const bool mapping = text[0] == '{';
+    text = text.substr(1, text.size() - 2);
+    for (std::size_t i = 0; !trimmed(text).empty(); ++i) {
+      const std::size_t comma = comma_outside_quotes(text);
+      std::string_view element = trimmed(text.substr(0, comma));
+      std::string place;
+      if (mapping) {
+        const std::size_t colon = key_end(element);
+        if (colon == element.npos) fail(403, "a key with a colon expected in the braces");
+        place = key_path(path, element.substr(0, colon));
+        element = trimmed(element.substr(colon + 1));
+      } else {
+        place = below(path, concat_text(i));
+      }
+      if (element.starts_with('[') || element.starts_with('{')) fail(404, "brackets in brackets are not read");
+      if (!mapping || !element.empty()) values.add_text(place, element);
+      text.remove_prefix(std::min(comma + 1, text.size()));
     }
   }
   static std::size_t comma_outside_quotes(std::string_view text) {
-    char quote = 0;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-      if (quote != 0) {
-        if (text[i] == quote) quote = 0;
-      } else if (text[i] == ',') {
-        return i;
-      } else if (is_quote(text[i]) && trimmed(text.substr(0, i)).empty()) {
-        quote = text[i];
-      }
+    char before = ':';  // no blank
+    for (std::size_t i = 0; i < text.size();) {
+      if (text[i] == ',') return i;
+      const std::size_t next = before == ':' && is_quote(text[i]) ? quote_end(text, text[i], i + 1) : i + 1;
+      if (text[i] != ' ') before = text[i];
+      i = next;
     }
     return text.size();
   }
@@ -237,7 +283,7 @@ class YamlReader {
   std::size_t line_ = 0;
   std::vector<Level> levels_;
   std::optional<Pending> pending_;
-  std::optional<std::size_t> folded_;  // indentation of a text that may go on in the next line: programs fold long ones
+  std::optional<Folded> folded_;
 };
 
 /// A file begins so if it is an opt.txt; of YAML a line of three dashes is part.
@@ -253,6 +299,7 @@ inline std::vector<FileValue> parse_option_lines(std::string_view text, std::str
     const std::size_t colon = line.find(':');
     if (colon == line.npos || colon == 0) raise<io_error>(403, name, ":", number, ": 'key: value' expected");
     const std::string key(line.substr(0, colon));
+    out.add_key(key, static_cast<std::size_t>(number));
     line.remove_prefix(std::min(line.find_first_not_of(' ', colon + 1), line.size()));
     if (line == "True" || line == "False")
       out.add(key, line == "True");
@@ -264,7 +311,7 @@ inline std::vector<FileValue> parse_option_lines(std::string_view text, std::str
 
 inline void add_json_values(const nlohmann::json& value, const std::string& path, OptionValues& out) {
   if (value.is_boolean()) out.add(path, value.get<bool>());
-  if (value.is_number_integer()) out.add(path, value.get<std::int64_t>());
+  if (value.is_number_integer()) out.add_text(path, value.dump());
   if (value.is_number_float()) out.add(path, value.get<double>());
   if (value.is_string()) out.add(path, value.get<std::string>());
   if (!value.is_structured()) return;

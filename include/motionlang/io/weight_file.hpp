@@ -179,7 +179,7 @@ class WeightReader {
   }
   void visit(const PickleValue& v) {
     spend_visits(v);
-    if (path_.size() > deepest || depth_ > 4 * deepest) return;
+    if (path_.size() > deepest || depth_ > 4 * deepest) return skip("a value that is nested too deeply", "");
     ++depth_;
     visit_kind(v);
     --depth_;
@@ -214,8 +214,12 @@ class WeightReader {
   void visit_entries(const PickleValue& v) {
     for (std::size_t i = 0; i < v.size(); ++i) {
       const PickleValue key = v.key(i);
-      if (key.is(PickleKind::text) || key.is(PickleKind::bytes)) visit_at(key.text(), v.value(i));
-      if (key.is(PickleKind::integer)) visit_at(concat_text(key.integer()), v.value(i));
+      if (key.is(PickleKind::text) || key.is(PickleKind::bytes))
+        visit_at(key.text(), v.value(i));
+      else if (key.is(PickleKind::integer))
+        visit_at(concat_text(key.integer()), v.value(i));
+      else
+        skip(concat_text("an entry whose key is ", key.kind()), "");
     }
   }
   void visit_list(const PickleValue& v) {
@@ -341,7 +345,7 @@ class WeightReader {
     add_tensor({.name = {}, .dtype = dtype, .shape = FileShape(std::span<const Index>(shape)), .bytes = bytes});
   }
   void add_copy(NpyArray array) {
-    memory_.spend(array.data.size());
+    memory_.spend(array.data.size() + array.place.size());
     const NpyArray& kept = memory_.keep(std::move(array));
     add_elements(kept.kind, kept.item_size, kept.shape, kept.data);
   }

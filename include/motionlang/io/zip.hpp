@@ -187,7 +187,7 @@ class ZipArchive {
   }
 
   static bool leads_out(const std::string& member) {
-    return member.empty() || member.front() == '/' || member.find("..") != std::string::npos ||
+    return member.empty() || member.front() == '/' || ("/" + member + "/").find("/../") != std::string::npos ||
            member.find_first_of(std::string_view("\0\\", 2)) != std::string::npos;
   }
 

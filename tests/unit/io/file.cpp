@@ -100,6 +100,18 @@ TEST_CASE("write_file: links to links are followed, and not in a circle") {
   CHECK_ERROR(ml::write_file(folder.path / "circle", "one"), "more than 40 links");
 }
 
+TEST_CASE("write_file: permissions of the file that is replaced stay") {
+  const TemporaryFolder folder;
+  const auto path = folder / "a";
+  const auto allowed = [&] { return std::filesystem::status(path).permissions(); };
+  ml::write_file(path, "one");
+  for (const unsigned mode : {0600U, 0640U, 0664U}) {
+    std::filesystem::permissions(path, std::filesystem::perms(mode));
+    ml::write_file(path, "two");
+    CHECK(allowed() == std::filesystem::perms(mode));
+  }
+}
+
 TEST_CASE("write_file: a pipe is not replaced") {
   const TemporaryFolder folder;
   const auto pipe = folder.path / "pipe";
@@ -117,6 +129,18 @@ TEST_CASE("write_file: behind a symbolic link the file is written, and the link 
   ml::write_file(folder / "link", std::string_view("new"));
   CHECK(std::filesystem::is_symlink(folder.path / "link"));
   CHECK(ml::read_file(folder / "disk/a") == "new");
+}
+
+TEST_CASE("write_file: names as long as the system takes, in the working folder and elsewhere") {
+  const TemporaryFolder folder;
+  const std::string longest(255, 'n');
+  ml::write_file(folder / longest, "one");
+  CHECK(ml::read_file(folder / longest) == "one");
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path);
+  ml::write_file(longest, "two");
+  CHECK(ml::read_file(longest) == "two");
+  std::filesystem::current_path(before);
 }
 
 TEST_CASE("write_file: two at once leave one of both, whole, and nothing beside it") {

@@ -74,7 +74,9 @@ TEST_CASE("captions: what was written is read again, what others would misread i
                                        {"a", {{"b/c", ""}}}}) {
     CHECK_ERROR(ml::format_captions(Captions{bad}), "[motionlang.timeline.510]");
   }
-  CHECK_ERROR(ml::format_captions(Captions{timed(-1, 0)}), "[motionlang.io.403]");
+  CHECK_ERROR(ml::format_captions(Captions{{"step #1", {}}}, "t.txt"),
+              "[motionlang.timeline.510] t.txt: 'step #1' cannot");
+  CHECK_ERROR(ml::format_captions(Captions{timed(-1, 0)}), "[motionlang.io.403] captions: '");
   CHECK_ERROR(ml::format_captions(Captions{timed(0, NAN)}), "[motionlang.io.403]");
 }
 
@@ -151,6 +153,9 @@ TEST_CASE("HumanML3D folder: what is refused") {
   longer.frames = 5;
   CHECK_ERROR(ml::write_humanml3d_clip(folder.path, longer), "[motionlang.shape.205]");
   CHECK_ERROR(ml::write_humanml3d_clip(folder.path, clip("b/c", 1)), "[motionlang.io.403]");
+  auto odd = clip("d", 1);
+  odd.captions = {{"step #1", {}}};
+  CHECK_ERROR(ml::write_humanml3d_clip(folder.path, odd), "texts/d.txt: 'step #1'");
   CHECK_ERROR(ml::write_humanml3d_statistics(folder.path, numbers(3), numbers(263)), "[motionlang.shape.205]");
   CHECK_ERROR(ml::write_humanml3d_clip(folder / "no/such/place", clip("a", 1)),
               "[motionlang.io.401] cannot make the folder");

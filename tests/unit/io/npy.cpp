@@ -137,6 +137,19 @@ TEST_CASE("what does not fit is refused when it is asked for") {
   CHECK_THROWS_WITH_AS(ml::NpyArray::of(std::span(two), {3}), doctest::Contains("205"), ml::shape_error);
 }
 
+TEST_CASE("what does not fit is refused with the file and the array") {
+  const TemporaryFolder folder;
+  const double pair[] = {1.5, 2};
+  ml::write_npz(folder / "a.npz",
+                std::vector<ml::NamedArray>{{"fps", ml::NpyArray::of(std::span<const double>(pair), {2})},
+                                            {"gender", ml::NpyArray::text("male")}});
+  const auto npz = ml::NpzArchive::open(folder / "a.npz");
+  CHECK_THROWS_WITH_AS(npz.read("fps").value<double>(), doctest::Contains("a.npz/fps: "), ml::io_error);
+  CHECK_THROWS_WITH_AS(npz.read("fps").to<int>(), doctest::Contains("a.npz/fps: "), ml::io_error);
+  CHECK_THROWS_WITH_AS(npz.read("fps").texts(), doctest::Contains("a.npz/fps: "), ml::io_error);
+  CHECK_THROWS_WITH_AS(npz.read("gender").to<float>(), doctest::Contains("a.npz/gender: "), ml::io_error);
+}
+
 TEST_CASE("hostile .npy files") {
   auto refused = [](const std::string& header, std::string_view data, const char* id) {
     CHECK_THROWS_WITH_AS(parse(header, data), doctest::Contains(id), ml::io_error);

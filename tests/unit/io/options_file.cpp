@@ -59,6 +59,38 @@ TEST_CASE("YAML: quotes hold commas, hashes, brackets and quotes") {
   CHECK(std::holds_alternative<std::string>(ml::parse_options("b: '5'\n", "x").front().value));
 }
 
+TEST_CASE("YAML: hashes behind quotes in quotes, and in texts of several lines") {
+  CHECK(listed("a: 'it''s # b'  # c\n") == "a=it's # b;");
+  CHECK(listed("a: \"x\\\" # y\" # c\n'k''s # l': 1\n") == "a=x\" # y;k's # l=1;");
+  CHECK(listed("a: ['it''s, # b', 2]\n") == "a/0=it's, # b;a/1=2;");
+  CHECK(listed("a: 'one\n  two # three: 3\n  four'  # c\nb: 1 # c\n") == "a=one two # three: 3 four;b=1;");
+  CHECK(listed("a: one\n\n# b\n  # c\n  two # c\n") == "a=one two;");
+}
+
+TEST_CASE("YAML: mappings in one line") {
+  CHECK(listed("a: {b: 1, 'c d': 'x, # y', e: , f: z}\ng: {}\n") == "a/b=1;a/c d=x, # y;a/f=z;");
+  CHECK(listed("- {a: 1, b: 2}\n- [1, 2]\n- {}\n") == "0/a=1;0/b=2;1/0=1;1/1=2;");
+  CHECK_ERROR(ml::parse_options("b: 1\na: {b: [1, 2]}\n", "x"), "[motionlang.io.404] x:2: brackets in brackets");
+  CHECK_ERROR(ml::parse_options("a: {b}\n", "x"), "[motionlang.io.403] x:1: a key with a colon expected in the braces");
+}
+
+TEST_CASE("a name that stands twice is refused with both lines") {
+  CHECK_ERROR(ml::parse_options("a:\n  b: 1\nc: 2\na:\n  d: 1\n", "x"),
+              "[motionlang.io.403] x:4: 'a' stands twice, first in line 1");
+  CHECK_ERROR(ml::parse_options("a:\n- b: 1\n  c: 2\n  b: 3\n", "x"), "x:4: 'a/0/b' stands twice, first in line 2");
+  CHECK_ERROR(ml::parse_options("a: {b: 1, b: 1}\n", "x"), "x:1: 'a/b' stands twice, first in line 1");
+  CHECK_ERROR(ml::parse_options("---- Options\nlr: 1\n\nlr: 2\n", "opt.txt"),
+              "opt.txt:4: 'lr' stands twice, first in line 2");
+  CHECK_ERROR(ml::parse_options("{\"lr\": 1,\n\"lr\": 2}", "x"), "x:2:1: the name 'lr' stands twice, first at 1:2");
+  CHECK(listed("a:\n- b: 1\n- b: 2\n") == "a/0/b=1;a/1/b=2;");
+}
+
+TEST_CASE("whole numbers of more than 64 bits are their digits") {
+  CHECK(listed("{\"a\": 18446744073709551615, \"b\": 9223372036854775807, \"c\": -9223372036854775808}") ==
+        "a=18446744073709551615;b=9223372036854775807;c=-9223372036854775808;");
+  CHECK(listed("a: 18446744073709551615\n") == "a=18446744073709551615;");
+}
+
 TEST_CASE("YAML: long texts that programs fold, a byte order mark, numbers that no number can hold") {
   CHECK(listed("a:\n  note: one two\n    three\n    four\n  b: 2\nc: 'it''s\n  long'\n") == "a/note=one two three four;a/b=2;c=it's long;");
   CHECK(listed("- one\n  two\n- 3\n") == "0=one two;1=3;");
@@ -108,7 +140,7 @@ TEST_CASE("references of OmegaConf lead to other options") {
 TEST_CASE("options take no more memory than options need") {
   CHECK_ERROR(ml::parse_options("a: " + std::string(2 << 20, 'x'), "x"), "[motionlang.io.405] x: 2097155 bytes");
   std::string wide = std::string(100'000, 'k') + ":\n";  // every path is that long
-  for (int i = 0; i < 1000; ++i) wide += " b: 1\n";
+  for (int i = 0; i < 1000; ++i) wide += ml::concat_text(" b", i, ": 1\n");
   CHECK_ERROR(ml::parse_options(wide, "x"), "more options than a file of options has");
   std::string nested = "{\"" + std::string(100'000, 'k') + "\": [0";
   for (int i = 0; i < 1000; ++i) nested += ",0";

@@ -138,7 +138,7 @@ TEST_CASE("checkpoints: the tensors are found, other entries are told, classes t
   CHECK(value<std::int64_t>(file, "epoch") == 3);
   CHECK(value<double>(file, "settings/rate") == 0.5);
   CHECK(value<double>(file, "optimizer_states/0/lr") == 0.1);
-  CHECK(file.skipped() == Skipped{{"config", "nobody.Config"}});
+  CHECK(file.skipped() == Skipped{{"config", "nobody.Config"}, {"", "an entry whose key is a name"}});
   CHECK(to_string(file.skipped().front()) == "nobody.Config at 'config'");
   CHECK(open("checkpoint.ckpt", {.path = "optimizer_states/0"}).names() == std::vector<std::string>{"state.0.exp_avg"});
   CHECK(open("checkpoint.ckpt", {.path = ""}).names() ==
@@ -157,6 +157,30 @@ TEST_CASE("each of several values of one class is skipped by its own keys, the f
   REQUIRE(file.skipped().size() == 1000);
   CHECK(to_string(file.skipped().front()) == "nobody.Layer at 'layers/0'");
   CHECK(to_string(file.skipped().back()) == "nobody.Layer at 'layers/999'");
+}
+
+TEST_CASE("whole numbers and bytes are keys; entries with others are skipped, and what is nested too deeply") {
+  using namespace std::string_view_literals;
+  const auto opened = [](std::string_view pickle) {
+    return ml::WeightFile::from_bytes(std::as_bytes(std::span(pickle)), "x.pkl");
+  };
+  const auto file =
+      opened("\x80\x03}(X\1\0\0\0a}(K\0}C\1b](K\1K\2esK\1\x85](K\3eG\0\0\0\0\0\0\0\0](K\4e\x88](K\5euu."sv);
+  CHECK(file.names() == std::vector<std::string>{"a/0/b"});
+  CHECK(file.skipped() == Skipped{{"a", "an entry whose key is a tuple"},
+                                  {"a", "an entry whose key is a real number"},
+                                  {"a", "an entry whose key is a truth value"}});
+  const auto nested = [&](int dictionaries) {
+    std::string pickle = "\x80\x02";
+    for (int i = 0; i < dictionaries; ++i) pickle += "}U\1k";
+    pickle += "](K\1K\2e" + std::string(static_cast<std::size_t>(dictionaries), 's');
+    return opened("\x80\x02(S'x'\n](K\1eS'y'\n" + pickle.substr(2) + "d.");
+  };
+  CHECK(nested(63).names().size() == 2);
+  CHECK(nested(63).skipped().empty());
+  CHECK(nested(64).names() == std::vector<std::string>{"x"});
+  REQUIRE(nested(64).skipped().size() == 1);
+  CHECK(nested(64).skipped().front().type == "a value that is nested too deeply");
 }
 
 TEST_CASE("a sparse matrix of another kind is skipped") {

@@ -8,6 +8,7 @@
 
 namespace ml = motionlang;
 using B = ml::ReferenceBackend<float>;
+using ml::DType;
 
 namespace {
 
@@ -43,4 +44,26 @@ TEST_CASE("a module that does not fit: names of both sides, shapes") {
               "2 tensors are missing, 3 are not expected:");
   CHECK_ERROR(ml::load_module(module, ml::open_weights(golden("lightning.ckpt")), "motiondecoder.final_layer."),
               "[motionlang.io.407]");
+}
+
+TEST_CASE("a number that would become infinite is not stored; infinity is") {
+  const auto stored = [](double value, DType dtype) {
+    ml::TensorStore store;
+    const double values[] = {1, value};
+    store.add("w", {2}, std::span<const double>(values), dtype);
+    return ml::values_of<double>(store.views().front()).at(1);
+  };
+  CHECK(stored(1e300, DType::F64) == 1e300);
+  CHECK(stored(0x1.FFFFFEp127, DType::F32) == 0x1.FFFFFEp127);
+  CHECK(stored(-0x1.FEp127, DType::BF16) == -0x1.FEp127);
+  CHECK(stored(65519, DType::F16) == 65504);
+  CHECK_ERROR(stored(1e39, DType::F32),
+              "[motionlang.numeric.301] TensorStore: number 1 of 'w' is 1e+39, too large for F32");
+  CHECK_ERROR(stored(-0x1.FFp127, DType::BF16), "too large for BF16");
+  CHECK_ERROR(stored(0x1.FEFFFFFFFFFp127, DType::BF16), "too large for BF16");
+  CHECK_ERROR(stored(65520, DType::F16), "too large for F16");
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  CHECK(stored(-infinite, DType::F32) == -infinite);
+  CHECK(stored(infinite, DType::BF16) == infinite);
+  CHECK_ERROR(stored(infinite, DType::F16), "is inf, too large for F16");
 }

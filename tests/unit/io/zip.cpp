@@ -81,6 +81,19 @@ TEST_CASE("members come back; the same members give the same bytes") {
   CHECK(ml::ZipArchive(ml::ZipWriter().finish(), "empty").entries().empty());
 }
 
+TEST_CASE("names with two dots in them stay in the archive, folders of this name lead out of it") {
+  for (const std::string name : {"a..b.npy", "..a", "a..", "a/...", "a../b"}) {
+    ml::ZipWriter zip;
+    zip.add(name, bytes_of("1"));
+    CHECK_MESSAGE(ml::ZipArchive(zip.finish(), "test.zip").entries().size() == 1, name);
+  }
+  for (const std::string name : {"..", "../a", "a/..", "a/../b"}) {
+    ml::ZipWriter zip;
+    zip.add(name, bytes_of("1"));
+    CHECK_THROWS_WITH_AS(ml::ZipArchive(zip.finish(), "test.zip"), doctest::Contains("leads out"), ml::io_error);
+  }
+}
+
 TEST_CASE("hostile archives") {
   const auto good = two_members();
   const std::size_t first = directory_entry(good, 0), second = directory_entry(good, 1), end = good.size() - 22;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <fcntl.h>     // open
-#include <sys/stat.h>  // fstat, mkdir
+#include <sys/stat.h>  // fstat, fchmod, mkdir
 #include <unistd.h>    // read, write, close, getpid
 #if defined(_WIN32)
 #include <io.h>      // _commit
@@ -54,6 +54,7 @@ inline bool is_regular(int file, std::uint64_t& size) {
   size = static_cast<std::uint64_t>(s.st_size);
   return true;
 }
+inline void copy_permissions(const char*, int) {}  // of a folder, for all in it
 inline bool flush(int file) { return ::_commit(file) == 0; }
 inline void unmap(void* data, std::size_t) { ::_aligned_free(data); }
 /// The whole file, for reading; null if that fails. size > 0. A copy: nobody could write a file anew that is mapped, such as the checkpoint
@@ -97,6 +98,11 @@ inline bool is_regular(int file, std::uint64_t& size) {
   if (::fstat(file, &s) != 0 || !S_ISREG(s.st_mode)) return false;
   size = static_cast<std::uint64_t>(s.st_size);
   return true;
+}
+/// Who may read and write an open file as another one, if that is there. Not every file system knows such permissions.
+inline void copy_permissions(const char* from, int to) {
+  struct stat s {};
+  if (::stat(from, &s) == 0) static_cast<void>(::fchmod(to, s.st_mode & 0777));
 }
 inline bool flush(int file) { return ::fsync(file) == 0; }
 /// The whole file, for reading; null if that fails. size > 0.
