@@ -54,7 +54,7 @@ void write_texts(const std::filesystem::path& folder, const std::vector<ml::Anno
     if (const auto [other, is_new] = ids.emplace(name, m.id); !is_new)
       ml::raise<ml::config_error>(102, folder.string(), ": '", other->second, "' and '", m.id,
                                   "' would both be the file ", name);
-    files[name] = ml::format_captions(captions_of(m));
+    files[name] = ml::format_captions(captions_of(m), name);
   }
   make_output_folder("output", folder / "texts");
   for (const auto& [name, text] : files) ml::write_file(folder / "texts" / name, text);
