@@ -12,7 +12,7 @@
 namespace ml = motionlang;
 using B = ml::EigenBackend<float>;
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   const std::string model = argc > 1 ? argv[1] : MOTIONLANG_DEFAULT_MODEL, folder = argc > 2 ? argv[2] : ".";
   const auto stmc = ml::load_stmc<B>(model);
   const auto timeline = ml::parse_timeline(
@@ -37,4 +37,7 @@ int main(int argc, char** argv) {
   ml::write_bvh(folder + "/text_to_motion.bvh", motion);
   ml::write_viewer(folder + "/text_to_motion.html", motion, {}, {.title = "walk forward, raise both arms"});
   std::printf("wrote text_to_motion.bvh and text_to_motion.html\n");
+} catch (const ml::error& e) {  // a file that is not there, ...
+  std::fprintf(stderr, "%s\n", e.what());
+  return 1;
 }

@@ -44,7 +44,7 @@ double difference(const ml::Motion& a, const ml::Motion& b) {
   return worst;
 }
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   const std::string base = (argc > 1 ? std::string(argv[1]) : std::string(".")) + "/swinging";
   const auto clip = swinging();
   ml::write_bvh(base + ".bvh", clip);
@@ -58,4 +58,7 @@ int main(int argc, char** argv) {
   report("GLB", ml::read_glb(base + ".glb", {.fps = 20}), 1e-4);
   report("AMASS npz", ml::read_amass(base + ".npz").motion, 1e-4);
   report("205-vector", ml::smplrifke_to_motion<double>(features), 1e-4);
+} catch (const ml::error& e) {  // a file that is not there, ...
+  std::fprintf(stderr, "%s\n", e.what());
+  return 1;
 }

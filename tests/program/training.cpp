@@ -307,6 +307,25 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
     CHECK_MESSAGE(contains(info("train-actor"), line), line);
   for (const char* line : {"model of                 tmr", "temperature 0.1", "guoh3d, 20 frames per second"})
     CHECK_MESSAGE(contains(info("train-tmr"), line), line);
+
+  // sizes that the file of weights has no room for
+  const auto enlarge = [&](const std::string& name, const nlohmann::json& sizes) {
+    const auto path = clips / (name + "_whole/model/config.json");
+    auto config = nlohmann::json::parse(ml::read_file(path));
+    config["config"].merge_patch(sizes);
+    ml::write_file(path, std::string_view(config.dump()));
+  };
+  const auto refused = [](const Outcome& out) {
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, "[motionlang.config.102] "), out.text);
+    CHECK_MESSAGE(contains(out.text, "width 65536"), out.text);
+  };
+  for (const std::string name : {"train-temos", "train-tmr", "train-actor"}) {
+    enlarge(name, {{"network", {{"latent_dim", 65536}}}});
+    refused(generate(name, {name == "train-actor" ? "--action" : "--text", "walk", "--seconds", "0.8"}));
+  }
+  enlarge("train-classifier", {{"hidden_size", 65536}});
+  refused(evaluate("train-classifier", {"--labels", "labels.tsv"}));
 }
 
 TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a model, motions of a model to learn from") {

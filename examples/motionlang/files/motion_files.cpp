@@ -163,9 +163,14 @@ std::string file_name(std::string name) {
 }
 
 std::string unique(const std::string& name, std::set<std::string>& taken) {
-  std::string own = name;
-  for (int k = 2; !taken.insert(own).second; ++k) own = name + "_" + std::to_string(k);
-  return own;
+  const auto numbered = [&](int k) { return k == 1 ? name : name + "_" + std::to_string(k); };
+  int next = 1;  // found by halves: thousands of animations may have one name
+  while (taken.contains(numbered(next))) next *= 2;
+  for (int last = next / 2; next - last > 1;) {
+    const int middle = (last + next) / 2;
+    (taken.contains(numbered(middle)) ? last : next) = middle;
+  }
+  return *taken.insert(numbered(next)).first;
 }
 
 std::filesystem::path asf_beside(const std::filesystem::path& amc) {
@@ -201,12 +206,12 @@ std::string left_out(const std::filesystem::path& path, const std::vector<std::s
 /// Each joint that some animation stretches is told once.
 std::vector<ml::Motion> every_animation(const std::filesystem::path& path, std::optional<double> fps, std::string* told) {
   const auto file = ml::GlbFile::open(path);
-  std::vector<ml::Motion> motions;
+  std::vector<ml::Motion> motions = file.motions(fps);
   std::vector<std::string> stretched;
-  for (ml::Index i = 0; i < std::ssize(file.animation_names()); ++i) {
-    motions.push_back(file.motion(i, fps));
+  std::set<std::string> known;
+  for (ml::Index i = 0; i < std::ssize(motions); ++i) {
     for (std::string& joint : file.stretched_joints(i)) {
-      if (std::ranges::find(stretched, joint) == stretched.end()) stretched.push_back(std::move(joint));
+      if (known.insert(joint).second) stretched.push_back(std::move(joint));
     }
   }
   if (motions.empty()) ml::raise<ml::config_error>(103, path.string(), ": no animation");

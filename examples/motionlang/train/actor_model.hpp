@@ -11,6 +11,7 @@
 #include <optional>
 
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/io/actor_file.hpp>
 #include <motionlang/io/run_folder.hpp>
 #include <motionlang/metrics/gru_classifier.hpp>
 #include <motionlang/metrics/stgcn.hpp>
@@ -77,6 +78,14 @@ struct Classifier {
   }
 };
 
+/// Compares the sizes of a config.json with the file of weights, before memory is taken for them. Throws config_error 102.
+inline void require_room(const ml::TensorSet& weights, const ClassifierConfig& c) {
+  if (c.kind == "gru")
+    ml::detail::check_room(weights, 72, c.hidden_size, c.hidden_size, c.num_layers);
+  else
+    ml::detail::check_room(weights, 0, c.width, 0, 64);  // the layers of 64 matrices: less than its convolutions have
+}
+
 /// What config.json says of either.
 template <class Config>
 struct ActionModelFile {
@@ -108,9 +117,12 @@ void save_action_model(const std::filesystem::path& folder, const M& weights, co
   model.others["labels"] = file.labels;
   overwrite_model(folder, model, store);
 }
+inline ml::SafetensorsFile open_action_weights(const std::filesystem::path& folder) {
+  return ml::SafetensorsFile::open(folder / "weights.safetensors");
+}
 template <ml::Module M>
-void load_action_weights(M& model, const std::filesystem::path& folder) {
-  ml::load_module(model, ml::SafetensorsFile::open(folder / "weights.safetensors"));
+void load_action_weights(M& model, const ml::SafetensorsFile& weights) {
+  ml::load_module(model, weights);
   ml::prepare(model);
 }
 
@@ -139,9 +151,12 @@ struct ActorModel {
       return;
     }
     file = read_action_config<ActorTrainingConfig>(folder, "actor");
+    const auto weights = open_action_weights(folder);
+    const ml::ActorConfig sizes = actor_sizes(file.config, std::ssize(file.labels));
+    ml::detail::check_actor_room(weights, sizes);
     ml::NoInit zeros;
-    actor = ml::Actor<B>(actor_sizes(file.config, std::ssize(file.labels)), zeros);
-    load_action_weights(actor, folder);
+    actor = ml::Actor<B>(sizes, zeros);
+    load_action_weights(actor, weights);
   }
 
   /// Motions in the pose representation of a classifier, without the way of the root where it (ST-GCN) does not read it.

@@ -53,9 +53,11 @@ TextMotionModel<B, System> make_babel_model(const Config& c, ml::Index width, st
 /// Throws what the readers throw.
 template <template <class> class System, ml::Backend B, class Config>
 TextMotionModel<B, System> load_babel_model(const std::filesystem::path& folder, const TextModelFile<Config>& file) {
+  const auto weights = ml::open_weights(folder);
+  require_room(weights, file);
   auto model = make_babel_model<System, B>(file.config, ml::motion_features(file.config.features).width, file.pieces,
                                            ml::Philox{});
-  ml::load_module(model, ml::open_weights(folder));
+  ml::load_module(model, weights);
   ml::prepare(model);
   return model;
 }

@@ -38,9 +38,11 @@ struct Judge {
 
   /// A classifier of train-classifier.
   explicit Judge(const std::filesystem::path& folder)
-      : file(read_action_config<ClassifierConfig>(folder, "classifier")),
-        classifier(file.config, std::ssize(file.labels), ml::Philox{}) {
-    load_action_weights(classifier, folder);
+      : file(read_action_config<ClassifierConfig>(folder, "classifier")) {
+    const auto weights = open_action_weights(folder);
+    require_room(weights, file.config);
+    classifier = Classifier<B>(file.config, std::ssize(file.labels), ml::Philox{});
+    load_action_weights(classifier, weights);
   }
   /// The file of a published one: ST-GCN, or a GRU that reads the 24 joints of SMPL with the way of the root, or the 18
   /// points of NTU-13 without it. It sees motions of the rate of the model and as they face, in the world of a camera.

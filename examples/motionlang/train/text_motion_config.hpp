@@ -35,6 +35,7 @@ struct TextTokensConfig {
   ml::Index vocabulary = 800;  // of word pieces
   bool finetune = false;       // DistilBERT is trained, too
 
+  void require_sound() const { require_value("width", width, width >= 1 && width <= 65'536, "1 to 65536"); }
   static constexpr auto fields() {
     using C = TextTokensConfig;
     return ml::fields("encoder", &C::encoder, "width", &C::width, "vocabulary", &C::vocabulary, "finetune",

@@ -104,6 +104,20 @@ inline ActorConfig actor_config(const RunReader& r) {
   return c;
 }
 
+/// Throws config_error 102 for sizes that the file has no room for.
+inline void check_actor_room(const TensorSet& file, const ActorConfig& c) {
+  const Index features = c.njoints * c.nfeats;
+  const auto one_is = [&c](ActorEncoderKind encoder, ActorDecoderKind decoder) {
+    return c.encoder == encoder || c.decoder == decoder;
+  };
+  const bool transformer = one_is(ActorEncoderKind::tokens, ActorDecoderKind::transformer) ||
+                           one_is(ActorEncoderKind::average, ActorDecoderKind::autoregressive);
+  const bool layers = transformer || one_is(ActorEncoderKind::gru, ActorDecoderKind::gru);
+  check_room(file, features + c.num_classes, c.latent_dim, transformer ? c.ff_size : 0, layers ? c.num_layers : 0);
+  if (one_is(ActorEncoderKind::fully_connected, ActorDecoderKind::fully_connected))
+    check_room(file, 512 * features, c.num_frames, 0, 0);  // the layer that reads or writes all frames
+}
+
 }  // namespace detail
 
 /// Frames of the longest motions that a run learned from: num_frames. Where that is -1 (whole clips) or -2 (windows of any length)
@@ -147,8 +161,10 @@ inline ActorPointOptions actor_point_options(const RunFolder& run, const TensorS
 /// `run` has the options, if there are any.
 template <Backend B>
 Actor<B> load_actor(const TensorSet& file, const RunFolder& run = {}) {
+  const ActorConfig config = detail::actor_config(detail::RunReader(run, file, ""));
+  detail::check_actor_room(file, config);
   NoInit zeros;
-  Actor<B> model(detail::actor_config(detail::RunReader(run, file, "")), zeros);
+  Actor<B> model(config, zeros);
   detail::load_run_module(model, file, "", [](const std::string& name) {
     return name.ends_with(".pe") || name.starts_with("rotation2xyz.");
   });

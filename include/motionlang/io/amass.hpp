@@ -59,11 +59,12 @@ inline void require_smpl(const Skeleton& skeleton) {
 /// Writes trans (N, 3), poses (N, 156; fingers 0), betas, gender and the frame rate under both of its spellings.
 /// motion       on a skeleton whose first 22 joints are SMPL's; joints after them (the hands) are left out
 /// rest_pelvis  J_0 of the body that will be shown, in the model's own frame; see the head of this file
-/// Throws       config_error 106 for another skeleton, io_error 401
+/// Throws       config_error 106 for another skeleton, numeric_error 301 if a number is not finite, io_error 401
 inline void write_amass(const FilePath& path, const Motion& motion, const AmassBody& body = {},
                         const Vec3<double>& rest_pelvis = {}) {
   motion.validate();
   detail::require_smpl(motion.skeleton);
+  detail::require_finite_betas(path.string(), body.betas);
   std::vector<double> trans, poses;
   const Quaternion<double> upright = detail::quarter_turn_about_x(1);
   for (Index frame = 0; frame < motion.frames(); ++frame) {

@@ -7,6 +7,7 @@
 
 #include <algorithm>    // copy_n, find
 #include <array>        // names of parts
+#include <cmath>        // isfinite
 #include <optional>     // a rate that may be missing
 #include <string_view>  // names of arrays
 
@@ -68,6 +69,13 @@ inline std::string amass_gender(const ZipArchive& zip) {
   return std::string(pickle.root().state()[4][0].text());  // version, shape, element type, order, elements
 }
 
+/// Throws numeric_error 301.
+inline void require_finite_betas(const std::string& file, std::span<const double> betas) {
+  for (std::size_t i = 0; i < betas.size(); ++i) {
+    if (!std::isfinite(betas[i])) raise<numeric_error>(301, file, ": number ", i, " of 'betas' is ", betas[i]);
+  }
+}
+
 }  // namespace detail
 
 /// The array that the poses of a sequence begin with: "poses", or "root_orient" or "global_orient" where they are stored
@@ -95,15 +103,19 @@ inline std::optional<double> amass_rate(const NpzArchive& npz) {
 /// fps     frames per second of a file that does not say them; 0: it is refused
 /// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are no
 ///         motion), 407 if one has another shape, 403 for an impossible frame rate; config_error 102 if the file says
-///         another rate
+///         another rate; numeric_error 301 if a number of betas is not finite
 inline AmassSequence read_amass_sequence(const FilePath& path, double fps = 0) {
   const ZipArchive zip = ZipArchive::open(path);
   const NpzArchive npz(zip);
+  constexpr Index most_columns = 4096;
   auto matrix = [&](std::string_view name) {
     NpyArray array = npz.read(name);
     if (array.shape.size() != 2) {
       raise<io_error>(407, npz.file(), ": '", name, "' has ", array.shape.size(), " axes, 2 are expected");
     }
+    if (array.shape[1] > most_columns)  // of no rows they could be any number
+      raise<io_error>(405, npz.file(), ": '", name, "' has ", array.shape[1], " columns, at most ", most_columns,
+                      " are expected");
     return array;
   };
   AmassSequence out;
@@ -135,6 +147,7 @@ inline AmassSequence read_amass_sequence(const FilePath& path, double fps = 0) {
     const NpyArray betas = npz.read("betas");
     out.betas = betas.to<double>();
     if (betas.shape.size() == 2) out.betas.resize(std::min(out.betas.size(), static_cast<std::size_t>(betas.shape[1])));
+    detail::require_finite_betas(npz.file(), out.betas);
   }
   return out;
 }

@@ -7,6 +7,7 @@
 /// stands where the parent bone ends, and its rotation turns the bone. In the rest pose all rotations are the identity.
 #pragma once
 
+#include <charconv>  // from_chars: numbers of frames
 
 #include <motionlang/geometry/degree.hpp>
 #include <motionlang/io/detail/asf_parser.hpp>
@@ -48,7 +49,8 @@ class AmcParser {
       : scan_(text, name),
         asf_(asf),
         limit_(max_text_rotations(text.size())),
-        unit_(asf.degrees ? degree : 1) {
+        unit_(asf.degrees ? degree : 1),
+        named_(asf.bones.size()) {
     motion_.name = name;
     motion_.skeleton = to_skeleton(asf);
   }
@@ -64,12 +66,13 @@ class AmcParser {
       } else if (word.find_first_not_of("0123456789") == word.npos) {
         if (!scan_.began_line())
           scan_.fail(403, "'", TextScanner::shortened(word), "' is a value too many, or a frame that begins no line");
-        new_frame();
+        new_frame(word);
       } else {
         values(word);
       }
     }
     if (motion_.root.empty()) scan_.fail(402, "no frame");
+    require_all_bones();
     motion_.validate();
     return std::move(motion_);
   }
@@ -80,7 +83,14 @@ class AmcParser {
     if (same_word(word, ":radians")) unit_ = 1;
     scan_.rest_of_line();
   }
-  void new_frame() {
+  /// Frames are numbered one after the other, from any number on.
+  void new_frame(std::string_view word) {
+    std::uint64_t number = 0;
+    const bool too_long = std::from_chars(word.data(), word.data() + word.size(), number).ec != std::errc{};
+    if (too_long) scan_.fail(403, "frame ", TextScanner::shortened(word), ", a number too large");
+    if (!motion_.root.empty() && number != number_ + 1) scan_.fail(403, "frame ", number, " after frame ", number_);
+    if (!motion_.root.empty()) require_all_bones();
+    number_ = number;
     const std::size_t joints = asf_.bones.size();
     if (motion_.local.size() + joints > limit_) {
       scan_.fail(405, "more than ", motion_.frames(), " frames of ", joints, " bones");
@@ -88,12 +98,23 @@ class AmcParser {
     motion_.root.push_back(motion_.skeleton.offset(0));
     motion_.local.resize(motion_.local.size() + joints, Quaternion<double>::identity());
   }
+  /// Bones without a degree of freedom need not be named.
+  void require_all_bones() const {
+    for (std::size_t b = 0; b < named_.size(); ++b) {
+      if (named_[b] != motion_.root.size() && !asf_.bones[b].channels.empty())
+        scan_.fail(403, "frame ", number_, ", which ends here, has none of the ", asf_.bones[b].channels.size(),
+                   " numbers of '", asf_.bones[b].name, "'");
+    }
+  }
   /// The numbers of one bone in the current frame.
   void values(std::string_view name) {
     const int number = asf_.find(name);
     if (number < 0) scan_.fail(403, "the skeleton has no bone '", TextScanner::shortened(name), "'");
     if (motion_.root.empty()) scan_.fail(403, "numbers of '", name, "' before the first frame");
     const AsfBone& bone = asf_.bones[static_cast<std::size_t>(number)];
+    std::size_t& frames = named_[static_cast<std::size_t>(number)];
+    if (frames == motion_.root.size()) scan_.fail(403, "frame ", number_, " has numbers of '", name, "' twice");
+    frames = motion_.root.size();
     Vec3<double> translation{};
     Quaternion<double> turn = Quaternion<double>::identity();
     for (const AsfChannel& channel : bone.channels) {
@@ -111,14 +132,17 @@ class AmcParser {
   const AsfSkeleton& asf_;
   std::size_t limit_;  // of rotations
   double unit_;        // radians per unit of the angles
+  std::uint64_t number_ = 0;        // of the frame
+  std::vector<std::size_t> named_;  // frames that there were when a bone was named last
   Motion motion_;
 };
 
 }  // namespace detail
 
-/// Reads the text of an AMC file that belongs to the skeleton. Bones that a frame does not name rest; translations
-/// count for the root only. Throws io_error 402 (too short), 403 (malformed, unknown bone), 405 (far more bones
-/// than numbers), config_error 101 (fps), numeric_error 301 (numbers so large that they overflow).
+/// Reads the text of an AMC file that belongs to the skeleton. Bones without a degree of freedom rest; translations
+/// count for the root only. Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after
+/// the other, bones that a frame names twice or not at all), 405 (far more bones than numbers), config_error 101 (fps),
+/// numeric_error 301 (numbers so large that they overflow).
 inline Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options = {},
                         std::string_view name = "AMC text") {
   return detail::AmcParser(text, name, asf).parse(options.fps);

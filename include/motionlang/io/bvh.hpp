@@ -340,7 +340,7 @@ inline Bvh to_bvh(const Motion& motion, const BvhWriteOptions& options = {}) {
   }
   return file;
 }
-/// Throws io_error 401 and as to_bvh.
+/// Throws io_error 401 and as to_bvh, format_bvh.
 inline void write_bvh(const FilePath& path, const Motion& motion, const BvhWriteOptions& options = {}) {
   write_bvh(path, to_bvh(motion, options));
 }

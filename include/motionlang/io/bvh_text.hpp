@@ -3,6 +3,7 @@
 /// they mean as a `Motion` is in bvh.hpp.
 #pragma once
 
+#include <cmath>       // isfinite
 #include <cstdint>     // BvhChannel
 #include <vector>      // nodes, values
 
@@ -205,7 +206,15 @@ inline void append_node(std::string& out, const BvhNode& node, int depth) {
 
 /// The text of a file that strict, line-based readers (Blender's) accept too: one keyword a line, one frame a line, LF,
 /// fixed notation with six decimals, nothing after the last frame. The frame time has up to nine decimals.
+/// Throws numeric_error 301 for a number that is not finite, 302 for a frame time that would be written as 0.
 inline std::string format_bvh(const Bvh& file) {
+  const auto require_finite = [&](double number, const auto&... what) {
+    if (!std::isfinite(number)) raise<numeric_error>(301, "BVH: motion '", file.name, "': ", what..., " is ", number);
+  };
+  require_finite(file.frame_time, "the frame time");
+  if (!(file.frame_time >= 1e-9))
+    raise<numeric_error>(302, "BVH: motion '", file.name, "': the frame time is ", file.frame_time,
+                         " s, expected 1e-09 or more");
   std::string out = "HIERARCHY\n";
   std::vector<int> open;  // nodes whose brace is not closed
   auto close = [&] {
@@ -215,6 +224,8 @@ inline std::string format_bvh(const Bvh& file) {
   for (std::size_t n = 0; n < file.nodes.size(); ++n) {
     const BvhNode& node = file.nodes[n];
     while (!open.empty() && open.back() != node.parent) close();
+    for (const double x : {node.offset.x, node.offset.y, node.offset.z})
+      require_finite(x, "a number of the offset of '", node.name, "'");
     detail::append_node(out, node, static_cast<int>(open.size()));
     open.push_back(static_cast<int>(n));
   }
@@ -227,13 +238,15 @@ inline std::string format_bvh(const Bvh& file) {
   const Index columns = file.channels();
   for (Index f = 0; f < file.frames; ++f) {
     for (Index c = 0; c < columns; ++c) {
-      detail::append_fixed(out, file.values[static_cast<std::size_t>(f * columns + c)], 6);
+      const double value = file.values[static_cast<std::size_t>(f * columns + c)];
+      require_finite(value, "number ", c, " of frame ", f);
+      detail::append_fixed(out, value, 6);
       out += c + 1 < columns ? ' ' : '\n';
     }
   }
   return out;
 }
-/// Throws io_error 401.
+/// Throws io_error 401, and what format_bvh throws.
 inline void write_bvh(const FilePath& path, const Bvh& file) { write_file(path, format_bvh(file)); }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI

@@ -276,7 +276,7 @@ namespace detail {
 inline FilmStrip film_strip(const Motion& motion, std::span<const Track> tracks, const FilmStripOptions& options) {
   motion.validate();
   if (motion.frames() == 0) raise<config_error>(101, "film strip: motion '", motion.name, "' has no frames");
-  if (!(options.width >= 100)) raise<config_error>(101, "film strip: width ", options.width);
+  if (!(options.width >= 100 && options.width <= 1e6)) raise<config_error>(101, "film strip: width ", options.width);
   require_finite_times("film strip", tracks);
   return FilmStrip(motion, tracks, options);
 }
@@ -285,8 +285,8 @@ inline FilmStrip film_strip(const Motion& motion, std::span<const Track> tracks,
 
 /// The picture as SVG text.
 /// tracks   shown below the poses, one row each; times in seconds from the start of the motion
-/// Throws   shape_error 205, numeric_error 301 if the motion is not valid; config_error 101 without any frame, for a
-///          width below 100 or times that are not finite
+/// Throws   shape_error 205, numeric_error 301 if the motion is not valid or too far away for single precision; config_error 101
+///          without any frame, for a width below 100 or above a million, or times that are not finite
 inline std::string film_strip_svg(const Motion& motion, std::span<const Track> tracks = {},
                                   const FilmStripOptions& options = {}) {
   const detail::FilmStrip strip = detail::film_strip(motion, tracks, options);

@@ -6,6 +6,10 @@
 /// the world rotation of a node at rest and r its local rotation, L_j = B_parent r_j B_j^-1, and the offset of a joint
 /// is its rest translation turned by B_parent. Bones keep their length: only the root moves; animated scales and
 /// translations of other joints are dropped (stretched_joints names these).
+///
+/// Two keys of a small file can be years apart. What is sampled has at most 10 million rotations (frames x joints; nearly four hours at
+/// 30 per second with 24 joints), or 16 for each key of a channel in the file, which is enough for any recording with keys at its
+/// frames. motions() counts all animations together.
 #pragma once
 
 #include <algorithm>  // max
@@ -67,18 +71,26 @@ class GlbFile {
   ///         motion would be too long
   Motion motion(Index animation, std::optional<double> wanted = {}) const {
     const detail::GltfAnimation& a = at(animation);
-    const double fps = wanted ? *wanted : rate(animation);
-    if (!(fps > 0 && fps < 1e6)) raise<config_error>(101, file_, ": ", fps, " frames per second");
-    const double last = a.duration() * fps;  // the time of the last key is a float
-    const double frames = std::floor(last + std::max(1e-4, std::numeric_limits<float>::epsilon() * last)) + 1;
-    if (frames * skeleton().size() > max_rotations) {
-      raise<io_error>(405, file_, ": animation '", a.name(), "' of ", a.duration(), " s is too long");
-    }
+    const double fps = wanted ? *wanted : rate(animation), frames = frames_of(a, fps);
+    require_short(frames, a.keys(), "animation '", a.name(), "' of ", a.duration(), " s at ", fps, " per second");
     Motion motion{skeleton(), fps, {}, {}, a.name()};
     motion.root.reserve(static_cast<std::size_t>(frames));
     motion.local.reserve(static_cast<std::size_t>(frames) * joints_.nodes.size());
     for (double frame = 0; frame < frames; ++frame) append_pose(motion, a, frame / fps);
     return motion;
+  }
+  /// All animations. Throws what motion(number) throws; io_error 405 if they would be too long together.
+  std::vector<Motion> motions(std::optional<double> wanted = {}) const {
+    double frames = 0;
+    std::size_t keys = 0;
+    for (std::size_t i = 0; i < animations_.size(); ++i) {
+      frames += frames_of(animations_[i], wanted ? *wanted : rate(static_cast<Index>(i)));
+      keys += animations_[i].keys();
+    }
+    require_short(frames, keys, animations_.size(), " animations");
+    std::vector<Motion> out;
+    for (std::size_t i = 0; i < animations_.size(); ++i) out.push_back(motion(static_cast<Index>(i), wanted));
+    return out;
   }
   /// The animation of that name. Throws config_error 103, and what motion(number) throws.
   Motion motion(std::string_view animation, std::optional<double> fps = {}) const {
@@ -107,6 +119,21 @@ class GlbFile {
       raise<config_error>(103, file_, ": animation ", animation, " of ", animations_.size());
     }
     return animations_[static_cast<std::size_t>(animation)];
+  }
+
+  double frames_of(const detail::GltfAnimation& a, double fps) const {
+    if (!(fps > 0 && fps < 1e6)) raise<config_error>(101, file_, ": ", fps, " frames per second");
+    const double last = a.duration() * fps;  // the time of the last key is a float
+    return std::floor(last + std::max(1e-4, std::numeric_limits<float>::epsilon() * last)) + 1;
+  }
+  template <class... What>
+  void require_short(double frames, std::size_t keys, const What&... what) const {
+    constexpr double most_of_any = 1e7, most_of_key = 16;
+    const double most = std::max(most_of_any, most_of_key * static_cast<double>(keys)),
+                 rotations = frames * skeleton().size();
+    if (rotations > most)
+      raise<io_error>(405, file_, ": ", what..., ": ", rotations, " rotations (frames x joints), at most ", most,
+                      " of ", keys, " keys");
   }
 
   detail::GltfTransform transform(const detail::GltfAnimation& a, int node, double time) const {

@@ -7,6 +7,7 @@
 /// root) stays as it is at rest.
 #pragma once
 
+#include <algorithm>  // min
 #include <functional>  // which joint is which
 #include <set>         // names of animations
 
@@ -26,7 +27,8 @@ class GlbRig {
   /// Says which joint of a skeleton is which: one of the known tables, or read_skeleton_table.
   using FindTable = std::function<SkeletonTable(const Skeleton&)>;
 
-  /// Of several skins, the first for which there is a table.
+  /// Of several skins, the first for which there is a table; of very many (thousands in a file of thousands of nodes), only the
+  /// first are tried.
   /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits, for every skin if there
   ///         are several
   static GlbRig open(const FilePath& path, const FindTable& find_table = detect_skeleton_table) {
@@ -40,17 +42,20 @@ class GlbRig {
       find_joints(0, find_table);
       return;
     }
+    constexpr Index most_visits = 10'000'000, most_reasons = 8;  // each skin is looked for among all nodes
+    const Index tried = std::min(skins, 1 + most_visits / (1 + std::ssize(document_.nodes())));
     std::string reasons;
-    for (Index skin = 0; skin < skins; ++skin) {
+    for (Index skin = 0; skin < tried; ++skin) {
       const auto find = [&] { find_joints(skin, find_table); };
       const auto not_it = [&](const config_error& e) {
         const std::string_view what = e.what();
-        reasons += concat_text("; skin ", skin, ": ", what.substr(what.find("] ") + 2));
+        if (skin < most_reasons) reasons += concat_text("; skin ", skin, ": ", what.substr(what.find("] ") + 2));
         return e.id() == 103;
       };
       if (detail::guard<config_error>(find, not_it)) return;
     }
-    raise<config_error>(103, file(), ": none of ", skins, " skins is a body that is known", reasons);
+    raise<config_error>(103, file(), ": none of ", tried < skins ? concat_text("the first ", tried, " of ") : "", skins,
+                        " skins is a body that is known", reasons);
   }
 
   const std::string& file() const { return document_.file(); }

@@ -8,7 +8,7 @@
 ///          6 under a misspelled name, which its code passes over
 /// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses and metrics, statistics
 /// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for a number that is none; config_error 101 if the
-///          heads do not divide the width, 102 where options and tensors differ
+///          heads do not divide the width, 102 where options and tensors differ, or the file is too small for a network of its sizes
 /// Source   spec temos.md 2, 3.1; tmr.md 3
 #pragma once
 
@@ -33,6 +33,16 @@ Config temos_sizes(const RunReader& r) {
   c.num_heads = r.number({"model/num_heads"}, 4, 1024);
   c.activation = parse_activation(r.one_of("model/activation", "gelu", {"gelu", "relu"}));
   return c;
+}
+/// Throws config_error 102 for sizes that the file has no room for. Config: of TEMOS, TEACH, SINC or TMR.
+template <class Config>
+void check_temos_room(const TensorSet& file, const Config& c) {
+  Index features = 0;
+  if constexpr (requires { c.motion_nfeats; })
+    features = c.motion_nfeats + c.text_nfeats;
+  else
+    features = c.nfeats + c.text_dim;
+  check_room(file, features, c.latent_dim, c.ff_size, c.num_layers);
 }
 
 inline TemosConfig temos_config(const RunReader& r) {
@@ -70,15 +80,19 @@ inline bool beside_temos(const std::string& name) {
 /// `run` has the options, if there are any.
 template <Backend B>
 Temos<B> load_temos(const TensorSet& file, const RunFolder& run = {}) {
+  const TemosConfig config = detail::temos_config(detail::RunReader(run, file, ""));
+  detail::check_temos_room(file, config);
   NoInit zeros;
-  Temos<B> model(detail::temos_config(detail::RunReader(run, file, "")), zeros);
+  Temos<B> model(config, zeros);
   detail::load_run_module(model, file, "", detail::beside_temos);
   return model;
 }
 template <Backend B>
 Tmr<B> load_tmr(const TensorSet& file, const RunFolder& run = {}) {
+  const TmrConfig config = detail::tmr_config(detail::RunReader(run, file, ""));
+  detail::check_temos_room(file, config);
   NoInit zeros;
-  Tmr<B> model(detail::tmr_config(detail::RunReader(run, file, "")), zeros);
+  Tmr<B> model(config, zeros);
   detail::load_run_module(model, file, "", [](const std::string& name) {
     return name.ends_with(".pe") || detail::begins_with_any(name, {"stats.", "meta."});
   });

@@ -203,10 +203,11 @@ void pack_layers(std::vector<Layer>& layers) {
 /// Memory is taken for a network only where the file justifies it: twice its numbers and 16 Mi. `rows` are those of all tables.
 /// Throws config_error 102.
 inline void check_room(const TensorSet& weights, Index rows, Index width, Index d_ff, Index layers) {
-  const Index wanted = width * (rows + layers * (4 * width + 2 * d_ff));
+  const auto real = [](Index size) { return static_cast<double>(size); };  // a product may be beyond Index
+  const double wanted = real(width) * (real(rows) + real(layers) * (4 * real(width) + 2 * real(d_ff)));
   Index found = 0;
   for (const TensorView& t : weights.tensors()) found += t.shape.count();
-  if (wanted > 2 * found + (Index{16} << 20))
+  if (wanted > 2 * real(found) + (1 << 24))
     raise<config_error>(102, weights.name(), ": ", found, " numbers, a network of ", rows, " rows, width ", width, ", ", d_ff, " and ",
                         layers, " layers has ", wanted);
 }
@@ -255,10 +256,16 @@ inline BertConfig bert_config(const JsonView& config, std::string_view model_typ
   return c;
 }
 
+namespace detail {
+inline void check_room(const TensorSet& weights, const BertConfig& c) {
+  check_room(weights, c.vocabulary + c.positions + c.token_types, c.width, c.d_ff, c.layers);
+}
+}  // namespace detail
+
 /// Fills a network of the BERT family.
 template <class Network>
 Network load_text_network(const BertConfig& config, const TensorSet& weights) {
-  detail::check_room(weights, config.vocabulary + config.positions + config.token_types, config.width, config.d_ff, config.layers);
+  detail::check_room(weights, config);
   NoInit zeros;
   Network network(config, zeros);
   load_module(network, detail::bert_tensors(weights));

@@ -118,7 +118,8 @@ inline std::string viewer_page(std::span<const ViewerEntry> entries, const Viewe
 
 /// The page as text.
 /// tracks  rows below the figure; times in seconds from the start of the motion
-/// Throws  config_error 101 without any motion or frame, or for times that are not finite; what Motion::validate throws
+/// Throws  config_error 101 without any motion or frame, or for times that are not finite; what Motion::validate throws;
+///         numeric_error 301 for a place that single precision cannot hold
 inline std::string viewer_html(const Motion& motion, std::span<const Track> tracks = {},
                                const ViewerOptions& options = {}) {
   const detail::ViewerEntry entry{motion, tracks, {}};

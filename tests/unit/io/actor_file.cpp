@@ -132,6 +132,25 @@ TEST_CASE("ACTOR: what does not fit is refused") {
   refused("latent_dim", std::int64_t{256}, "[motionlang.config.102]");
 }
 
+TEST_CASE("ACTOR: a file that is too small for a network of its sizes is refused before memory is taken") {
+  CHECK_ERROR(ml::load_actor<B>(models::file_of_shapes({{"encoder.muQuery", {2, 70'000}},
+                                                        {"encoder.seqTransEncoder.layers.0.linear1.weight", {2, 1}},
+                                                        {"decoder.finallayer.weight", {6, 1}},
+                                                        {"decoder.actionBiases", {2, 1}},
+                                                        {"decoder.seqTransDecoder.layers.0.linear1.weight", {2, 1}}})),
+              "[motionlang.config.102] model.ckpt: 140012 numbers");
+  const auto connected = [](ml::Index latent) {
+    return ml::ActorConfig{.latent_dim = latent,
+                           .encoder = ml::ActorEncoderKind::fully_connected,
+                           .decoder = ml::ActorDecoderKind::fully_connected};
+  };
+  const auto file = models::file_of_shapes({{"encoder.mu.weight", {256, 256}}});
+  ml::detail::check_actor_room(file, connected(2048));  // it has no layers, whatever their number is
+  ml::ActorConfig long_ones = connected(256);
+  long_ones.num_frames = 100'000;
+  CHECK_ERROR(ml::detail::check_actor_room(file, long_ones), "[motionlang.config.102]");
+}
+
 TEST_CASE("classifiers of ACTOR's motions") {
   ml::Philox rng{.seed = 3};
   const ml::GruClassifier<B> gru({.input_size = 18, .hidden_size = 8, .num_classes = 5}, rng);

@@ -87,10 +87,15 @@ TEST_CASE("files and skeletons that are refused") {
   refused({{"poses", ml::NpyArray::text("none")}, {"trans", matrix(2, 3)}, fps}, "407");
   refused({{"poses", matrix(3, 156)}, {"trans", matrix(3, 3)}, {"mocap_framerate", ml::NpyArray::scalar(0.0)}}, "403");
   refused({{"poses", matrix(3, 156)}, {"trans", matrix(3, 3, std::nan(""))}, fps}, "301");
+  refused({{"poses", matrix(3, 156)}, {"trans", matrix(3, 3)}, {"betas", matrix(1, 10, std::nan(""))}, fps},
+          "bad.npz: number 0 of 'betas' is nan");
 
   ml::Motion kit{ml::kit21_skeleton(), 20, {{0, 0, 0}}, {}, ""};
   kit.local.assign(21, ml::Quaternion<double>::identity());
   CHECK_THROWS_WITH_AS(ml::write_amass(folder / "kit.npz", kit), doctest::Contains("106"), ml::config_error);
+  CHECK_FALSE(std::filesystem::exists(folder / "kit.npz"));
+  CHECK_THROWS_WITH_AS(ml::write_amass(folder / "kit.npz", synthetic::walk({.frames = 2}), {.betas = {0, INFINITY}}),
+                       doctest::Contains("[motionlang.numeric.301] "), ml::numeric_error);
   CHECK_FALSE(std::filesystem::exists(folder / "kit.npz"));
 }
 
@@ -239,4 +244,10 @@ TEST_CASE("poses in parts are those of one array") {
   arrays[2].array = matrix(3, 90);
   ml::write_npz(folder / "b.npz", arrays);
   CHECK_THROWS_WITH_AS(ml::read_amass_sequence(folder / "b.npz"), doctest::Contains("parts of the poses have 2 and 3 rows"), ml::io_error);
+  arrays = {
+      {"root_orient", {'f', 8, {0, INT64_MAX}, {}}}, {"pose_body", {'f', 8, {0, 63}, {}}}, {"trans", matrix(0, 3)}};
+  ml::write_npz(folder / "c.npz", arrays);
+  CHECK_THROWS_WITH_AS(ml::read_amass_sequence(folder / "c.npz"),
+                       doctest::Contains("c.npz: 'root_orient' has 9223372036854775807 columns, at most 4096"),
+                       ml::io_error);
 }

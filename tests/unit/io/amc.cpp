@@ -75,6 +75,7 @@ root 1 2 3 0 90 0
 shin 90
 foot 0 0
 )";
+const std::string others = " root 0 0 0 0 0 0 foot 0 0\n";  // than the shin
 constexpr double unit = 0.0254 / 0.45;
 
 std::string with(std::string text, std::string_view what, std::string_view instead) {
@@ -114,23 +115,24 @@ TEST_CASE("AMC: angles are meant in the axes of the bone") {
 
 TEST_CASE("AMC: the axis named first is turned about first") {
   const auto asf = ml::parse_asf(with(leg, "dof rx\n", "dof rx ry rz\n"));
-  const auto motion = ml::parse_amc("1\nshin 30 20 -40",
+  const auto motion = ml::parse_amc("1\nshin 30 20 -40" + others,
                                     ml::parse_asf(with(leg, "0 0 90 XYZ\n    dof rx\n", "0 0 0 XYZ\ndof rx ry rz\n")));
   const auto m = to_matrix(motion.local[2]);
   constexpr double d = std::numbers::pi / 180;
   const auto wanted = ml::axis_rotation(2, -40 * d) * ml::axis_rotation(1, 20 * d) * ml::axis_rotation(0, 30 * d);
   for (std::size_t i = 0; i < 9; ++i) CHECK(m.m[i] == Approx(wanted.m[i]));
-  CHECK(ml::parse_amc("\xEF\xBB\xBF  1\r  2\r\n\t3\nshin 9 8 7", asf).frames() == 3);
-  CHECK(ml::parse_amc("1", asf).frames() == 1);  // bones that a frame leaves out are at rest
+  const std::string frame = "\rshin 9 8 7" + others;
+  CHECK(ml::parse_amc("\xEF\xBB\xBF  7" + frame + "\r  8" + frame + "\r\n\t9" + frame, asf).frames() == 3);
+  CHECK(ml::parse_amc("1", ml::parse_asf("")).frames() == 1);  // bones without a degree of freedom are at rest
 }
 
 TEST_CASE("AMC: radians, in the skeleton or in the motion; other units; other rates") {
-  const std::string half_pi = "1\nshin 1.5707963267948966\n";
-  const auto by_degrees = ml::parse_amc("1\nshin 90", ml::parse_asf(leg));
+  const std::string half_pi = "1\nshin 1.5707963267948966" + others;
+  const auto by_degrees = ml::parse_amc("1\nshin 90" + others, ml::parse_asf(leg));
   const auto asf = ml::parse_asf(with(with(leg, "angle deg", "angle rad"), "0 0 90 XYZ", "0 0 1.5707963267948966 XYZ"));
   CHECK(ml::distance(ml::parse_amc(half_pi, asf).local[2], by_degrees.local[2]) < 1e-12);
   CHECK(ml::distance(ml::parse_amc(":radians\n" + half_pi, ml::parse_asf(leg)).local[2], by_degrees.local[2]) < 1e-12);
-  CHECK(ml::distance(ml::parse_amc(":Degrees\n1 shin 90", asf).local[2], by_degrees.local[2]) < 1e-12);
+  CHECK(ml::distance(ml::parse_amc(":Degrees\n1 shin 90" + others, asf).local[2], by_degrees.local[2]) < 1e-12);
   const auto inches = ml::parse_asf(with(leg, "length 0.45", "length 1"));
   CHECK(ml::to_skeleton(inches).offset(2).x == Approx(3 * 0.0254));
   CHECK(ml::parse_amc(frames, inches, {.fps = 60}).fps == 60);
@@ -138,11 +140,11 @@ TEST_CASE("AMC: radians, in the skeleton or in the motion; other units; other ra
 
 TEST_CASE("ASF: position and orientation of the root; lengths are read and not used") {
   const auto text = with(with(leg, "position 0 0 0", "position 0 1 0"), "orientation 0 0 0", "orientation 0 90 0");
-  const auto motion = ml::parse_amc("1\nroot 0 0 0 90 0 0", ml::parse_asf(text));
+  const auto motion = ml::parse_amc("1\nroot 0 0 0 90 0 0 shin 0 foot 0 0", ml::parse_asf(text));
   check_equal(motion.root_at(0), {0, unit, 0});
   check_equal(rotate(motion.local[0], ml::Vec3{1.0, 0.0, 0.0}), {0, -1, 0});  // about -z, the x of the turned axes
   const auto stretched = ml::parse_asf(with(leg, "dof rx\n", "dof rx l\n"));
-  CHECK(ml::parse_amc("1\nshin 0 7\nfoot 0 0\n2", stretched).frames() == 2);
+  CHECK(ml::parse_amc("1\nshin 0 7" + others + "2\nshin 0 8" + others, stretched).frames() == 2);
 }
 
 TEST_CASE("ASF: CRLF, comments, capitals, files") {
@@ -198,9 +200,18 @@ TEST_CASE("AMC: malformed motions are refused where they are wrong") {
   refuses("1\n shin 90 7\n2\n", "[motionlang.io.403] m.amc:2:10: '7' is a value too many");
   refuses("1 2\nshin 90", "[motionlang.io.403] m.amc:1:3: '2' is a value too many");
   refuses("\xEF\xBB\xBFshin 90", "m.amc:1:1: numbers of 'shin' before the first frame");
-  CHECK_THROWS_WITH_AS(ml::parse_amc("1", asf, {.fps = 0}), Contains("[motionlang.config.101]"), ml::config_error);
-  CHECK_THROWS_WITH_AS(ml::parse_amc("1 root 1e308 0 0 0 0 0", ml::parse_asf(with(leg, "0.45", "1e-9"))),
-                       Contains("[motionlang.numeric.301]"), ml::numeric_error);
+  refuses("1 shin 0" + others + "1 shin 0" + others, "[motionlang.io.403] m.amc:2:1: frame 1 after frame 1");
+  refuses("4 shin 0" + others + "6 shin 0" + others, "[motionlang.io.403] m.amc:2:1: frame 6 after frame 4");
+  refuses("99999999999999999999", "[motionlang.io.403] m.amc:1:1: frame 99999999999999999999, a number too large");
+  refuses("1 shin 0" + others + "shin 0", "[motionlang.io.403] m.amc:2:1: frame 1 has numbers of 'shin' twice");
+  refuses("1 shin 0" + others + "2" + others + "3",
+          "m.amc:3:1: frame 2, which ends here, has none of the 1 numbers of 'shin'");
+  refuses("1 root 0 0 0 0 0 0\nshin 0", "m.amc:2:6: frame 1, which ends here, has none of the 2 numbers of 'foot'");
+  CHECK_THROWS_WITH_AS(ml::parse_amc("1 shin 0" + others, asf, {.fps = 0}), Contains("[motionlang.config.101]"),
+                       ml::config_error);
+  CHECK_THROWS_WITH_AS(
+      ml::parse_amc("1 root 1e308 0 0 0 0 0 shin 0 foot 0 0", ml::parse_asf(with(leg, "0.45", "1e-9"))),
+      Contains("[motionlang.numeric.301]"), ml::numeric_error);
 }
 
 TEST_CASE("AMC: a small file cannot ask for much memory") {
@@ -210,6 +221,6 @@ TEST_CASE("AMC: a small file cannot ask for much memory") {
   for (int i = 0; i < 4000; ++i) text += " b" + std::to_string(i);
   auto asf = ml::parse_asf(text + "\nend");
   std::string many;
-  for (int i = 0; i < 12600; ++i) many += "1\n";
+  for (int i = 0; i < 12600; ++i) many += std::to_string(i) + "\n";
   CHECK_THROWS_WITH_AS(ml::parse_amc(many, asf), Contains("[motionlang.io.405]"), ml::io_error);
 }

@@ -307,6 +307,28 @@ TEST_CASE("BVH: a single joint, and a bone of no length, get an end") {
   check_equal(file.nodes[1].offset, {0, 20, 0});
 }
 
+TEST_CASE("BVH: what no reader takes is not written") {
+  const ml::Bvh good = ml::to_bvh(synthetic::walk({.frames = 2}));
+  const auto refuses = [&](auto change, const char* message) {
+    ml::Bvh bad = good;
+    change(bad);
+    CHECK_THROWS_WITH_AS(ml::format_bvh(bad), Contains(message), ml::numeric_error);
+  };
+  refuses([](ml::Bvh& b) { b.frame_time = 0; },
+          "[motionlang.numeric.302] BVH: motion 'walk': the frame time is 0 s, expected 1e-09");
+  refuses([](ml::Bvh& b) { b.frame_time = 1e-10; }, "the frame time is 1e-10 s");
+  refuses([](ml::Bvh& b) { b.frame_time = INFINITY; },
+          "[motionlang.numeric.301] BVH: motion 'walk': the frame time is inf");
+  refuses([](ml::Bvh& b) { b.nodes[2].offset.y = std::nan(""); }, "a number of the offset of 'left_knee' is nan");
+  refuses([](ml::Bvh& b) { b.values[static_cast<std::size_t>(b.channels() + 4)] = -INFINITY; },
+          "number 4 of frame 1 is -inf");
+  auto fast = synthetic::walk({.frames = 2});
+  fast.fps = 1e12;
+  CHECK_THROWS_WITH_AS(ml::format_bvh(ml::to_bvh(fast)), Contains("[motionlang.numeric.302]"), ml::numeric_error);
+  CHECK_THROWS_WITH_AS(ml::format_bvh(ml::to_bvh(synthetic::walk({.frames = 2}), {.scale = INFINITY})),
+                       Contains("[motionlang.numeric.301]"), ml::numeric_error);
+}
+
 TEST_CASE("BVH: thousands of joints of one name take no time") {
   std::string text = "HIERARCHY ROOT b { OFFSET 0 0 0 CHANNELS 1 Xposition ";
   for (int i = 0; i < 4000; ++i) text += "JOINT b { OFFSET 0 0 0 }";

@@ -209,6 +209,21 @@ TEST_CASE("what cannot be drawn is an error") {
   CHECK_THROWS_WITH_AS(ml::film_strip_svg(motion, {}, {.width = 10}), doctest::Contains("101"), ml::config_error);
   const std::vector<ml::Track> never{{"walk", std::nan(""), 1}};
   CHECK_THROWS_WITH_AS(ml::film_strip_svg(motion, never), doctest::Contains("film strip: track 'walk'"), ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::film_strip_svg(motion, {}, {.width = INFINITY}), doctest::Contains("film strip: width inf"),
+                       ml::config_error);
+  ml::Motion far = motion;
+  far.root[1].x = 1e39;
+  CHECK_THROWS_WITH_AS(
+      ml::film_strip_svg(far),
+      doctest::Contains("[motionlang.numeric.301] Motion 'walk': joint 'pelvis' of frame 1 or what hangs on it is at "
+                        "(1e+39, "),
+      ml::numeric_error);
+  far = motion;
+  far.skeleton.offsets[4].y = -1e200;
+  CHECK_THROWS_WITH_AS(ml::film_strip_svg(far), doctest::Contains("[motionlang.numeric.301] "), ml::numeric_error);
+  far = motion;
+  far.fps = 1e-309;
+  CHECK_THROWS_WITH_AS(ml::film_strip_svg(far), doctest::Contains("frame rate 1e-309"), ml::config_error);
   motion.root[1].x = std::nan("");
   CHECK_THROWS_WITH_AS(ml::film_strip_svg(motion), doctest::Contains("301"), ml::numeric_error);
   motion.root.pop_back();

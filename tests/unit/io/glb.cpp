@@ -574,6 +574,33 @@ TEST_CASE("hostile documents") {
   CHECK_THROWS_WITH_AS(chain.file(), doctest::Contains("405"), ml::io_error);
 }
 
+TEST_CASE("a small file cannot ask for much memory: keys that are years apart, many animations") {
+  const auto with_times = [](std::vector<float> times) {
+    Builder b = two_joints();
+    b.document["animations"][0]["samplers"][0]["input"] = b.floats(std::move(times), "SCALAR");
+    return b;
+  };
+  CHECK_THROWS_WITH_AS(
+      with_times({0, 1.6e6f}).file().motion(0),
+      doctest::Contains("[motionlang.io.405] test.glb: animation 'clip' of 1600000 s at 30 per second: 96000012 "
+                        "rotations (frames x joints), at most 1e+07 of 2 keys"),
+      ml::io_error);
+  Builder six = with_times({0, 3e4f});
+  CHECK(six.file().motions(1).front().frames() == 30'001);
+  for (int i = 1; i < 6; ++i) six.document["animations"].push_back(six.document["animations"][0]);
+  CHECK(six.file().motion(5, 30).frames() == 900'001);
+  CHECK_THROWS_WITH_AS(six.file().motions(), doctest::Contains("6 animations: 10800012 rotations"), ml::io_error);
+
+  Builder recording = two_joints();  // every key allows for sixteen
+  std::vector<float> times(700'000), rotations(4 * times.size(), 0.5f);
+  for (std::size_t i = 0; i < times.size(); ++i) times[i] = static_cast<float>(i) / 30;
+  recording.document.erase("animations");
+  recording.animate(1, "rotation", recording.floats(times, "SCALAR"), recording.floats(rotations, "VEC4"));
+  CHECK(recording.file().motions().front().frames() == 700'000);
+  CHECK_THROWS_WITH_AS(recording.file().motions(300), doctest::Contains("at most 11200000 of 700000 keys"),
+                       ml::io_error);
+}
+
 TEST_CASE("damaged containers") {
   const auto good = two_joints().bytes();
   auto refused = [](std::vector<std::byte> bytes, const char* text) {

@@ -172,6 +172,14 @@ TEST_CASE("several skins: the one with a body is taken") {
   const auto none = ml::detail::glb_file(document.dump(), {chunks.binary.begin(), chunks.binary.end()});
   CHECK_ERROR(rig_of(none), "none of 2 skins is a body that is known; skin 0: detect_skeleton_table: ");
   CHECK_ERROR(rig_of(none), "; skin 1: detect_skeleton_table: ");
+
+  ordered_json crowd = {{"asset", {{"version", "2.0"}}}};  // of which no more are tried than can be in a moment
+  for (int i = 0; i < 8000; ++i) {
+    crowd["nodes"].push_back(ordered_json::object());
+    crowd["skins"].push_back({{"joints", {i}}});
+  }
+  CHECK_ERROR(rig_of(ml::detail::glb_file(crowd.dump(), {})),
+              "none of the first 1250 of 8000 skins is a body that is known");
 }
 
 TEST_CASE("what cannot be done is an error, and nothing is written") {

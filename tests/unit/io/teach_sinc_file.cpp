@@ -50,3 +50,11 @@ TEST_CASE("SINC") {
   CHECK(ml::load_sinc<B>(file).config.mode == ml::SincMode::single);
   CHECK_ERROR(ml::load_sinc<B>(file_of(model, {"textencoder.skel_embedding.weight"})), "[motionlang.io.406]");
 }
+
+TEST_CASE("a file that is too small for a network of its sizes is refused before memory is taken") {
+  const auto file = models::file_of_shapes({{"motiondecoder.final_layer.weight", {2, 1}},
+                                            {"textencoder.projection.1.weight", {70'000, 1}},
+                                            {"textencoder.seqTransEncoder.layers.0.linear1.weight", {2, 1}}});
+  CHECK_ERROR(ml::load_teach<B>(file), "[motionlang.config.102] model.ckpt: 70004 numbers");
+  CHECK_ERROR(ml::load_sinc<B>(file), "[motionlang.config.102] model.ckpt: 70004 numbers");
+}

@@ -53,6 +53,22 @@ TEST_CASE("what is not of the model is refused") {
   CHECK_ERROR(ml::load_temos<B>(file_of(model)), "[motionlang.io.406]");
 }
 
+TEST_CASE("a file that is too small for a network of its sizes is refused before memory is taken") {
+  const ml::Index huge = 70'000;
+  CHECK_ERROR(
+      ml::load_tmr<B>(models::file_of_shapes({{"motion_encoder.projection.weight", {huge, 1}},
+                                              {"motion_encoder.seqTransEncoder.layers.0.linear1.weight", {2, 1}},
+                                              {"motion_encoder.tokens", {2, 1}},
+                                              {"text_encoder.projection.weight", {2, 1}}})),
+      "[motionlang.config.102] model.ckpt: 70006 numbers, a network of 2 rows, width 70000, 2 and 1 layers has "
+      "1960042");
+  CHECK_ERROR(
+      ml::load_temos<B>(models::file_of_shapes({{"motiondecoder.final_layer.weight", {2, 1}},
+                                                {"textencoder.projection.1.weight", {huge, 1}},
+                                                {"textencoder.seqTransEncoder.layers.0.linear1.weight", {2, 1}}})),
+      "[motionlang.config.102] model.ckpt: 70004 numbers");
+}
+
 TEST_CASE("options of a run say how many heads there are, and have to agree with the tensors") {
   const auto model = small::tmr<B>();
   ml::RunFolder run;

@@ -119,6 +119,9 @@ TEST_CASE("what cannot be shown is an error") {
   ml::Motion motion = synthetic::walk({.frames = 2});
   const std::vector<ml::Track> endless{{"forever", 0, std::numeric_limits<double>::infinity()}};
   CHECK_THROWS_WITH_AS(ml::viewer_html(motion, endless), doctest::Contains("101"), ml::config_error);
+  ml::Motion far = motion;
+  far.root[0].z = -1e39;
+  CHECK_THROWS_WITH_AS(ml::viewer_html(far), doctest::Contains("too far to be drawn"), ml::numeric_error);
   motion.local[5].w = std::nan("");
   CHECK_THROWS_WITH_AS(ml::viewer_html(motion), doctest::Contains("301"), ml::numeric_error);
   motion.root.clear();

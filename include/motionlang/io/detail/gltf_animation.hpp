@@ -106,6 +106,14 @@ class GltfAnimation {
     const double rate = 1 / step, round = std::round(1000 * rate) / 1000;  // times are floats
     return std::abs(rate - round) <= std::numeric_limits<float>::epsilon() * rate ? round : rate;
   }
+  /// Keys of all channels; those that channels share count for each.
+  std::size_t keys() const {
+    std::size_t sum = 0;
+    for (const auto* channels : {&translations_, &rotations_, &scales_}) {
+      for (const auto& [node, c] : *channels) sum += c.times->size();
+    }
+    return sum;
+  }
   bool animates(int node) const { return translations_.contains(node) || rotations_.contains(node); }
 
   /// Transform of a node, from its transform at rest; the scale stays.

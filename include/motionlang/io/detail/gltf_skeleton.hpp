@@ -48,7 +48,7 @@ class GltfSkeleton {
         below_[slot(numbers[i])] = 1;
         place_[slot(numbers[i])] = static_cast<int>(i);
       }
-      mark_weighted(document, numbers, skin);
+      if (!animations.empty()) mark_weighted(document, numbers, skin);  // only moving_hips asks for it
     } else {  // no skin: all nodes that an animation turns or moves
       for (const GltfAnimation& a : animations) {
         for (const int n : document.depth_first()) {
