@@ -6121,7 +6121,7 @@ struct Motion {
     }
     return out;
   }
-  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none, numeric_error 301
+  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none or at which times overflow, numeric_error 301
   /// on a value that is not finite and on a rotation of length 0.
   void validate() const {
     skeleton.validate();
@@ -6134,7 +6134,9 @@ struct Motion {
       if (!std::isfinite(o.x + o.y + o.z))
         raise<numeric_error>(301, "Motion '", name, "': the offset of joint '", skeleton.name(j), "' is not finite");
     }
-    if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
+    const double seconds_and_one_frame = static_cast<double>(frames() + 1) / fps;
+    if (!(fps > 0 && std::isfinite(fps) && std::isfinite(seconds_and_one_frame)))
+      raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
     for (std::size_t f = 0; f < root.size(); ++f) {
       const auto& r = root[f];
       if (!std::isfinite(r.x + r.y + r.z))

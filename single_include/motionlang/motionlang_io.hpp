@@ -404,7 +404,7 @@ class JsonCursor {
 /// What the system does with files: POSIX, and Windows by what MinGW's C library has of it. Failures are told by errno.
 
 #include <fcntl.h>     // open
-#include <sys/stat.h>  // fstat, mkdir
+#include <sys/stat.h>  // fstat, fchmod, mkdir
 #include <unistd.h>    // read, write, close, getpid
 #if defined(_WIN32)
 #include <io.h>      // _commit
@@ -443,6 +443,7 @@ inline bool is_regular(int file, std::uint64_t& size) {
   size = static_cast<std::uint64_t>(s.st_size);
   return true;
 }
+inline void copy_permissions(const char*, int) {}  // of a folder, for all in it
 inline bool flush(int file) { return ::_commit(file) == 0; }
 inline void unmap(void* data, std::size_t) { ::_aligned_free(data); }
 /// The whole file, for reading; null if that fails. size > 0. A copy: nobody could write a file anew that is mapped, such as the checkpoint
@@ -486,6 +487,11 @@ inline bool is_regular(int file, std::uint64_t& size) {
   if (::fstat(file, &s) != 0 || !S_ISREG(s.st_mode)) return false;
   size = static_cast<std::uint64_t>(s.st_size);
   return true;
+}
+/// Who may read and write an open file as another one, if that is there. Not every file system knows such permissions.
+inline void copy_permissions(const char* from, int to) {
+  struct stat s {};
+  if (::stat(from, &s) == 0) static_cast<void>(::fchmod(to, s.st_mode & 0777));
 }
 inline bool flush(int file) { return ::fsync(file) == 0; }
 /// The whole file, for reading; null if that fails. size > 0.
@@ -672,8 +678,8 @@ inline std::string read_file(const FilePath& path) {
   return std::string(reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size());
 }
 
-/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is. Of a symbolic link, the file
-/// that it leads to is written. Throws io_error 401, also for devices and pipes.
+/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is, which has its permissions. Of a
+/// symbolic link, the file that it leads to is written. Throws io_error 401, also for devices and pipes.
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
   static std::atomic<unsigned> writers{0};
   std::error_code problem;
@@ -690,7 +696,7 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
   std::string temporary;
   int opened = -1;
   do {  // a name that no other thread and no other machine has
-    temporary = concat_text(target, ".part-", ::getpid(), "-", writers++);
+    temporary = (followed.parent_path() / concat_text(".part-", ::getpid(), "-", writers++)).string();
     opened = detail::system::create(temporary.c_str());
   } while (opened < 0 && errno == EEXIST);
   int reason = 0;
@@ -701,6 +707,7 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
   const char* wrong = nullptr;
   {
     const detail::Descriptor file(opened);
+    if (file.get() >= 0) detail::system::copy_permissions(target.c_str(), file.get());
     if (file.get() < 0 || !file.write(contents))
       wrong = "write";
     else if (!detail::system::flush(file.get()))
@@ -1313,23 +1320,21 @@ bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, 
 class TensorStore {
  public:
   /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error 301
-  /// for a number that F16 cannot hold.
+  /// for a number that would become infinite; F16 holds no NaN and infinity either.
   template <Scalar S>
   void add(std::string name, const FileShape& shape, std::span<const S> values, DType dtype) {
     switch (dtype) {
       case DType::F32:
+        require_held(name, values, dtype, std::numeric_limits<float>::infinity());
         return put<float>(std::move(name), shape, values, dtype, [](S x) { return static_cast<float>(x); });
       case DType::F64:
         return put<double>(std::move(name), shape, values, dtype, [](S x) { return static_cast<double>(x); });
       case DType::F16:
-        for (std::size_t i = 0; i < values.size(); ++i) {
-          if (!(std::abs(values[i]) < S(65520)))  // what rounds to infinity
-            raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i],
-                                 ", too large for F16");
-        }
+        require_held(name, values, dtype, 65520);
         return put<std::uint16_t>(std::move(name), shape, values, dtype,
                                   [](S x) { return float_to_half(static_cast<float>(x)); });
       case DType::BF16:
+        require_held(name, values, dtype, 0x1.FFp127F);
         return put<std::uint16_t>(std::move(name), shape, values, dtype,
                                   [](S x) { return float_to_bfloat16(static_cast<float>(x)); });
       default:
@@ -1356,6 +1361,16 @@ class TensorStore {
     FileShape shape;
     std::vector<std::byte> bytes;
   };
+  /// end   what rounds to infinity, and all above it
+  template <Scalar S>
+  static void require_held(const std::string& name, std::span<const S> values, DType dtype, float end) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (std::abs(static_cast<float>(values[i])) < end) continue;
+      if (std::isfinite(values[i]) || dtype == DType::F16)
+        raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i], ", too large for ",
+                             dtype);
+    }
+  }
   template <class Stored, Scalar S, class F>
   void put(std::string name, const FileShape& shape, std::span<const S> values, DType dtype, F convert) {
     Entry e{std::move(name), dtype, shape, std::vector<std::byte>(values.size() * sizeof(Stored))};
@@ -1533,26 +1548,65 @@ inline constexpr int max_json_depth = 256;
 
 namespace detail {
 
+/// Line and column of a byte of the text, "3:14".
+inline std::string json_place(std::string_view text, std::size_t byte) {
+  const std::string_view before = text.substr(0, std::min(byte, text.size()));
+  const std::size_t line = before.rfind('\n') + 1;  // npos + 1 = 0
+  return concat_text(std::count(before.begin(), before.end(), '\n') + 1, ":", before.size() - line + 1);
+}
 /// Throws io_error 403 with line and column of a byte of the text.
 [[noreturn]] inline void raise_json(std::string_view text, std::size_t byte, std::string_view name,
                                     std::string_view what) {
-  const std::string_view before = text.substr(0, std::min(byte, text.size()));
-  const std::size_t line = before.rfind('\n') + 1;  // npos + 1 = 0
-  raise<io_error>(403, name, ":", std::count(before.begin(), before.end(), '\n') + 1, ":", before.size() - line + 1,
-                  ": ", what);
+  raise<io_error>(403, name, ":", json_place(text, byte), ": ", what);
+}
+
+/// Position behind the string that begins at a quote; npos if it has no end.
+inline std::size_t json_string_end(std::string_view text, std::size_t quote) {
+  std::size_t at = quote + 1;
+  while (at < text.size() && text[at] != '"') at += text[at] == '\\' ? 2 : 1;
+  return at < text.size() ? at + 1 : text.npos;
+}
+/// Number of members of all objects in a document.
+inline std::size_t json_members(const nlohmann::json& document) {
+  std::size_t count = document.is_object() ? document.size() : 0;
+  if (document.is_structured()) {
+    for (const auto& value : document) count += json_members(value);
+  }
+  return count;
+}
+/// Throws io_error 403 for a name that stands twice in an object of the well-formed document in a part of the text.
+inline void refuse_json_repetition(std::string_view text, std::size_t begin, std::size_t size, std::string_view name) {
+  std::vector<std::map<std::string, std::size_t>> objects;  // around the place: names and where they are
+  const std::size_t end = begin + size;
+  for (std::size_t at = begin; at < end;) {
+    const std::size_t start = at++;
+    if (text[start] == '{') objects.emplace_back();
+    if (text[start] == '}') objects.pop_back();
+    if (text[start] != '"') continue;
+    at = json_string_end(text, start);
+    const std::size_t next = text.find_first_not_of(" \t\r\n", at);
+    if (next >= end || text[next] != ':') continue;  // a value
+    const std::string key = nlohmann::json::parse(text.substr(start, at - start)).get<std::string>();
+    const auto [first, is_new] = objects.back().emplace(key, start);
+    if (!is_new)
+      raise_json(text, start, name,
+                 concat_text("the name '", key, "' stands twice, first at ", json_place(text, first->second)));
+  }
 }
 
 /// Reads the document in `size` bytes of a text from `begin` on; messages give the place in the whole text.
 inline nlohmann::json parse_json_part(std::string_view text, std::size_t begin, std::size_t size,
                                       std::string_view name) {
   const std::string_view part = text.substr(begin, size);
-  const auto shallow = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+  std::size_t names = 0;
+  const auto shallow = [&](int depth, nlohmann::json::parse_event_t event, const nlohmann::json&) {
+    names += event == nlohmann::json::parse_event_t::key;
     if (depth > max_json_depth) raise<io_error>(403, name, ": nested deeper than ", max_json_depth, " levels");
     return true;
   };
   const auto malformed = [&](const nlohmann::json::parse_error& e) -> bool {
     const std::string_view message = e.what();
-    const std::size_t detail = message.rfind(": ");  // behind id and position
+    const std::size_t detail = message.find(": ");  // behind id and position
     raise_json(text, begin + (e.byte == 0 ? 0 : e.byte - 1), name,
                detail == message.npos ? message : message.substr(detail + 2));
   };
@@ -1567,12 +1621,13 @@ inline nlohmann::json parse_json_part(std::string_view text, std::size_t begin, 
   guard<nlohmann::json::parse_error>([&] { guard<nlohmann::json::out_of_range>(parse, too_large); }, malformed);
   if (document.is_discarded())
     raise_json(text, begin, name, "not JSON, or a number beyond the range of double");  // no exceptions
+  if (names != json_members(document)) refuse_json_repetition(text, begin, size, name);
   return document;
 }
 
 }  // namespace detail
 
-/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column.
+/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column, also where a name stands twice in an object.
 inline nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON") {
   return detail::parse_json_part(text, 0, text.size(), name);
 }
@@ -1874,10 +1929,11 @@ void pack_layers(std::vector<Layer>& layers) {
 /// Memory is taken for a network only where the file justifies it: twice its numbers and 16 Mi. `rows` are those of all tables.
 /// Throws config_error 102.
 inline void check_room(const TensorSet& weights, Index rows, Index width, Index d_ff, Index layers) {
-  const Index wanted = width * (rows + layers * (4 * width + 2 * d_ff));
+  const auto real = [](Index size) { return static_cast<double>(size); };  // a product may be beyond Index
+  const double wanted = real(width) * (real(rows) + real(layers) * (4 * real(width) + 2 * real(d_ff)));
   Index found = 0;
   for (const TensorView& t : weights.tensors()) found += t.shape.count();
-  if (wanted > 2 * found + (Index{16} << 20))
+  if (wanted > 2 * real(found) + (1 << 24))
     raise<config_error>(102, weights.name(), ": ", found, " numbers, a network of ", rows, " rows, width ", width, ", ", d_ff, " and ",
                         layers, " layers has ", wanted);
 }
@@ -1926,10 +1982,16 @@ inline BertConfig bert_config(const JsonView& config, std::string_view model_typ
   return c;
 }
 
+namespace detail {
+inline void check_room(const TensorSet& weights, const BertConfig& c) {
+  check_room(weights, c.vocabulary + c.positions + c.token_types, c.width, c.d_ff, c.layers);
+}
+}  // namespace detail
+
 /// Fills a network of the BERT family.
 template <class Network>
 Network load_text_network(const BertConfig& config, const TensorSet& weights) {
-  detail::check_room(weights, config.vocabulary + config.positions + config.token_types, config.width, config.d_ff, config.layers);
+  detail::check_room(weights, config);
   NoInit zeros;
   Network network(config, zeros);
   load_module(network, detail::bert_tensors(weights));
@@ -2577,6 +2639,7 @@ struct NpyArray {
   std::size_t item_size = 4;  // bytes of one element; a character of U has four
   std::vector<Index> shape;   // empty: a single value
   std::vector<std::byte> data;
+  std::string place = "NpyArray";  // for messages: where it was read
 
   /// Throws shape_error 205 if the number of values does not fit the shape.
   template <detail::NpyNumber T>
@@ -2631,7 +2694,7 @@ struct NpyArray {
         out.push_back(converted<T>(value));
       }
     });
-    if (!known) raise<io_error>(407, "NpyArray: elements of type ", type(), " are not numbers");
+    if (!known) raise<io_error>(407, place, ": elements of type ", type(), " are not numbers");
     return out;
   }
   /// The only element as T. Throws io_error 407 if there are more.
@@ -2643,7 +2706,7 @@ struct NpyArray {
 
   /// All texts as UTF-8, without the NULs that fill them up. Throws io_error 407 if the elements are numbers.
   std::vector<std::string> texts() const {
-    if (!is_text()) raise<io_error>(407, "NpyArray: elements of type ", type(), " are not texts");
+    if (!is_text()) raise<io_error>(407, place, ": elements of type ", type(), " are not texts");
     std::vector<std::string> out(static_cast<std::size_t>(count()));
     const std::size_t unit = kind == 'U' ? 4 : 1;
     for (std::size_t i = 0; i < out.size(); ++i) {
@@ -2668,17 +2731,17 @@ struct NpyArray {
 
  private:
   void require_one() const {
-    if (count() != 1) raise<io_error>(407, "NpyArray: ", count(), " elements where one is expected");
+    if (count() != 1) raise<io_error>(407, place, ": ", count(), " elements where one is expected");
   }
   template <class T, class E>
-  static T converted(E value) {
+  T converted(E value) const {
     if constexpr (std::same_as<E, detail::HalfBits>) {
       return converted<T>(half_to_float(value.bits));
     } else if constexpr (std::integral<T> && !std::same_as<T, bool>) {
       if constexpr (std::floating_point<E>) {
-        raise<io_error>(407, "NpyArray: real numbers where integers are expected");
+        raise<io_error>(407, place, ": real numbers where integers are expected");
       } else {
-        if (!std::in_range<T>(value)) raise<io_error>(407, "NpyArray: ", value, " is out of range");
+        if (!std::in_range<T>(value)) raise<io_error>(407, place, ": ", value, " is out of range");
         return static_cast<T>(value);
       }
     } else {
@@ -2728,6 +2791,7 @@ inline std::size_t checked_size(std::span<const Index> shape, std::size_t item_s
 inline NpyArray described_array(std::string_view type, std::vector<Index> shape, std::string_view where) {
   NpyArray array;
   array.shape = std::move(shape);
+  array.place = where;
   std::size_t digits = 0;
   const char* end = type.data() + type.size();
   if (type.size() < 3 || std::from_chars(type.data() + 2, end, digits).ptr != end || digits > 1'000'000'000) {
@@ -3005,7 +3069,7 @@ class ZipArchive {
   }
 
   static bool leads_out(const std::string& member) {
-    return member.empty() || member.front() == '/' || member.find("..") != std::string::npos ||
+    return member.empty() || member.front() == '/' || ("/" + member + "/").find("/../") != std::string::npos ||
            member.find_first_of(std::string_view("\0\\", 2)) != std::string::npos;
   }
 
@@ -4125,9 +4189,10 @@ inline NpyArray to_array(const PickleValue& value) { return detail::to_array(val
 ///     const auto options = read_options("run/opt.yaml");
 ///     const FileValue* width = find_value(options, "model/latent_dim");
 ///
-/// Of YAML the part that programs write: nested mappings and lists by indentation, plain and quoted texts, numbers, flat lists in
-/// brackets, tags (which are ignored). No texts of several lines, no anchors.
+/// Of YAML the part that programs write: nested mappings and lists by indentation, plain and quoted texts, numbers, flat lists and
+/// mappings in brackets, tags (which are ignored). No texts of several lines, no anchors.
 /// opt.txt is what text-to-motion, TM2T and MotionDiffuse write: a banner of dashes, lines of "key: value", a banner.
+/// A whole number of more than 64 bits is a text, its digits. A name that stands twice is refused.
 /// OmegaConf's references "${model.latent_dim}" are texts; `find_option` follows them.
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -4146,10 +4211,14 @@ class OptionValues {
   }
   template <class T>
   void add(const std::string& path, T value) {
-    const std::size_t cost = 3 * sizeof(FileValue) + path.size();
-    if (cost > left_) raise<io_error>(405, file_, ": more options than a file of options has");
-    left_ -= cost;
+    spend(path);
     values_.push_back({path, std::move(value)});
+  }
+  /// Throws io_error 403 if the key at the end of the path stood in a line before.
+  void add_key(const std::string& path, std::size_t line) {
+    spend(path);
+    const auto [first, is_new] = lines_.emplace(path, line);
+    if (!is_new) raise<io_error>(403, file_, ":", line, ": '", path, "' stands twice, first in line ", first->second);
   }
   /// A plain or quoted text as what it means; nothing if it means that there is no value.
   void add_text(const std::string& path, std::string_view text);
@@ -4161,7 +4230,13 @@ class OptionValues {
 
  private:
   static constexpr std::size_t most_text = std::size_t{1} << 20;
+  void spend(const std::string& path) {
+    const std::size_t cost = 3 * sizeof(FileValue) + path.size();
+    if (cost > left_) raise<io_error>(405, file_, ": more options than a file of options has");
+    left_ -= cost;
+  }
   std::string_view file_;
+  std::map<std::string, std::size_t> lines_;  // of keys
   std::vector<FileValue> values_;
   std::size_t left_ = std::size_t{24} << 20;  // bytes
 };
@@ -4191,7 +4266,9 @@ inline void OptionValues::add_text(const std::string& path, std::string_view tex
   const char* const end = text.data() + text.size();
   const auto all_of_it = [&](const std::from_chars_result& r) { return r.ec == std::errc{} && r.ptr == end; };
   std::int64_t integer = 0;
-  if (!text.empty() && all_of_it(std::from_chars(text.data(), end, integer))) return add(path, integer);
+  const auto whole = std::from_chars(text.data(), end, integer);
+  if (!text.empty() && all_of_it(whole)) return add(path, integer);
+  if (whole.ec == std::errc::result_out_of_range && whole.ptr == end) return add(path, std::string(text));
   double real = 0;
   const bool number = !text.empty() && text.find_first_not_of("0123456789+-.eE") == text.npos;
   if (number && all_of_it(std::from_chars(text.data(), end, real))) return add(path, real);
@@ -4213,7 +4290,7 @@ class YamlReader {
     while (!text.empty()) {
       ++line_;
       const std::size_t end = std::min(text.find('\n'), text.size());
-      read_line(without_comment(text.substr(0, end)));
+      read_line(text.substr(0, end));
       text.remove_prefix(std::min(end + 1, text.size()));
     }
   }
@@ -4227,6 +4304,10 @@ class YamlReader {
     bool list;
     std::size_t items;
   };
+  struct Folded {  // a text that may go on in the next line: programs fold long ones
+    std::size_t indent;
+    char quote;  // in which it is still; else 0
+  };
   struct Pending {  // a key whose value follows on the next lines
     std::size_t indent;
     std::string path;
@@ -4239,26 +4320,37 @@ class YamlReader {
     const std::size_t first = text.find_first_not_of(" \r"), last = text.find_last_not_of(" \r");
     return first == text.npos ? std::string_view() : text.substr(first, last - first + 1);
   }
-  static std::string_view without_comment(std::string_view line) {
-    char quote = 0;
-    for (std::size_t i = 0; i < line.size(); ++i) {
-      if (quote != 0) {
-        if (line[i] == quote) quote = 0;
-      } else if (is_quote(line[i]) && (i == 0 || std::string_view(" [,").find(line[i - 1]) != std::string_view::npos)) {
-        quote = line[i];
-      } else if (line[i] == '#' && (i == 0 || line[i - 1] == ' ')) {
-        return line.substr(0, i);
-      }
+  /// Position behind the quote that ends a quoted text, of which `at` is inside; the size of the text if there is none.
+  static std::size_t quote_end(std::string_view text, char quote, std::size_t at) {
+    for (; at < text.size(); ++at) {
+      const bool twice = text.substr(at).starts_with("''");
+      if (quote == '"' ? text[at] == '\\' : twice)
+        ++at;
+      else if (text[at] == quote)
+        return at + 1;
+    }
+    return text.size();
+  }
+  /// open   the quote of a text that began in a line before and goes on; else 0
+  static std::string_view without_comment(std::string_view line, char open) {
+    for (std::size_t i = open == 0 ? 0 : quote_end(line, open, 0); i < line.size();) {
+      const bool begins = i == 0 || std::string_view(" [,{").find(line[i - 1]) != std::string_view::npos;
+      if (line[i] == '#' && (i == 0 || line[i - 1] == ' ')) return line.substr(0, i);
+      i = begins && is_quote(line[i]) ? quote_end(line, line[i], i + 1) : i + 1;
     }
     return line;
   }
 
   void read_line(std::string_view line) {
     const std::size_t indent = std::min(line.find_first_not_of(' '), line.size());
-    const std::string_view text = trimmed(line);
+    const bool goes_on = folded_ && indent > folded_->indent;
+    const std::string_view text = trimmed(without_comment(line, goes_on ? folded_->quote : '\0'));
     if (text.empty() || text == "---" || text == "...") return;
     if (text[0] == '\t') fail(403, "a tab as indentation");
-    if (folded_ && indent > *folded_ && key_end(text) == text.npos && values.append_to_last(text)) return;
+    if (goes_on && (folded_->quote != 0 || key_end(text) == text.npos) && values.append_to_last(text)) {
+      if (folded_->quote != 0 && text.back() == folded_->quote) folded_.reset();
+      return;
+    }
     folded_.reset();
     const bool item = is_item(text);
     if (pending_) {
@@ -4295,19 +4387,24 @@ class YamlReader {
   }
   /// Position of the colon behind a key.
   static std::size_t key_end(std::string_view text) {
-    std::size_t from = 0;
-    if (is_quote(text[0])) from = std::min(text.find(text[0], 1), text.size());
+    if (text.empty() || text[0] == '[' || text[0] == '{') return text.npos;
+    const std::size_t from = is_quote(text[0]) ? quote_end(text, text[0], 1) : 0;
     for (std::size_t at = text.find(':', from); at != text.npos; at = text.find(':', at + 1)) {
       if (at + 1 == text.size() || text[at + 1] == ' ') return at;
     }
     return text.npos;
   }
+  /// The path of the key before a colon, in a mapping at `path`.
+  std::string key_path(const std::string& path, std::string_view text) {
+    text = trimmed(text);
+    const std::string out = below(path, is_quoted(text) ? unquoted(text) : std::string(text));
+    values.add_key(out, line_);
+    return out;
+  }
   void read_key(std::string_view text, std::size_t indent) {
     const std::size_t colon = key_end(text);
     if (colon == text.npos) fail(403, "a key with a colon expected");
-    const std::string_view key = trimmed(text.substr(0, colon));
-    read_value(below(levels_.back().path, is_quoted(key) ? unquoted(key) : std::string(key)),
-               trimmed(text.substr(colon + 1)), indent);
+    read_value(key_path(levels_.back().path, text.substr(0, colon)), trimmed(text.substr(colon + 1)), indent);
   }
 
   void read_value(const std::string& path, std::string_view text, std::size_t indent) {
@@ -4317,30 +4414,42 @@ class YamlReader {
       pending_ = Pending{indent, path};
     } else if (text[0] == '|' || text[0] == '>' || text[0] == '*') {
       fail(404, "texts of several lines and references are not read");
-    } else if (text[0] == '[' && text.back() == ']') {
-      text = text.substr(1, text.size() - 2);
-      for (std::size_t i = 0; !trimmed(text).empty(); ++i) {
-        const std::size_t comma = comma_outside_quotes(text);
-        const std::string_view element = trimmed(text.substr(0, comma));
-        if (element.starts_with('[') || element.starts_with('{')) fail(404, "brackets in brackets are not read");
-        values.add_text(below(path, concat_text(i)), element);
-        text.remove_prefix(std::min(comma + 1, text.size()));
-      }
+    } else if ((text[0] == '[' && text.back() == ']') || (text[0] == '{' && text.back() == '}')) {
+      read_brackets(path, text);
     } else {
       values.add_text(path, text);
-      if (text[0] != '[' && text[0] != '{') folded_ = indent;
+      const bool open = is_quote(text[0]) && quote_end(text, text[0], 1) == text.size() && text.back() != text[0];
+      if (text[0] != '[' && text[0] != '{') folded_ = Folded{indent, open ? text[0] : '\0'};
+    }
+  }
+  /// A list or a mapping in one line.
+  void read_brackets(const std::string& path, std::string_view text) {
+    const bool mapping = text[0] == '{';
+    text = text.substr(1, text.size() - 2);
+    for (std::size_t i = 0; !trimmed(text).empty(); ++i) {
+      const std::size_t comma = comma_outside_quotes(text);
+      std::string_view element = trimmed(text.substr(0, comma));
+      std::string place;
+      if (mapping) {
+        const std::size_t colon = key_end(element);
+        if (colon == element.npos) fail(403, "a key with a colon expected in the braces");
+        place = key_path(path, element.substr(0, colon));
+        element = trimmed(element.substr(colon + 1));
+      } else {
+        place = below(path, concat_text(i));
+      }
+      if (element.starts_with('[') || element.starts_with('{')) fail(404, "brackets in brackets are not read");
+      if (!mapping || !element.empty()) values.add_text(place, element);
+      text.remove_prefix(std::min(comma + 1, text.size()));
     }
   }
   static std::size_t comma_outside_quotes(std::string_view text) {
-    char quote = 0;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-      if (quote != 0) {
-        if (text[i] == quote) quote = 0;
-      } else if (text[i] == ',') {
-        return i;
-      } else if (is_quote(text[i]) && trimmed(text.substr(0, i)).empty()) {
-        quote = text[i];
-      }
+    char before = ':';  // no blank
+    for (std::size_t i = 0; i < text.size();) {
+      if (text[i] == ',') return i;
+      const std::size_t next = before == ':' && is_quote(text[i]) ? quote_end(text, text[i], i + 1) : i + 1;
+      if (text[i] != ' ') before = text[i];
+      i = next;
     }
     return text.size();
   }
@@ -4349,7 +4458,7 @@ class YamlReader {
   std::size_t line_ = 0;
   std::vector<Level> levels_;
   std::optional<Pending> pending_;
-  std::optional<std::size_t> folded_;  // indentation of a text that may go on in the next line: programs fold long ones
+  std::optional<Folded> folded_;
 };
 
 /// A file begins so if it is an opt.txt; of YAML a line of three dashes is part.
@@ -4365,6 +4474,7 @@ inline std::vector<FileValue> parse_option_lines(std::string_view text, std::str
     const std::size_t colon = line.find(':');
     if (colon == line.npos || colon == 0) raise<io_error>(403, name, ":", number, ": 'key: value' expected");
     const std::string key(line.substr(0, colon));
+    out.add_key(key, static_cast<std::size_t>(number));
     line.remove_prefix(std::min(line.find_first_not_of(' ', colon + 1), line.size()));
     if (line == "True" || line == "False")
       out.add(key, line == "True");
@@ -4376,7 +4486,7 @@ inline std::vector<FileValue> parse_option_lines(std::string_view text, std::str
 
 inline void add_json_values(const nlohmann::json& value, const std::string& path, OptionValues& out) {
   if (value.is_boolean()) out.add(path, value.get<bool>());
-  if (value.is_number_integer()) out.add(path, value.get<std::int64_t>());
+  if (value.is_number_integer()) out.add_text(path, value.dump());
   if (value.is_number_float()) out.add(path, value.get<double>());
   if (value.is_string()) out.add(path, value.get<std::string>());
   if (!value.is_structured()) return;
@@ -5245,7 +5355,7 @@ class WeightReader {
   }
   void visit(const PickleValue& v) {
     spend_visits(v);
-    if (path_.size() > deepest || depth_ > 4 * deepest) return;
+    if (path_.size() > deepest || depth_ > 4 * deepest) return skip("a value that is nested too deeply", "");
     ++depth_;
     visit_kind(v);
     --depth_;
@@ -5280,8 +5390,12 @@ class WeightReader {
   void visit_entries(const PickleValue& v) {
     for (std::size_t i = 0; i < v.size(); ++i) {
       const PickleValue key = v.key(i);
-      if (key.is(PickleKind::text) || key.is(PickleKind::bytes)) visit_at(key.text(), v.value(i));
-      if (key.is(PickleKind::integer)) visit_at(concat_text(key.integer()), v.value(i));
+      if (key.is(PickleKind::text) || key.is(PickleKind::bytes))
+        visit_at(key.text(), v.value(i));
+      else if (key.is(PickleKind::integer))
+        visit_at(concat_text(key.integer()), v.value(i));
+      else
+        skip(concat_text("an entry whose key is ", key.kind()), "");
     }
   }
   void visit_list(const PickleValue& v) {
@@ -5407,7 +5521,7 @@ class WeightReader {
     add_tensor({.name = {}, .dtype = dtype, .shape = FileShape(std::span<const Index>(shape)), .bytes = bytes});
   }
   void add_copy(NpyArray array) {
-    memory_.spend(array.data.size());
+    memory_.spend(array.data.size() + array.place.size());
     const NpyArray& kept = memory_.keep(std::move(array));
     add_elements(kept.kind, kept.item_size, kept.shape, kept.data);
   }
@@ -5959,6 +6073,20 @@ inline ActorConfig actor_config(const RunReader& r) {
   return c;
 }
 
+/// Throws config_error 102 for sizes that the file has no room for.
+inline void check_actor_room(const TensorSet& file, const ActorConfig& c) {
+  const Index features = c.njoints * c.nfeats;
+  const auto one_is = [&c](ActorEncoderKind encoder, ActorDecoderKind decoder) {
+    return c.encoder == encoder || c.decoder == decoder;
+  };
+  const bool transformer = one_is(ActorEncoderKind::tokens, ActorDecoderKind::transformer) ||
+                           one_is(ActorEncoderKind::average, ActorDecoderKind::autoregressive);
+  const bool layers = transformer || one_is(ActorEncoderKind::gru, ActorDecoderKind::gru);
+  check_room(file, features + c.num_classes, c.latent_dim, transformer ? c.ff_size : 0, layers ? c.num_layers : 0);
+  if (one_is(ActorEncoderKind::fully_connected, ActorDecoderKind::fully_connected))
+    check_room(file, 512 * features, c.num_frames, 0, 0);  // the layer that reads or writes all frames
+}
+
 }  // namespace detail
 
 /// Frames of the longest motions that a run learned from: num_frames. Where that is -1 (whole clips) or -2 (windows of any length)
@@ -6002,8 +6130,10 @@ inline ActorPointOptions actor_point_options(const RunFolder& run, const TensorS
 /// `run` has the options, if there are any.
 template <Backend B>
 Actor<B> load_actor(const TensorSet& file, const RunFolder& run = {}) {
+  const ActorConfig config = detail::actor_config(detail::RunReader(run, file, ""));
+  detail::check_actor_room(file, config);
   NoInit zeros;
-  Actor<B> model(detail::actor_config(detail::RunReader(run, file, "")), zeros);
+  Actor<B> model(config, zeros);
   detail::load_run_module(model, file, "", [](const std::string& name) {
     return name.ends_with(".pe") || name.starts_with("rotation2xyz.");
   });
@@ -6126,6 +6256,13 @@ inline std::string amass_gender(const ZipArchive& zip) {
   return std::string(pickle.root().state()[4][0].text());  // version, shape, element type, order, elements
 }
 
+/// Throws numeric_error 301.
+inline void require_finite_betas(const std::string& file, std::span<const double> betas) {
+  for (std::size_t i = 0; i < betas.size(); ++i) {
+    if (!std::isfinite(betas[i])) raise<numeric_error>(301, file, ": number ", i, " of 'betas' is ", betas[i]);
+  }
+}
+
 }  // namespace detail
 
 /// The array that the poses of a sequence begin with: "poses", or "root_orient" or "global_orient" where they are stored
@@ -6153,15 +6290,19 @@ inline std::optional<double> amass_rate(const NpzArchive& npz) {
 /// fps     frames per second of a file that does not say them; 0: it is refused
 /// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are no
 ///         motion), 407 if one has another shape, 403 for an impossible frame rate; config_error 102 if the file says
-///         another rate
+///         another rate; numeric_error 301 if a number of betas is not finite
 inline AmassSequence read_amass_sequence(const FilePath& path, double fps = 0) {
   const ZipArchive zip = ZipArchive::open(path);
   const NpzArchive npz(zip);
+  constexpr Index most_columns = 4096;
   auto matrix = [&](std::string_view name) {
     NpyArray array = npz.read(name);
     if (array.shape.size() != 2) {
       raise<io_error>(407, npz.file(), ": '", name, "' has ", array.shape.size(), " axes, 2 are expected");
     }
+    if (array.shape[1] > most_columns)  // of no rows they could be any number
+      raise<io_error>(405, npz.file(), ": '", name, "' has ", array.shape[1], " columns, at most ", most_columns,
+                      " are expected");
     return array;
   };
   AmassSequence out;
@@ -6193,6 +6334,7 @@ inline AmassSequence read_amass_sequence(const FilePath& path, double fps = 0) {
     const NpyArray betas = npz.read("betas");
     out.betas = betas.to<double>();
     if (betas.shape.size() == 2) out.betas.resize(std::min(out.betas.size(), static_cast<std::size_t>(betas.shape[1])));
+    detail::require_finite_betas(npz.file(), out.betas);
   }
   return out;
 }
@@ -6245,11 +6387,12 @@ inline void require_smpl(const Skeleton& skeleton) {
 /// Writes trans (N, 3), poses (N, 156; fingers 0), betas, gender and the frame rate under both of its spellings.
 /// motion       on a skeleton whose first 22 joints are SMPL's; joints after them (the hands) are left out
 /// rest_pelvis  J_0 of the body that will be shown, in the model's own frame; see the head of this file
-/// Throws       config_error 106 for another skeleton, io_error 401
+/// Throws       config_error 106 for another skeleton, numeric_error 301 if a number is not finite, io_error 401
 inline void write_amass(const FilePath& path, const Motion& motion, const AmassBody& body = {},
                         const Vec3<double>& rest_pelvis = {}) {
   motion.validate();
   detail::require_smpl(motion.skeleton);
+  detail::require_finite_betas(path.string(), body.betas);
   std::vector<double> trans, poses;
   const Quaternion<double> upright = detail::quarter_turn_about_x(1);
   for (Index frame = 0; frame < motion.frames(); ++frame) {
@@ -6910,7 +7053,8 @@ class AmcParser {
       : scan_(text, name),
         asf_(asf),
         limit_(max_text_rotations(text.size())),
-        unit_(asf.degrees ? degree : 1) {
+        unit_(asf.degrees ? degree : 1),
+        named_(asf.bones.size()) {
     motion_.name = name;
     motion_.skeleton = to_skeleton(asf);
   }
@@ -6926,12 +7070,13 @@ class AmcParser {
       } else if (word.find_first_not_of("0123456789") == word.npos) {
         if (!scan_.began_line())
           scan_.fail(403, "'", TextScanner::shortened(word), "' is a value too many, or a frame that begins no line");
-        new_frame();
+        new_frame(word);
       } else {
         values(word);
       }
     }
     if (motion_.root.empty()) scan_.fail(402, "no frame");
+    require_all_bones();
     motion_.validate();
     return std::move(motion_);
   }
@@ -6942,7 +7087,14 @@ class AmcParser {
     if (same_word(word, ":radians")) unit_ = 1;
     scan_.rest_of_line();
   }
-  void new_frame() {
+  /// Frames are numbered one after the other, from any number on.
+  void new_frame(std::string_view word) {
+    std::uint64_t number = 0;
+    const bool too_long = std::from_chars(word.data(), word.data() + word.size(), number).ec != std::errc{};
+    if (too_long) scan_.fail(403, "frame ", TextScanner::shortened(word), ", a number too large");
+    if (!motion_.root.empty() && number != number_ + 1) scan_.fail(403, "frame ", number, " after frame ", number_);
+    if (!motion_.root.empty()) require_all_bones();
+    number_ = number;
     const std::size_t joints = asf_.bones.size();
     if (motion_.local.size() + joints > limit_) {
       scan_.fail(405, "more than ", motion_.frames(), " frames of ", joints, " bones");
@@ -6950,12 +7102,23 @@ class AmcParser {
     motion_.root.push_back(motion_.skeleton.offset(0));
     motion_.local.resize(motion_.local.size() + joints, Quaternion<double>::identity());
   }
+  /// Bones without a degree of freedom need not be named.
+  void require_all_bones() const {
+    for (std::size_t b = 0; b < named_.size(); ++b) {
+      if (named_[b] != motion_.root.size() && !asf_.bones[b].channels.empty())
+        scan_.fail(403, "frame ", number_, ", which ends here, has none of the ", asf_.bones[b].channels.size(),
+                   " numbers of '", asf_.bones[b].name, "'");
+    }
+  }
   /// The numbers of one bone in the current frame.
   void values(std::string_view name) {
     const int number = asf_.find(name);
     if (number < 0) scan_.fail(403, "the skeleton has no bone '", TextScanner::shortened(name), "'");
     if (motion_.root.empty()) scan_.fail(403, "numbers of '", name, "' before the first frame");
     const AsfBone& bone = asf_.bones[static_cast<std::size_t>(number)];
+    std::size_t& frames = named_[static_cast<std::size_t>(number)];
+    if (frames == motion_.root.size()) scan_.fail(403, "frame ", number_, " has numbers of '", name, "' twice");
+    frames = motion_.root.size();
     Vec3<double> translation{};
     Quaternion<double> turn = Quaternion<double>::identity();
     for (const AsfChannel& channel : bone.channels) {
@@ -6973,14 +7136,17 @@ class AmcParser {
   const AsfSkeleton& asf_;
   std::size_t limit_;  // of rotations
   double unit_;        // radians per unit of the angles
+  std::uint64_t number_ = 0;        // of the frame
+  std::vector<std::size_t> named_;  // frames that there were when a bone was named last
   Motion motion_;
 };
 
 }  // namespace detail
 
-/// Reads the text of an AMC file that belongs to the skeleton. Bones that a frame does not name rest; translations
-/// count for the root only. Throws io_error 402 (too short), 403 (malformed, unknown bone), 405 (far more bones
-/// than numbers), config_error 101 (fps), numeric_error 301 (numbers so large that they overflow).
+/// Reads the text of an AMC file that belongs to the skeleton. Bones without a degree of freedom rest; translations
+/// count for the root only. Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after
+/// the other, bones that a frame names twice or not at all), 405 (far more bones than numbers), config_error 101 (fps),
+/// numeric_error 301 (numbers so large that they overflow).
 inline Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options = {},
                         std::string_view name = "AMC text") {
   return detail::AmcParser(text, name, asf).parse(options.fps);
@@ -7142,7 +7308,10 @@ class JsonMembers {
     const std::size_t value = at_;
     skip_value();
     if (at_ == value) fail(at_, "expected a value");
-    if (!parts_.emplace(key, Part{value, at_ - value}).second) fail(start, "the name '" + key + "' stands twice");
+    const auto [first, is_new] = parts_.emplace(key, Part{value, at_ - value});
+    if (!is_new)
+      fail(start, concat_text("the name '", key, "' stands twice, first with the value at ",
+                              detail::json_place(text_, first->second.begin)));
     keys_.push_back(key);
   }
   /// To the place behind a value: brackets are counted and strings stepped over. What stands between them is for the
@@ -7165,12 +7334,9 @@ class JsonMembers {
     } while (depth > 0);
   }
   void skip_string() {
-    const std::size_t start = at_++;
-    for (; at_ < text_.size() && text_[at_] != '"'; ++at_) {
-      if (text_[at_] == '\\') ++at_;
-    }
-    if (at_ >= text_.size()) fail(start, "a string has no end");
-    ++at_;
+    const std::size_t end = detail::json_string_end(text_, at_);
+    if (end == text_.npos) fail(at_, "a string has no end");
+    at_ = end;
   }
 
   char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
@@ -8567,15 +8733,25 @@ inline ConeEnds cone_ends(const JointTransforms<double>& world, const RoundCone&
 struct Heights {
   double floor = 0, high = std::numeric_limits<double>::lowest();
 };
+/// Throws numeric_error 301 for a place that single precision cannot hold, with which pages draw.
 inline Heights heights(const Motion& motion, const Figure& figure) {
+  const auto require_near = [&](const Vec3<double>& p, int joint, Index frame) {
+    const double most = std::numeric_limits<float>::max();
+    if (!(std::abs(p.x) <= most && std::abs(p.y) <= most && std::abs(p.z) <= most))
+      raise<numeric_error>(301, "Motion '", motion.name, "': joint '", motion.skeleton.name(joint), "' of frame ",
+                           frame, " or what hangs on it is at (", p.x, ", ", p.y, ", ", p.z, "), too far to be drawn");
+  };
   Heights h;
   std::vector<double> lows;
   JointTransforms<double> world;
   for (Index frame = 0; frame < motion.frames(); ++frame) {
     motion.world(frame, world);
+    for (int j = 0; j < motion.skeleton.size(); ++j)
+      require_near(world.position[static_cast<std::size_t>(j)], j, frame);
     double low = std::numeric_limits<double>::max();
     for (const RoundCone& c : figure.cones) {
       const auto [from, to] = cone_ends(world, c);
+      require_near(from, c.joint, frame), require_near(to, c.joint, frame);
       low = std::min({low, from.y - c.radius_from, to.y - c.radius_to});
       h.high = std::max({h.high, from.y + c.radius_from, to.y + c.radius_to});
     }
@@ -9576,7 +9752,8 @@ inline std::string viewer_page(std::span<const ViewerEntry> entries, const Viewe
 
 /// The page as text.
 /// tracks  rows below the figure; times in seconds from the start of the motion
-/// Throws  config_error 101 without any motion or frame, or for times that are not finite; what Motion::validate throws
+/// Throws  config_error 101 without any motion or frame, or for times that are not finite; what Motion::validate throws;
+///         numeric_error 301 for a place that single precision cannot hold
 inline std::string viewer_html(const Motion& motion, std::span<const Track> tracks = {},
                                const ViewerOptions& options = {}) {
   const detail::ViewerEntry entry{motion, tracks, {}};
@@ -9840,7 +10017,15 @@ inline void append_node(std::string& out, const BvhNode& node, int depth) {
 
 /// The text of a file that strict, line-based readers (Blender's) accept too: one keyword a line, one frame a line, LF,
 /// fixed notation with six decimals, nothing after the last frame. The frame time has up to nine decimals.
+/// Throws numeric_error 301 for a number that is not finite, 302 for a frame time that would be written as 0.
 inline std::string format_bvh(const Bvh& file) {
+  const auto require_finite = [&](double number, const auto&... what) {
+    if (!std::isfinite(number)) raise<numeric_error>(301, "BVH: motion '", file.name, "': ", what..., " is ", number);
+  };
+  require_finite(file.frame_time, "the frame time");
+  if (!(file.frame_time >= 1e-9))
+    raise<numeric_error>(302, "BVH: motion '", file.name, "': the frame time is ", file.frame_time,
+                         " s, expected 1e-09 or more");
   std::string out = "HIERARCHY\n";
   std::vector<int> open;  // nodes whose brace is not closed
   auto close = [&] {
@@ -9850,6 +10035,8 @@ inline std::string format_bvh(const Bvh& file) {
   for (std::size_t n = 0; n < file.nodes.size(); ++n) {
     const BvhNode& node = file.nodes[n];
     while (!open.empty() && open.back() != node.parent) close();
+    for (const double x : {node.offset.x, node.offset.y, node.offset.z})
+      require_finite(x, "a number of the offset of '", node.name, "'");
     detail::append_node(out, node, static_cast<int>(open.size()));
     open.push_back(static_cast<int>(n));
   }
@@ -9862,13 +10049,15 @@ inline std::string format_bvh(const Bvh& file) {
   const Index columns = file.channels();
   for (Index f = 0; f < file.frames; ++f) {
     for (Index c = 0; c < columns; ++c) {
-      detail::append_fixed(out, file.values[static_cast<std::size_t>(f * columns + c)], 6);
+      const double value = file.values[static_cast<std::size_t>(f * columns + c)];
+      require_finite(value, "number ", c, " of frame ", f);
+      detail::append_fixed(out, value, 6);
       out += c + 1 < columns ? ' ' : '\n';
     }
   }
   return out;
 }
-/// Throws io_error 401.
+/// Throws io_error 401, and what format_bvh throws.
 inline void write_bvh(const FilePath& path, const Bvh& file) { write_file(path, format_bvh(file)); }
 
 }  // namespace motionlang::inline MOTIONLANG_ABI
@@ -10197,7 +10386,7 @@ inline Bvh to_bvh(const Motion& motion, const BvhWriteOptions& options = {}) {
   }
   return file;
 }
-/// Throws io_error 401 and as to_bvh.
+/// Throws io_error 401 and as to_bvh, format_bvh.
 inline void write_bvh(const FilePath& path, const Motion& motion, const BvhWriteOptions& options = {}) {
   write_bvh(path, to_bvh(motion, options));
 }
@@ -12479,7 +12668,7 @@ namespace detail {
 inline FilmStrip film_strip(const Motion& motion, std::span<const Track> tracks, const FilmStripOptions& options) {
   motion.validate();
   if (motion.frames() == 0) raise<config_error>(101, "film strip: motion '", motion.name, "' has no frames");
-  if (!(options.width >= 100)) raise<config_error>(101, "film strip: width ", options.width);
+  if (!(options.width >= 100 && options.width <= 1e6)) raise<config_error>(101, "film strip: width ", options.width);
   require_finite_times("film strip", tracks);
   return FilmStrip(motion, tracks, options);
 }
@@ -12488,8 +12677,8 @@ inline FilmStrip film_strip(const Motion& motion, std::span<const Track> tracks,
 
 /// The picture as SVG text.
 /// tracks   shown below the poses, one row each; times in seconds from the start of the motion
-/// Throws   shape_error 205, numeric_error 301 if the motion is not valid; config_error 101 without any frame, for a
-///          width below 100 or times that are not finite
+/// Throws   shape_error 205, numeric_error 301 if the motion is not valid or too far away for single precision; config_error 101
+///          without any frame, for a width below 100 or above a million, or times that are not finite
 inline std::string film_strip_svg(const Motion& motion, std::span<const Track> tracks = {},
                                   const FilmStripOptions& options = {}) {
   const detail::FilmStrip strip = detail::film_strip(motion, tracks, options);
@@ -12535,6 +12724,10 @@ inline void write_film_strip(const FilePath& path, const Motion& motion, std::sp
 /// the world rotation of a node at rest and r its local rotation, L_j = B_parent r_j B_j^-1, and the offset of a joint
 /// is its rest translation turned by B_parent. Bones keep their length: only the root moves; animated scales and
 /// translations of other joints are dropped (stretched_joints names these).
+///
+/// Two keys of a small file can be years apart. What is sampled has at most 10 million rotations (frames x joints; nearly four hours at
+/// 30 per second with 24 joints), or 16 for each key of a channel in the file, which is enough for any recording with keys at its
+/// frames. motions() counts all animations together.
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_GLTF_SKELETON_HPP  // <motionlang/io/detail/gltf_skeleton.hpp>
 #define MOTIONLANG_HAS_IO_DETAIL_GLTF_SKELETON_HPP
@@ -12989,6 +13182,14 @@ class GltfAnimation {
     const double rate = 1 / step, round = std::round(1000 * rate) / 1000;  // times are floats
     return std::abs(rate - round) <= std::numeric_limits<float>::epsilon() * rate ? round : rate;
   }
+  /// Keys of all channels; those that channels share count for each.
+  std::size_t keys() const {
+    std::size_t sum = 0;
+    for (const auto* channels : {&translations_, &rotations_, &scales_}) {
+      for (const auto& [node, c] : *channels) sum += c.times->size();
+    }
+    return sum;
+  }
   bool animates(int node) const { return translations_.contains(node) || rotations_.contains(node); }
 
   /// Transform of a node, from its transform at rest; the scale stays.
@@ -13097,7 +13298,7 @@ class GltfSkeleton {
         below_[slot(numbers[i])] = 1;
         place_[slot(numbers[i])] = static_cast<int>(i);
       }
-      mark_weighted(document, numbers, skin);
+      if (!animations.empty()) mark_weighted(document, numbers, skin);  // only moving_hips asks for it
     } else {  // no skin: all nodes that an animation turns or moves
       for (const GltfAnimation& a : animations) {
         for (const int n : document.depth_first()) {
@@ -13271,18 +13472,26 @@ class GlbFile {
   ///         motion would be too long
   Motion motion(Index animation, std::optional<double> wanted = {}) const {
     const detail::GltfAnimation& a = at(animation);
-    const double fps = wanted ? *wanted : rate(animation);
-    if (!(fps > 0 && fps < 1e6)) raise<config_error>(101, file_, ": ", fps, " frames per second");
-    const double last = a.duration() * fps;  // the time of the last key is a float
-    const double frames = std::floor(last + std::max(1e-4, std::numeric_limits<float>::epsilon() * last)) + 1;
-    if (frames * skeleton().size() > max_rotations) {
-      raise<io_error>(405, file_, ": animation '", a.name(), "' of ", a.duration(), " s is too long");
-    }
+    const double fps = wanted ? *wanted : rate(animation), frames = frames_of(a, fps);
+    require_short(frames, a.keys(), "animation '", a.name(), "' of ", a.duration(), " s at ", fps, " per second");
     Motion motion{skeleton(), fps, {}, {}, a.name()};
     motion.root.reserve(static_cast<std::size_t>(frames));
     motion.local.reserve(static_cast<std::size_t>(frames) * joints_.nodes.size());
     for (double frame = 0; frame < frames; ++frame) append_pose(motion, a, frame / fps);
     return motion;
+  }
+  /// All animations. Throws what motion(number) throws; io_error 405 if they would be too long together.
+  std::vector<Motion> motions(std::optional<double> wanted = {}) const {
+    double frames = 0;
+    std::size_t keys = 0;
+    for (std::size_t i = 0; i < animations_.size(); ++i) {
+      frames += frames_of(animations_[i], wanted ? *wanted : rate(static_cast<Index>(i)));
+      keys += animations_[i].keys();
+    }
+    require_short(frames, keys, animations_.size(), " animations");
+    std::vector<Motion> out;
+    for (std::size_t i = 0; i < animations_.size(); ++i) out.push_back(motion(static_cast<Index>(i), wanted));
+    return out;
   }
   /// The animation of that name. Throws config_error 103, and what motion(number) throws.
   Motion motion(std::string_view animation, std::optional<double> fps = {}) const {
@@ -13311,6 +13520,21 @@ class GlbFile {
       raise<config_error>(103, file_, ": animation ", animation, " of ", animations_.size());
     }
     return animations_[static_cast<std::size_t>(animation)];
+  }
+
+  double frames_of(const detail::GltfAnimation& a, double fps) const {
+    if (!(fps > 0 && fps < 1e6)) raise<config_error>(101, file_, ": ", fps, " frames per second");
+    const double last = a.duration() * fps;  // the time of the last key is a float
+    return std::floor(last + std::max(1e-4, std::numeric_limits<float>::epsilon() * last)) + 1;
+  }
+  template <class... What>
+  void require_short(double frames, std::size_t keys, const What&... what) const {
+    constexpr double most_of_any = 1e7, most_of_key = 16;
+    const double most = std::max(most_of_any, most_of_key * static_cast<double>(keys)),
+                 rotations = frames * skeleton().size();
+    if (rotations > most)
+      raise<io_error>(405, file_, ": ", what..., ": ", rotations, " rotations (frames x joints), at most ", most,
+                      " of ", keys, " keys");
   }
 
   detail::GltfTransform transform(const detail::GltfAnimation& a, int node, double time) const {
@@ -13449,7 +13673,8 @@ class GlbRig {
   /// Says which joint of a skeleton is which: one of the known tables, or read_skeleton_table.
   using FindTable = std::function<SkeletonTable(const Skeleton&)>;
 
-  /// Of several skins, the first for which there is a table.
+  /// Of several skins, the first for which there is a table; of very many (thousands in a file of thousands of nodes), only the
+  /// first are tried.
   /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits, for every skin if there
   ///         are several
   static GlbRig open(const FilePath& path, const FindTable& find_table = detect_skeleton_table) {
@@ -13463,17 +13688,20 @@ class GlbRig {
       find_joints(0, find_table);
       return;
     }
+    constexpr Index most_visits = 10'000'000, most_reasons = 8;  // each skin is looked for among all nodes
+    const Index tried = std::min(skins, 1 + most_visits / (1 + std::ssize(document_.nodes())));
     std::string reasons;
-    for (Index skin = 0; skin < skins; ++skin) {
+    for (Index skin = 0; skin < tried; ++skin) {
       const auto find = [&] { find_joints(skin, find_table); };
       const auto not_it = [&](const config_error& e) {
         const std::string_view what = e.what();
-        reasons += concat_text("; skin ", skin, ": ", what.substr(what.find("] ") + 2));
+        if (skin < most_reasons) reasons += concat_text("; skin ", skin, ": ", what.substr(what.find("] ") + 2));
         return e.id() == 103;
       };
       if (detail::guard<config_error>(find, not_it)) return;
     }
-    raise<config_error>(103, file(), ": none of ", skins, " skins is a body that is known", reasons);
+    raise<config_error>(103, file(), ": none of ", tried < skins ? concat_text("the first ", tried, " of ") : "", skins,
+                        " skins is a body that is known", reasons);
   }
 
   const std::string& file() const { return document_.file(); }
@@ -13797,13 +14025,14 @@ inline std::vector<MotionCaption> read_captions(const FilePath& path) {
   return parse_captions(detail::as_text(MappedFile::open(path)->bytes()), path.string());
 }
 
+/// `name` stands in messages.
 /// Laws    parse_captions(format_captions(x)) equals x
 /// Throws  timeline_error 510 for a caption or word that other readers would take apart: with '#', a line end, blanks
 ///         at its ends or in a word, '/' in a tag; io_error 403 for a time that is none
-inline std::string format_captions(std::span<const MotionCaption> captions) {
+inline std::string format_captions(std::span<const MotionCaption> captions, std::string_view name = "captions") {
   std::string out;
-  auto require = [](bool holds, const std::string& text) {
-    if (!holds) raise<timeline_error>(510, "'", text, "' cannot stand in a file of captions");
+  auto require = [&](bool holds, const std::string& text) {
+    if (!holds) raise<timeline_error>(510, name, ": '", text, "' cannot stand in a file of captions");
   };
   for (const MotionCaption& c : captions) {
     require(c.text.find_first_of("#\r\n") == c.text.npos && detail::trim(c.text) == c.text, c.text);
@@ -13817,7 +14046,8 @@ inline std::string format_captions(std::span<const MotionCaption> captions) {
       out += (i > 0 ? " " : "") + word + (tag.empty() ? "" : "/" + tag);
     }
     for (const double seconds : {c.start, c.end}) {
-      if (!(seconds >= 0 && std::isfinite(seconds))) raise<io_error>(403, "'", c.text, "': ", seconds, " is no time");
+      if (!(seconds >= 0 && std::isfinite(seconds)))
+        raise<io_error>(403, name, ": '", c.text, "': ", seconds, " is no time");
       out += '#' + detail::time_text(seconds);
     }
     out += '\n';
@@ -14007,7 +14237,8 @@ inline std::vector<HumanMl3dItem> humanml3d_items(std::span<const MotionCaption>
 inline void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, const HumanMl3dForm& form = {}) {
   if (!detail::is_clip_id(clip.id) || clip.id.find('/') != clip.id.npos)
     raise<io_error>(403, folder.string(), ": '", clip.id, "' is no name of a file");
-  const std::string captions = format_captions(clip.captions);
+  const FilePath texts = detail::below(folder, concat_text("texts/", clip.id, ".txt"));
+  const std::string captions = format_captions(clip.captions, texts.string());
   const auto features = NpyArray::of(std::span<const float>(clip.features), {clip.frames, form.width()});
   const auto joints = NpyArray::of(std::span<const float>(clip.joints), {clip.frames, form.joints, 3});
   auto file = [&](std::string_view kind, std::string_view extension) {
@@ -15152,7 +15383,7 @@ Tm2tRun<B> load_tm2t_describer(const RunFolder& run, const Tm2tRunOptions& optio
 ///          6 under a misspelled name, which its code passes over
 /// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses and metrics, statistics
 /// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for a number that is none; config_error 101 if the
-///          heads do not divide the width, 102 where options and tensors differ
+///          heads do not divide the width, 102 where options and tensors differ, or the file is too small for a network of its sizes
 /// Source   spec temos.md 2, 3.1; tmr.md 3
 
 namespace motionlang::inline MOTIONLANG_ABI {
@@ -15172,6 +15403,16 @@ Config temos_sizes(const RunReader& r) {
   c.num_heads = r.number({"model/num_heads"}, 4, 1024);
   c.activation = parse_activation(r.one_of("model/activation", "gelu", {"gelu", "relu"}));
   return c;
+}
+/// Throws config_error 102 for sizes that the file has no room for. Config: of TEMOS, TEACH, SINC or TMR.
+template <class Config>
+void check_temos_room(const TensorSet& file, const Config& c) {
+  Index features = 0;
+  if constexpr (requires { c.motion_nfeats; })
+    features = c.motion_nfeats + c.text_nfeats;
+  else
+    features = c.nfeats + c.text_dim;
+  check_room(file, features, c.latent_dim, c.ff_size, c.num_layers);
 }
 
 inline TemosConfig temos_config(const RunReader& r) {
@@ -15209,15 +15450,19 @@ inline bool beside_temos(const std::string& name) {
 /// `run` has the options, if there are any.
 template <Backend B>
 Temos<B> load_temos(const TensorSet& file, const RunFolder& run = {}) {
+  const TemosConfig config = detail::temos_config(detail::RunReader(run, file, ""));
+  detail::check_temos_room(file, config);
   NoInit zeros;
-  Temos<B> model(detail::temos_config(detail::RunReader(run, file, "")), zeros);
+  Temos<B> model(config, zeros);
   detail::load_run_module(model, file, "", detail::beside_temos);
   return model;
 }
 template <Backend B>
 Tmr<B> load_tmr(const TensorSet& file, const RunFolder& run = {}) {
+  const TmrConfig config = detail::tmr_config(detail::RunReader(run, file, ""));
+  detail::check_temos_room(file, config);
   NoInit zeros;
-  Tmr<B> model(detail::tmr_config(detail::RunReader(run, file, "")), zeros);
+  Tmr<B> model(config, zeros);
   detail::load_run_module(model, file, "", [](const std::string& name) {
     return name.ends_with(".pe") || detail::begins_with_any(name, {"stats.", "meta."});
   });
@@ -15246,6 +15491,7 @@ Teach<B> load_teach(const TensorSet& file, const RunFolder& run = {}) {
   config.z_prev_text = r.flag("model/z_prev_text", false);
   config.motion_encoder = r.has("motionencoder.mu_token");
   config.unused_encoder = r.has("textencoder.motionTransEncoder.layers.0.linear1.weight");
+  detail::check_temos_room(file, config);
   NoInit zeros;
   Teach<B> model(config, zeros);
   detail::load_run_module(model, file, "", detail::beside_teach_and_sinc);
@@ -15258,6 +15504,7 @@ Sinc<B> load_sinc(const TensorSet& file, const RunFolder& run = {}, SincMode mod
   auto config = detail::temos_sizes<SincConfig>(r);
   config.mode = mode;
   config.motion_encoder = r.has("motionencoder.mu_token");
+  detail::check_temos_room(file, config);
   NoInit zeros;
   Sinc<B> model(config, zeros);
   detail::load_run_module(model, file, "", detail::beside_teach_and_sinc);

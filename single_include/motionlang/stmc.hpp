@@ -12769,7 +12769,7 @@ struct Motion {
     }
     return out;
   }
-  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none, numeric_error 301
+  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none or at which times overflow, numeric_error 301
   /// on a value that is not finite and on a rotation of length 0.
   void validate() const {
     skeleton.validate();
@@ -12782,7 +12782,9 @@ struct Motion {
       if (!std::isfinite(o.x + o.y + o.z))
         raise<numeric_error>(301, "Motion '", name, "': the offset of joint '", skeleton.name(j), "' is not finite");
     }
-    if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
+    const double seconds_and_one_frame = static_cast<double>(frames() + 1) / fps;
+    if (!(fps > 0 && std::isfinite(fps) && std::isfinite(seconds_and_one_frame)))
+      raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
     for (std::size_t f = 0; f < root.size(); ++f) {
       const auto& r = root[f];
       if (!std::isfinite(r.x + r.y + r.z))
@@ -13571,7 +13573,7 @@ class JsonCursor {
 /// What the system does with files: POSIX, and Windows by what MinGW's C library has of it. Failures are told by errno.
 
 #include <fcntl.h>     // open
-#include <sys/stat.h>  // fstat, mkdir
+#include <sys/stat.h>  // fstat, fchmod, mkdir
 #include <unistd.h>    // read, write, close, getpid
 #if defined(_WIN32)
 #include <io.h>      // _commit
@@ -13610,6 +13612,7 @@ inline bool is_regular(int file, std::uint64_t& size) {
   size = static_cast<std::uint64_t>(s.st_size);
   return true;
 }
+inline void copy_permissions(const char*, int) {}  // of a folder, for all in it
 inline bool flush(int file) { return ::_commit(file) == 0; }
 inline void unmap(void* data, std::size_t) { ::_aligned_free(data); }
 /// The whole file, for reading; null if that fails. size > 0. A copy: nobody could write a file anew that is mapped, such as the checkpoint
@@ -13653,6 +13656,11 @@ inline bool is_regular(int file, std::uint64_t& size) {
   if (::fstat(file, &s) != 0 || !S_ISREG(s.st_mode)) return false;
   size = static_cast<std::uint64_t>(s.st_size);
   return true;
+}
+/// Who may read and write an open file as another one, if that is there. Not every file system knows such permissions.
+inline void copy_permissions(const char* from, int to) {
+  struct stat s {};
+  if (::stat(from, &s) == 0) static_cast<void>(::fchmod(to, s.st_mode & 0777));
 }
 inline bool flush(int file) { return ::fsync(file) == 0; }
 /// The whole file, for reading; null if that fails. size > 0.
@@ -13801,8 +13809,8 @@ inline std::string read_file(const FilePath& path) {
   return std::string(reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size());
 }
 
-/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is. Of a symbolic link, the file
-/// that it leads to is written. Throws io_error 401, also for devices and pipes.
+/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is, which has its permissions. Of a
+/// symbolic link, the file that it leads to is written. Throws io_error 401, also for devices and pipes.
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
   static std::atomic<unsigned> writers{0};
   std::error_code problem;
@@ -13819,7 +13827,7 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
   std::string temporary;
   int opened = -1;
   do {  // a name that no other thread and no other machine has
-    temporary = concat_text(target, ".part-", ::getpid(), "-", writers++);
+    temporary = (followed.parent_path() / concat_text(".part-", ::getpid(), "-", writers++)).string();
     opened = detail::system::create(temporary.c_str());
   } while (opened < 0 && errno == EEXIST);
   int reason = 0;
@@ -13830,6 +13838,7 @@ inline void write_file(const FilePath& path, std::span<const std::byte> contents
   const char* wrong = nullptr;
   {
     const detail::Descriptor file(opened);
+    if (file.get() >= 0) detail::system::copy_permissions(target.c_str(), file.get());
     if (file.get() < 0 || !file.write(contents))
       wrong = "write";
     else if (!detail::system::flush(file.get()))
@@ -14486,23 +14495,21 @@ bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, 
 class TensorStore {
  public:
   /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error 301
-  /// for a number that F16 cannot hold.
+  /// for a number that would become infinite; F16 holds no NaN and infinity either.
   template <Scalar S>
   void add(std::string name, const FileShape& shape, std::span<const S> values, DType dtype) {
     switch (dtype) {
       case DType::F32:
+        require_held(name, values, dtype, std::numeric_limits<float>::infinity());
         return put<float>(std::move(name), shape, values, dtype, [](S x) { return static_cast<float>(x); });
       case DType::F64:
         return put<double>(std::move(name), shape, values, dtype, [](S x) { return static_cast<double>(x); });
       case DType::F16:
-        for (std::size_t i = 0; i < values.size(); ++i) {
-          if (!(std::abs(values[i]) < S(65520)))  // what rounds to infinity
-            raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i],
-                                 ", too large for F16");
-        }
+        require_held(name, values, dtype, 65520);
         return put<std::uint16_t>(std::move(name), shape, values, dtype,
                                   [](S x) { return float_to_half(static_cast<float>(x)); });
       case DType::BF16:
+        require_held(name, values, dtype, 0x1.FFp127F);
         return put<std::uint16_t>(std::move(name), shape, values, dtype,
                                   [](S x) { return float_to_bfloat16(static_cast<float>(x)); });
       default:
@@ -14529,6 +14536,16 @@ class TensorStore {
     FileShape shape;
     std::vector<std::byte> bytes;
   };
+  /// end   what rounds to infinity, and all above it
+  template <Scalar S>
+  static void require_held(const std::string& name, std::span<const S> values, DType dtype, float end) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (std::abs(static_cast<float>(values[i])) < end) continue;
+      if (std::isfinite(values[i]) || dtype == DType::F16)
+        raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i], ", too large for ",
+                             dtype);
+    }
+  }
   template <class Stored, Scalar S, class F>
   void put(std::string name, const FileShape& shape, std::span<const S> values, DType dtype, F convert) {
     Entry e{std::move(name), dtype, shape, std::vector<std::byte>(values.size() * sizeof(Stored))};

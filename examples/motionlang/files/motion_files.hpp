@@ -25,7 +25,8 @@ namespace ml = motionlang;
 
 /// What --joints is about.
 inline constexpr const char* joints_help =
-    "Which joint is which, for skeletons of other names or axes: lines 'joint of SMPL<TAB>joint[<TAB>axes]', 'left_hip' "
+    "Which joint is which, for skeletons of other names or axes: lines 'joint of SMPL<TAB>joint[<TAB>axes]', "
+    "'left_hip' "
     "and 'LeftThigh' for instance; axes are those of the joint that point left and up in a T-pose, +x+y unless given. "
     "Of the character with --rig; else motions are put on SMPL's joints by it";
 

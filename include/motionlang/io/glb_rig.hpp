@@ -7,7 +7,7 @@
 /// root) stays as it is at rest.
 #pragma once
 
-#include <algorithm>  // min
+#include <algorithm>   // min
 #include <functional>  // which joint is which
 #include <set>         // names of animations
 
