@@ -1,6 +1,9 @@
 // What the README promises of the weights that come with the repository, for its own timeline.
 #include <doctest/doctest.h>
 
+#include <array>
+#include <vector>
+
 #include <motionlang/io/amass.hpp>
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
@@ -57,4 +60,25 @@ TEST_CASE("words that no caption of the training had are named") {
   REQUIRE_MESSAGE(out.code == 0, out.text);
   const std::string line = "'A person does a somersault': the model never learned the word 'somersault'\n";
   CHECK_MESSAGE(out.text.find(line) != out.text.npos, out.text);
+}
+
+TEST_CASE("motions are found by words without a model of one's own") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "clips");
+  const std::vector<std::array<std::string, 3>> moves{{"walk forward", "walk_forward", "a person is walking"},
+                                                      {"raise both arms", "raise_both_arms", "lifts the arms"},
+                                                      {"sit down", "sit_down", "somebody sits down"},
+                                                      {"jump", "jump", "jumping up"}};
+  for (const auto& [text, name, query] : moves) {
+    const auto made =
+        run({"generate", "--text", text, "--seconds", "3", "--preset", "fast", "--out", "made"}, folder.path);
+    REQUIRE_MESSAGE(made.code == 0, made.text);
+    std::filesystem::copy(folder / ("made/" + name + ".bvh"), folder / "clips");
+  }
+  const auto index = run({"index", "clips", "-o", "moves.index", "--no-moments"}, folder.path);
+  REQUIRE_MESSAGE(index.code == 0, index.text);
+  for (const auto& [text, name, query] : moves) {
+    const auto found = run({"search", "moves.index", query, "--top", "1"}, folder.path);
+    CHECK_MESSAGE(found.text.find(name + ".bvh") != found.text.npos, query, ": ", found.text);
+  }
 }
