@@ -231,18 +231,18 @@ inline NpyArray described_array(std::string_view type, std::vector<Index> shape,
   return array;
 }
 
-/// Throws io_error 402 if `raw` has fewer bytes than the array, 403 if it has more, 405 for impossible sizes.
-inline void check_raw_size(const NpyArray& array, std::span<const std::byte> raw, std::string_view where) {
+/// Throws io_error 402 if the data have fewer bytes than the array, 403 if they have more, 405 for impossible sizes.
+inline void check_raw_size(const NpyArray& array, std::size_t bytes, std::string_view where) {
   const std::size_t needed = checked_size(array.shape, array.item_size, where);
-  if (raw.size() < needed) raise<io_error>(402, where, ": array data of ", raw.size(), " bytes, ", needed, " needed");
-  if (raw.size() > needed) raise<io_error>(403, where, ": ", raw.size() - needed, " bytes after the array data");
+  if (bytes < needed) raise<io_error>(402, where, ": array data of ", bytes, " bytes, ", needed, " needed");
+  if (bytes > needed) raise<io_error>(403, where, ": ", bytes - needed, " bytes after the array data");
 }
 
 /// An array as NumPy stores it, in .npy files and in pickles. `raw` are all its bytes. Throws like the two above.
 inline NpyArray stored_array(std::string_view type, bool fortran_order, std::vector<Index> shape,
                              std::span<const std::byte> raw, std::string_view where) {
   NpyArray array = described_array(type, std::move(shape), where);
-  check_raw_size(array, raw, where);
+  check_raw_size(array, raw.size(), where);
   array.data = fortran_order ? from_fortran_order(raw, array.shape, array.item_size)
                              : std::vector<std::byte>(raw.begin(), raw.end());
   const std::size_t unit = array.kind == 'U' ? 4 : array.kind == 'S' ? 1 : array.item_size;
@@ -254,6 +254,8 @@ inline NpyArray stored_array(std::string_view type, bool fortran_order, std::vec
   return array;
 }
 
+inline constexpr std::size_t longest_npy_header = 65536;
+
 /// A .npy file in parts: what its header says, and the bytes behind it.
 struct NpyParts {
   NpyHeader header;
@@ -263,16 +265,24 @@ struct NpyParts {
 /// Throws io_error 402 if the file is too short, 403 if the header is malformed, 404 for other versions, 405 for a long header.
 inline NpyParts npy_parts(std::span<const std::byte> bytes, std::string_view file) {
   constexpr std::string_view magic = "\x93NUMPY";
-  constexpr std::size_t longest_header = 65536;
   if (!as_text(bytes).starts_with(magic)) raise<io_error>(403, file, ": not a .npy file (byte 0)");
   const auto major = load<std::uint8_t>(bytes, 6, file, "npy version");
   if (major < 1 || major > 3) raise<io_error>(404, file, ": .npy version ", int{major}, " at byte 6");
   const std::size_t length = major == 1 ? load<std::uint16_t>(bytes, 8, file, "npy header length")
                                         : load<std::uint32_t>(bytes, 8, file, "npy header length");
-  if (length > longest_header) raise<io_error>(405, file, ": npy header of ", length, " bytes at byte 8");
+  if (length > longest_npy_header) raise<io_error>(405, file, ": npy header of ", length, " bytes at byte 8");
   const std::size_t start = major == 1 ? 10 : 12;
   return {NpyHeader(as_text(slice(bytes, start, length, file, "npy header")), start, file),
           bytes.subspan(start + length), concat_text(file, ": npy at byte ", start)};
+}
+
+/// Compares the header of a .npy file, of which the first bytes are given, with its size. Throws as parse_npy.
+inline void check_npy_size(std::span<const std::byte> head, std::uint64_t size, std::string_view file) {
+  const NpyParts npy = npy_parts(head, file);
+  const std::uint64_t before = head.size() - npy.raw.size();
+  if (size < before) raise<io_error>(402, npy.where, ": a header of ", before, " bytes, the file has ", size);
+  check_raw_size(described_array(npy.header.descr, npy.header.shape, npy.where),
+                 static_cast<std::size_t>(size - before), npy.where);
 }
 
 }  // namespace detail

@@ -352,7 +352,7 @@ class WeightReader {
   /// lasting   the bytes live as long as the file
   void add_array(const PickledArray& a, bool lasting) {
     const NpyArray described = described_array(a.type, a.shape, a.where);
-    check_raw_size(described, a.raw, a.where);
+    check_raw_size(described, a.raw.size(), a.where);
     if (described.is_text()) return add_texts(described, a);
     if (!selected()) return;
     const bool in_order = !a.fortran_order || a.shape.size() < 2;

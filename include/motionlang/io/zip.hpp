@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>      // sort
+#include <limits>         // no limit
 #include <memory>         // shared_ptr
 #include <unordered_set>  // repeated names
 #include <utility>        // exchange
@@ -63,6 +64,13 @@ class ZipArchive {
     const auto data = stored(entry);
     check_crc(entry, data);
     return data;
+  }
+  /// The first unpacked bytes of a deflated member, at least `count` of them if it has so many; not checked. Throws io_error 402, 403.
+  std::vector<std::byte> head(const ZipEntry& entry, std::size_t count) const {
+    const auto raw = bytes_.subspan(static_cast<std::size_t>(entry.offset), static_cast<std::size_t>(entry.packed));
+    std::vector<std::byte> out;
+    detail::inflate_to(out, raw, std::numeric_limits<std::size_t>::max(), name_ + "/" + entry.name, count);
+    return out;
   }
   /// The unpacked bytes, checked against size and checksum.
   /// Throws  io_error 402, 403 if the data are damaged, 405 if they are more than the directory says

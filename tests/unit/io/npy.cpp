@@ -1,9 +1,11 @@
 // .npy and .npz: round trips, files as NumPy writes them, and files that must be refused.
 #include <doctest/doctest.h>
 
+#include <cstring>
 #include <string>
 #include <vector>
 
+#include <motionlang/io/detail/deflate.hpp>
 #include <motionlang/io/npz.hpp>
 
 #include "../../support/temporary_folder.hpp"
@@ -207,4 +209,32 @@ TEST_CASE("an archive that NumPy compressed") {
   CHECK(npz.read("trans").to<double>() == std::vector<double>{0, 0.25, 0.5, 0.75, 1, 1.25, 1.5, 1.75, 2});
   CHECK(npz.read("gender").text() == "male");
   CHECK(npz.read("mocap_frame_rate").value<double>() == 120);
+}
+
+TEST_CASE("a large compressed array is not unpacked unless its header wants so much") {
+  const std::vector<float> zeros(1 << 20);
+  const auto archive = [&](ml::Index declared) {
+    auto npy = ml::npy_bytes({'f', 4, {declared}, {}});
+    ml::detail::append_bytes(npy, std::as_bytes(std::span(zeros)));
+    const std::string packed = ml::detail::deflate(npy);
+    ml::ZipWriter zip;
+    zip.add("a.npy", std::as_bytes(std::span(packed)));
+    auto bytes = zip.finish();
+    const auto put = [&bytes](std::size_t at, auto value) { std::memcpy(bytes.data() + at, &value, sizeof value); };
+    const std::size_t entry = 30 + 5 + packed.size();  // of the directory, behind the header, the name and the data
+    put(entry + 10, std::uint16_t{8});
+    put(entry + 16, ml::detail::crc32(npy));
+    put(entry + 24, static_cast<std::uint32_t>(npy.size()));
+    return bytes;
+  };
+  const auto honest = archive(std::ssize(zeros));
+  CHECK(honest.size() < 50'000);
+  CHECK(ml::NpzArchive(ml::ZipArchive(honest, "a.npz")).read("a").to<float>() == zeros);
+  const auto refused = [](std::vector<std::byte> bytes, const char* text) {
+    bytes[1000] ^= std::byte{0xFF};  // far behind the header: who unpacks it all meets it
+    CHECK_THROWS_WITH_AS(ml::NpzArchive(ml::ZipArchive(bytes, "a.npz")).read("a"), doctest::Contains(text),
+                         ml::io_error);
+  };
+  refused(archive(10), "a.npz/a: npy at byte 10: 4194264 bytes after the array data");
+  refused(archive(1'000'000'000), "a.npz/a: npy at byte 10: array data of 4194304 bytes, 4000000000 needed");
 }

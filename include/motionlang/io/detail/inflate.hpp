@@ -6,6 +6,7 @@
 
 #include <algorithm>  // min
 #include <array>      // code tables
+#include <limits>     // no end before the stream's
 
 #include <motionlang/io/detail/bytes.hpp>
 
@@ -212,10 +213,12 @@ inline void repeat(std::vector<std::byte>& out, std::size_t distance, std::size_
   for (std::size_t k = 0; k < length; ++k) out.push_back(out[out.size() - distance]);
 }
 
-/// Unpacks one deflate stream of at most `limit` bytes of output; returns how many bytes of the stream it took.
+/// Unpacks one deflate stream of at most `limit` bytes of output; returns how many bytes of the stream it took. It stops early once
+/// there are `enough`.
 /// Throws  io_error 402 if the stream ends too early, 403 if it is malformed, 405 beyond the limit
 template <class Out>
-std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t limit, std::string_view file) {
+std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t limit, std::string_view file,
+                       std::size_t enough = std::numeric_limits<std::size_t>::max()) {
   // RFC 1951, 3.2.5: symbols 257 ... 285 and 0 ... 29
   static constexpr std::array<std::uint16_t, 29> length_base{3,  4,  5,  6,   7,   8,   9,   10,  11, 13,
                                                              15, 17, 19, 23,  27,  31,  35,  43,  51, 59,
@@ -229,7 +232,7 @@ std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t 
   auto room_for = [&](std::size_t n) {
     if (limit - out.size() < n) raise<io_error>(405, file, ": deflated data gives more than ", limit, " bytes");
   };
-  for (bool last = false; !last;) {
+  for (bool last = false; !last && out.size() < enough;) {
     last = in.take(1) != 0;
     const std::uint32_t kind = in.take(2);
     if (kind == 3) in.malformed("unknown kind of block");
@@ -246,6 +249,7 @@ std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t 
       if (symbol < 256) {
         room_for(1);
         out.push_back(static_cast<std::byte>(symbol));
+        if (out.size() >= enough) break;
         continue;
       }
       if (symbol > 285) in.malformed("unknown length");
@@ -256,6 +260,7 @@ std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t 
       if (distance > out.size()) in.malformed("a distance before the start");
       room_for(length);
       repeat(out, distance, length);
+      if (out.size() >= enough) break;
     }
   }
   return in.position();
