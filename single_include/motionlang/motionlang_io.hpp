@@ -2354,10 +2354,12 @@ inline void repeat(std::vector<std::byte>& out, std::size_t distance, std::size_
   for (std::size_t k = 0; k < length; ++k) out.push_back(out[out.size() - distance]);
 }
 
-/// Unpacks one deflate stream of at most `limit` bytes of output; returns how many bytes of the stream it took.
+/// Unpacks one deflate stream of at most `limit` bytes of output; returns how many bytes of the stream it took. It stops early once
+/// there are `enough`.
 /// Throws  io_error 402 if the stream ends too early, 403 if it is malformed, 405 beyond the limit
 template <class Out>
-std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t limit, std::string_view file) {
+std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t limit, std::string_view file,
+                       std::size_t enough = std::numeric_limits<std::size_t>::max()) {
   // RFC 1951, 3.2.5: symbols 257 ... 285 and 0 ... 29
   static constexpr std::array<std::uint16_t, 29> length_base{3,  4,  5,  6,   7,   8,   9,   10,  11, 13,
                                                              15, 17, 19, 23,  27,  31,  35,  43,  51, 59,
@@ -2371,7 +2373,7 @@ std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t 
   auto room_for = [&](std::size_t n) {
     if (limit - out.size() < n) raise<io_error>(405, file, ": deflated data gives more than ", limit, " bytes");
   };
-  for (bool last = false; !last;) {
+  for (bool last = false; !last && out.size() < enough;) {
     last = in.take(1) != 0;
     const std::uint32_t kind = in.take(2);
     if (kind == 3) in.malformed("unknown kind of block");
@@ -2388,6 +2390,7 @@ std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t 
       if (symbol < 256) {
         room_for(1);
         out.push_back(static_cast<std::byte>(symbol));
+        if (out.size() >= enough) break;
         continue;
       }
       if (symbol > 285) in.malformed("unknown length");
@@ -2398,6 +2401,7 @@ std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t 
       if (distance > out.size()) in.malformed("a distance before the start");
       room_for(length);
       repeat(out, distance, length);
+      if (out.size() >= enough) break;
     }
   }
   return in.position();
@@ -2806,18 +2810,18 @@ inline NpyArray described_array(std::string_view type, std::vector<Index> shape,
   return array;
 }
 
-/// Throws io_error 402 if `raw` has fewer bytes than the array, 403 if it has more, 405 for impossible sizes.
-inline void check_raw_size(const NpyArray& array, std::span<const std::byte> raw, std::string_view where) {
+/// Throws io_error 402 if the data have fewer bytes than the array, 403 if they have more, 405 for impossible sizes.
+inline void check_raw_size(const NpyArray& array, std::size_t bytes, std::string_view where) {
   const std::size_t needed = checked_size(array.shape, array.item_size, where);
-  if (raw.size() < needed) raise<io_error>(402, where, ": array data of ", raw.size(), " bytes, ", needed, " needed");
-  if (raw.size() > needed) raise<io_error>(403, where, ": ", raw.size() - needed, " bytes after the array data");
+  if (bytes < needed) raise<io_error>(402, where, ": array data of ", bytes, " bytes, ", needed, " needed");
+  if (bytes > needed) raise<io_error>(403, where, ": ", bytes - needed, " bytes after the array data");
 }
 
 /// An array as NumPy stores it, in .npy files and in pickles. `raw` are all its bytes. Throws like the two above.
 inline NpyArray stored_array(std::string_view type, bool fortran_order, std::vector<Index> shape,
                              std::span<const std::byte> raw, std::string_view where) {
   NpyArray array = described_array(type, std::move(shape), where);
-  check_raw_size(array, raw, where);
+  check_raw_size(array, raw.size(), where);
   array.data = fortran_order ? from_fortran_order(raw, array.shape, array.item_size)
                              : std::vector<std::byte>(raw.begin(), raw.end());
   const std::size_t unit = array.kind == 'U' ? 4 : array.kind == 'S' ? 1 : array.item_size;
@@ -2829,6 +2833,8 @@ inline NpyArray stored_array(std::string_view type, bool fortran_order, std::vec
   return array;
 }
 
+inline constexpr std::size_t longest_npy_header = 65536;
+
 /// A .npy file in parts: what its header says, and the bytes behind it.
 struct NpyParts {
   NpyHeader header;
@@ -2838,16 +2844,24 @@ struct NpyParts {
 /// Throws io_error 402 if the file is too short, 403 if the header is malformed, 404 for other versions, 405 for a long header.
 inline NpyParts npy_parts(std::span<const std::byte> bytes, std::string_view file) {
   constexpr std::string_view magic = "\x93NUMPY";
-  constexpr std::size_t longest_header = 65536;
   if (!as_text(bytes).starts_with(magic)) raise<io_error>(403, file, ": not a .npy file (byte 0)");
   const auto major = load<std::uint8_t>(bytes, 6, file, "npy version");
   if (major < 1 || major > 3) raise<io_error>(404, file, ": .npy version ", int{major}, " at byte 6");
   const std::size_t length = major == 1 ? load<std::uint16_t>(bytes, 8, file, "npy header length")
                                         : load<std::uint32_t>(bytes, 8, file, "npy header length");
-  if (length > longest_header) raise<io_error>(405, file, ": npy header of ", length, " bytes at byte 8");
+  if (length > longest_npy_header) raise<io_error>(405, file, ": npy header of ", length, " bytes at byte 8");
   const std::size_t start = major == 1 ? 10 : 12;
   return {NpyHeader(as_text(slice(bytes, start, length, file, "npy header")), start, file),
           bytes.subspan(start + length), concat_text(file, ": npy at byte ", start)};
+}
+
+/// Compares the header of a .npy file, of which the first bytes are given, with its size. Throws as parse_npy.
+inline void check_npy_size(std::span<const std::byte> head, std::uint64_t size, std::string_view file) {
+  const NpyParts npy = npy_parts(head, file);
+  const std::uint64_t before = head.size() - npy.raw.size();
+  if (size < before) raise<io_error>(402, npy.where, ": a header of ", before, " bytes, the file has ", size);
+  check_raw_size(described_array(npy.header.descr, npy.header.shape, npy.where),
+                 static_cast<std::size_t>(size - before), npy.where);
 }
 
 }  // namespace detail
@@ -2945,6 +2959,13 @@ class ZipArchive {
     const auto data = stored(entry);
     check_crc(entry, data);
     return data;
+  }
+  /// The first unpacked bytes of a deflated member, at least `count` of them if it has so many; not checked. Throws io_error 402, 403.
+  std::vector<std::byte> head(const ZipEntry& entry, std::size_t count) const {
+    const auto raw = bytes_.subspan(static_cast<std::size_t>(entry.offset), static_cast<std::size_t>(entry.packed));
+    std::vector<std::byte> out;
+    detail::inflate_to(out, raw, std::numeric_limits<std::size_t>::max(), name_ + "/" + entry.name, count);
+    return out;
   }
   /// The unpacked bytes, checked against size and checksum.
   /// Throws  io_error 402, 403 if the data are damaged, 405 if they are more than the directory says
@@ -3171,7 +3192,11 @@ class NpzArchive {
   NpyArray read(std::string_view name) const {
     const ZipEntry* entry = zip_.find(concat_text(name, suffix));
     if (entry == nullptr) raise<io_error>(406, zip_.name(), ": no array '", name, "' in the archive");
-    return parse_npy(zip_.read(*entry), concat_text(zip_.name(), "/", name));
+    const std::string where = concat_text(zip_.name(), "/", name);
+    constexpr std::uint64_t large = 1 << 20;  // then it is not unpacked before its header is known to want so much
+    if (entry->deflated && entry->size > large)
+      detail::check_npy_size(zip_.head(*entry, detail::longest_npy_header + 12), entry->size, where);
+    return parse_npy(zip_.read(*entry), where);
   }
 
  private:
@@ -5528,7 +5553,7 @@ class WeightReader {
   /// lasting   the bytes live as long as the file
   void add_array(const PickledArray& a, bool lasting) {
     const NpyArray described = described_array(a.type, a.shape, a.where);
-    check_raw_size(described, a.raw, a.where);
+    check_raw_size(described, a.raw.size(), a.where);
     if (described.is_text()) return add_texts(described, a);
     if (!selected()) return;
     const bool in_order = !a.fortran_order || a.shape.size() < 2;
@@ -7102,12 +7127,12 @@ class AmcParser {
     motion_.root.push_back(motion_.skeleton.offset(0));
     motion_.local.resize(motion_.local.size() + joints, Quaternion<double>::identity());
   }
-  /// Bones without a degree of freedom need not be named.
+  /// A bone that one frame names is named by all; those that none names rest.
   void require_all_bones() const {
     for (std::size_t b = 0; b < named_.size(); ++b) {
-      if (named_[b] != motion_.root.size() && !asf_.bones[b].channels.empty())
-        scan_.fail(403, "frame ", number_, ", which ends here, has none of the ", asf_.bones[b].channels.size(),
-                   " numbers of '", asf_.bones[b].name, "'");
+      if (named_[b] != 0 && named_[b] != motion_.root.size())
+        scan_.fail(403, "frame ", number_, ", which ends here, has no numbers of '", asf_.bones[b].name,
+                   "', unlike those before it");
     }
   }
   /// The numbers of one bone in the current frame.
@@ -7118,6 +7143,8 @@ class AmcParser {
     const AsfBone& bone = asf_.bones[static_cast<std::size_t>(number)];
     std::size_t& frames = named_[static_cast<std::size_t>(number)];
     if (frames == motion_.root.size()) scan_.fail(403, "frame ", number_, " has numbers of '", name, "' twice");
+    if (frames == 0 && motion_.root.size() > 1)
+      scan_.fail(403, "frame ", number_, " has numbers of '", name, "', unlike those before it");
     frames = motion_.root.size();
     Vec3<double> translation{};
     Quaternion<double> turn = Quaternion<double>::identity();
@@ -7143,9 +7170,9 @@ class AmcParser {
 
 }  // namespace detail
 
-/// Reads the text of an AMC file that belongs to the skeleton. Bones without a degree of freedom rest; translations
-/// count for the root only. Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after
-/// the other, bones that a frame names twice or not at all), 405 (far more bones than numbers), config_error 101 (fps),
+/// Reads the text of an AMC file that belongs to the skeleton. Bones that no frame names rest; translations count for the
+/// root only. Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after the
+/// other, bones that a frame names twice or, unlike others, not at all), 405 (far more bones than numbers), config_error 101 (fps),
 /// numeric_error 301 (numbers so large that they overflow).
 inline Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options = {},
                         std::string_view name = "AMC text") {

@@ -98,12 +98,12 @@ class AmcParser {
     motion_.root.push_back(motion_.skeleton.offset(0));
     motion_.local.resize(motion_.local.size() + joints, Quaternion<double>::identity());
   }
-  /// Bones without a degree of freedom need not be named.
+  /// A bone that one frame names is named by all; those that none names rest.
   void require_all_bones() const {
     for (std::size_t b = 0; b < named_.size(); ++b) {
-      if (named_[b] != motion_.root.size() && !asf_.bones[b].channels.empty())
-        scan_.fail(403, "frame ", number_, ", which ends here, has none of the ", asf_.bones[b].channels.size(),
-                   " numbers of '", asf_.bones[b].name, "'");
+      if (named_[b] != 0 && named_[b] != motion_.root.size())
+        scan_.fail(403, "frame ", number_, ", which ends here, has no numbers of '", asf_.bones[b].name,
+                   "', unlike those before it");
     }
   }
   /// The numbers of one bone in the current frame.
@@ -114,6 +114,8 @@ class AmcParser {
     const AsfBone& bone = asf_.bones[static_cast<std::size_t>(number)];
     std::size_t& frames = named_[static_cast<std::size_t>(number)];
     if (frames == motion_.root.size()) scan_.fail(403, "frame ", number_, " has numbers of '", name, "' twice");
+    if (frames == 0 && motion_.root.size() > 1)
+      scan_.fail(403, "frame ", number_, " has numbers of '", name, "', unlike those before it");
     frames = motion_.root.size();
     Vec3<double> translation{};
     Quaternion<double> turn = Quaternion<double>::identity();
@@ -139,9 +141,9 @@ class AmcParser {
 
 }  // namespace detail
 
-/// Reads the text of an AMC file that belongs to the skeleton. Bones without a degree of freedom rest; translations
-/// count for the root only. Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after
-/// the other, bones that a frame names twice or not at all), 405 (far more bones than numbers), config_error 101 (fps),
+/// Reads the text of an AMC file that belongs to the skeleton. Bones that no frame names rest; translations count for the
+/// root only. Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after the
+/// other, bones that a frame names twice or, unlike others, not at all), 405 (far more bones than numbers), config_error 101 (fps),
 /// numeric_error 301 (numbers so large that they overflow).
 inline Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options = {},
                         std::string_view name = "AMC text") {
