@@ -919,6 +919,28 @@ TEST_CASE("convert: several motions of a file, of which one that fails stops no 
   for (const char* name : {"\"walk\"", "\"pose\"", "\"short walk\""}) CHECK(contains(page, name));
 }
 
+TEST_CASE("convert --skeleton: the result is on the joints of another motion, of its units") {
+  const Workplace w;
+  ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 20}));
+  ml::Motion hero{rigs::skeleton_of(ml::skeleton_table("Mixamo"), 0, 1, {}, "mixamorig:"), 30, {}, {}, "hero"};
+  hero.root.assign(2, {0, 1, 0});
+  hero.local.assign(2 * hero.skeleton.names.size(), ml::Quaternion<double>::identity());
+  ml::write_bvh(w / "hero.bvh", hero, {.scale = 10});
+  const Outcome made = w.run({"convert", "walk.bvh", "out.bvh", "--skeleton", "hero.bvh", "--units", "10"});
+  REQUIRE_MESSAGE(made.code == 0, made.text);
+  const ml::Motion out = ml::read_bvh_motion(w / "out.bvh", {.scale = 0.1}),
+                   like = ml::read_bvh_motion(w / "hero.bvh", {.scale = 0.1});
+  CHECK(out.frames() == 20);
+  REQUIRE(out.skeleton.names == like.skeleton.names);
+  for (int j = 1; j < out.skeleton.size(); ++j)
+    CHECK(ml::norm(out.skeleton.offset(j) - like.skeleton.offset(j)) < 1e-4);
+  const auto knee = static_cast<std::size_t>(out.skeleton["mixamorig:LeftLeg"]);
+  CHECK(ml::distance(out.rotations(0)[knee], out.rotations(9)[knee]) > 0.05);
+  CHECK_MESSAGE(contains(w.run({"convert", "walk.bvh", "out.npy", "--skeleton", "hero.bvh"}).text,
+                         "--skeleton: is for results on any joints"),
+                "npy");
+}
+
 TEST_CASE("convert: texts of BABEL become annotations, and these files of captions") {
   const Workplace w;
   ml::write_file(w / "babel.json", std::string_view(R"({

@@ -40,6 +40,7 @@ struct ConvertOptions {
   std::string denoise, action;            // a model, and what it is told of the motion
   ModelSources sources;                   // of this model
   std::string as;                         // of a folder: extension of what its files become
+  std::string skeleton;                   // a motion on the skeleton that the result takes
   std::vector<std::string> hands;         // left, right: files of MANO that go into a file of SMPL-H
   const DataSetForm* data_set = nullptr;  // clips go into a folder of this form
   MotionReadOptions read;
@@ -61,16 +62,18 @@ Denoiser denoiser_of(const ConvertOptions& o) {
 /// What the options name, read once for all files; null without the option.
 struct Loaded {
   Loaded(const ConvertOptions& o, const std::vector<fs::path>& files)
-      : inputs{o.rig.file, o.body.file, o.denoise},
+      : inputs{o.rig.file, o.body.file, o.denoise, o.skeleton},
         rig(rig_writer(o.rig)),
         body(shown_body(o.body)),
         denoised(denoiser_of(o)) {
+    if (!o.skeleton.empty()) skeleton = read_motions(o.skeleton, {.scale = 1 / o.scale}).front().skeleton;
     for (const fs::path& file : files) inputs.add(file);
   }
   InputFiles inputs;
   RigWriter rig;
   std::unique_ptr<const ShownBody> body;
   Denoiser denoised;
+  std::optional<ml::Skeleton> skeleton;
 };
 
 /// Features that are not on the clip's own joints, arrays of positions and AMASS are on SMPL's joints, feet are fixed there, and the
@@ -111,6 +114,7 @@ ml::Motion edited(ml::Motion m, const ConvertOptions& o, const Loaded& loaded, m
     const double frames = std::min(o.loop * m.fps, 1e9);
     m = ml::make_loop(m, std::max<ml::Index>(1, std::lround(frames))).motion;
   }
+  if (loaded.skeleton && m.skeleton != *loaded.skeleton) m = ml::retarget(m, *loaded.skeleton);
   return m;
 }
 
@@ -381,6 +385,10 @@ void run(ConvertOptions o) {
   if (!folder && !o.as.empty()) throw CLI::ValidationError("--as", "is for folders; " + o.in + " is a file");
   if (o.as == ".obj" && o.body.file.empty())
     throw CLI::ValidationError("--as", ".obj files show a body: --body says which");
+  if (const std::string kind = folder ? o.as : kind_of(o.out);
+      !o.skeleton.empty() && (o.data_set != nullptr || kind == ".npz" || kind == ".npy"))
+    throw CLI::ValidationError("--skeleton", "is for results on any joints (.bvh, .glb, .html, .svg, .png), not for " +
+                                                 (o.data_set != nullptr ? "data sets" : kind));
   if (folder) return FolderConversion(o).run();
   o.read.require_for(o.in);
   if (o.data_set == nullptr) require_folder_of(o.out);
@@ -479,6 +487,12 @@ void add_convert(CLI::App& app) {
   CLI::Option* body = add_body(*c, *o)->excludes(rig);
   c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already")
       ->needs(rig);
+  c->add_option(
+       "--skeleton", o->skeleton,
+       "Motion file (.bvh in --units, .glb, ...): the result is on its skeleton, with its names, bones and rest pose")
+      ->excludes(rig)
+      ->excludes(body)
+      ->check(CLI::ExistingFile);
   c->add_option("--features", o->features,
                 "Writes features to .npy: guoh3d (HumanML3D), kit, rifke (TMR), rifke64 (TEMOS on KIT), smplvelp "
                 "(TEMOS, with the exact heading), smplvelp-published (with its own turn), smplrifke (STMC) or actor; "
