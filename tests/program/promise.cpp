@@ -68,7 +68,8 @@ TEST_CASE("motions are found by words without a model of one's own") {
   const std::vector<std::array<std::string, 3>> moves{{"walk forward", "walk_forward", "a person is walking"},
                                                       {"raise both arms", "raise_both_arms", "lifts the arms"},
                                                       {"sit down", "sit_down", "somebody sits down"},
-                                                      {"jump", "jump", "jumping up"}};
+                                                      {"jump", "jump", "jumping up"},
+                                                      {"run forward", "run_forward", "a person runs"}};
   for (const auto& [text, name, query] : moves) {
     const auto made =
         run({"generate", "--text", text, "--seconds", "3", "--preset", "fast", "--out", "made"}, folder.path);
