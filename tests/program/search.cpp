@@ -238,7 +238,7 @@ TEST_CASE("index: a path that is not UTF-8 is skipped, a license becomes UTF-8")
 TEST_CASE("index: listing, removing, captions") {
   const Gallery g;
   ml::write_file(g / "captions.tsv",
-                 "straight\t0.5\t2\tlegs\ta person walks\nleft\ta person turns left | "
+                 "straight.bvh\t0.5\t2\tlegs\ta person walks\nleft\ta person turns left | "
                  "turns\nnobody\t0\t1\tlegs\ta person\n");
   check_contains(g.index({"--captions", "captions.tsv", "--license", "CC0 1.0", "--windows", "1", "--stride", "0.25"}),
                  0, {"6 clips", "there is no clip '", "nobody'"});

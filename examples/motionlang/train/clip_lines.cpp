@@ -62,6 +62,15 @@ std::vector<ClipLine> read_rows(const std::filesystem::path& path, const char* e
 /// Of a row with two columns: the whole clip.
 constexpr double to_the_end = std::numeric_limits<double>::infinity();
 
+/// A clip may be named with the extension of its file.
+std::vector<ClipLine> without_extensions(std::vector<ClipLine> lines) {
+  for (ClipLine& line : lines) {
+    if (is_motion_file(line.clip))
+      line.id = line.clip = std::filesystem::path(line.clip).replace_extension().generic_string();
+  }
+  return lines;
+}
+
 /// Columns 1 and 2 of a row.
 void read_times(ClipLine& line, const std::vector<std::string>& fields) {
   const auto seconds = [&](const std::string& field) {
@@ -101,36 +110,36 @@ class LabelTable {
 }  // namespace
 
 std::vector<ClipLine> read_captions(const std::filesystem::path& path) {
-  return read_rows(path, "clip, start, end, parts, captions, or clip, captions",
-                   [](ClipLine& line, const std::vector<std::string>& fields) {
-                     if (fields.size() != 2 && fields.size() != 5) return false;
-                     line.texts = split(fields.back(), "|");
-                     if (fields.size() == 2) {
-                       line.end = to_the_end;
-                       line.parts = ml::BodyParts::all();
-                       return true;
-                     }
-                     read_times(line, fields);
-                     for (const std::string& name : split(fields[3], ",")) {
-                       const auto part = ml::parse_body_part(name);
-                       if (!part) wrong(line, "'" + name + "' is no body part");
-                       line.parts = line.parts.with(*part);
-                     }
-                     return true;
-                   });
+  return without_extensions(read_rows(path, "clip, start, end, parts, captions, or clip, captions",
+                                      [](ClipLine& line, const std::vector<std::string>& fields) {
+                                        if (fields.size() != 2 && fields.size() != 5) return false;
+                                        line.texts = split(fields.back(), "|");
+                                        if (fields.size() == 2) {
+                                          line.end = to_the_end;
+                                          line.parts = ml::BodyParts::all();
+                                          return true;
+                                        }
+                                        read_times(line, fields);
+                                        for (const std::string& name : split(fields[3], ",")) {
+                                          const auto part = ml::parse_body_part(name);
+                                          if (!part) wrong(line, "'" + name + "' is no body part");
+                                          line.parts = line.parts.with(*part);
+                                        }
+                                        return true;
+                                      }));
 }
 
 std::vector<ClipLine> read_labels(const std::filesystem::path& path) {
-  return read_rows(path, "clip, start, end, label, or clip, label",
-                   [](ClipLine& line, const std::vector<std::string>& fields) {
-                     if (fields.size() != 2 && fields.size() != 4) return false;
-                     line.texts = {fields.back()};
-                     if (fields.size() == 4)
-                       read_times(line, fields);
-                     else
-                       line.end = to_the_end;
-                     return true;
-                   });
+  return without_extensions(read_rows(path, "clip, start, end, label, or clip, label",
+                                      [](ClipLine& line, const std::vector<std::string>& fields) {
+                                        if (fields.size() != 2 && fields.size() != 4) return false;
+                                        line.texts = {fields.back()};
+                                        if (fields.size() == 4)
+                                          read_times(line, fields);
+                                        else
+                                          line.end = to_the_end;
+                                        return true;
+                                      }));
 }
 
 std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& annotations,
