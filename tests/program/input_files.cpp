@@ -51,6 +51,8 @@ TEST_CASE("a link to an original is the original") {
   std::filesystem::create_symlink("walk.bvh", w / "link.bvh");
   w.keeps("link.bvh", {"convert", "walk.bvh", "link.bvh", "--mirror"});
   w.keeps("walk.bvh", {"convert", "link.bvh", "walk.bvh", "--mirror"});
+  std::filesystem::create_hard_link(w / "walk.bvh", w / "same.bvh");
+  w.keeps("same.bvh", {"convert", "walk.bvh", "same.bvh", "--mirror"});
 }
 
 TEST_CASE("a character, weights and texts are not written over") {

@@ -62,7 +62,8 @@ Denoiser denoiser_of(const ConvertOptions& o) {
 /// What the options name, read once for all files; null without the option.
 struct Loaded {
   Loaded(const ConvertOptions& o, const std::vector<fs::path>& files)
-      : inputs{o.rig.file, o.body.file, o.denoise, o.skeleton},
+      : inputs{o.rig.file, o.rig.joints,  o.body.file == "free" ? "" : o.body.file,
+               o.skeleton, o.read.joints, o.read.asf},
         rig(rig_writer(o.rig)),
         body(shown_body(o.body)),
         denoised(denoiser_of(o)) {

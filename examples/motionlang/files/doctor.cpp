@@ -37,7 +37,7 @@ class Doctor {
       require_folder_of(o_.report);
     }
     const auto files = motion_files_below(folder_);
-    for (const fs::path& file : files) inputs_.add(file);
+    inputs_ = InputFiles(files);
     inputs_.refuse(o_.report);
     if (files.empty())
       ml::raise<ml::config_error>(101, "doctor: no .bvh, .amc, .npz, .npy, .glb or .vrma file below '", o_.folder, "'");

@@ -75,7 +75,9 @@ class Describer {
   void run() {
     const auto places = places_of(o_.inputs);
     if (!o_.out.empty()) require_names(places);
-    for (const MotionPlace& p : places) InputFiles{p.path}.refuse(o_.out);
+    InputFiles inputs{o_.read.joints, o_.read.asf};
+    for (const MotionPlace& p : places) inputs.add(p.path);
+    inputs.refuse(o_.out);
     bool stopped = false;
     {
       ProgressBar bar("describing");

@@ -55,7 +55,7 @@ class Search {
     if (o_.moments && o_.captions)
       ml::raise<usage_error>(102, "search: --moments and --captions are two different searches");
     if (!o_.html.empty()) require_folder_of(o_.html);
-    InputFiles{o_.index, o_.like, o_.model}.refuse(o_.html);
+    InputFiles{o_.index, o_.like}.refuse(o_.html);
     const auto query = vector_of_query();
     const auto search = ml::open_motion_search(file_, o_.exact, o_.storage());
     const auto hits = o_.moments    ? search.moments(query, o_.top, o_.overlap)
