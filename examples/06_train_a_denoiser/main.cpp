@@ -1,4 +1,5 @@
-// Trains a small text-conditioned diffusion model from nothing: "left" and "right" are slopes of a line. Then samples both.
+// Trains a small text-conditioned diffusion model from nothing: "left" and "right" are slopes of a line. Then samples
+// both.
 #include <cstdio>
 #include <vector>
 

@@ -26,8 +26,8 @@ ml::Motion swinging() {
   return m;
 }
 
-/// Largest distance between joints of the same name, metres, once both clips start at the same place. Files may order joints
-/// otherwise (BVH writes a limb to its end before the next begins).
+/// Largest distance between joints of the same name, metres, once both clips start at the same place. Files may order
+/// joints otherwise (BVH writes a limb to its end before the next begins).
 double difference(const ml::Motion& a, const ml::Motion& b) {
   if (a.frames() != b.frames()) return INFINITY;
   ml::JointTransforms<double> p, q;

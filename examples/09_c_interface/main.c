@@ -1,4 +1,4 @@
-/* The bundled model from C, as any language with a way to call C does it: load, generate, take the numbers, write a file.
+/* The bundled model from C, as any language that can call C does it: load, generate, take the values, write a file.
  *   usage: 09_c_interface [model.safetensors] */
 #include <math.h>
 #include <stdio.h>

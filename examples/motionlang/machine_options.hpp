@@ -17,7 +17,8 @@ struct MachineOptions {
   std::string precision = "fp32";
 
   void add_to(CLI::App& command) {
-    command.add_option("--threads", threads, "Threads; unless given, as many as the machine has or its container is given")
+    command
+        .add_option("--threads", threads, "Threads; unless given, as many as the machine has or its container is given")
         ->check(in_range(1, 1024));
     command
         .add_option("--precision", precision,

@@ -11,8 +11,8 @@
 
 namespace program {
 
-/// On a terminal a bar that is redrawn; elsewhere a line now and then. Answers false once Ctrl-C was pressed, so that it can be
-/// handed to anything that takes a motionlang::Progress.
+/// On a terminal a bar that is redrawn; elsewhere a line now and then. Answers false once Ctrl-C was pressed, so that
+/// it can be handed to anything that takes a motionlang::Progress.
 class ProgressBar {
  public:
   explicit ProgressBar(std::string what, std::ptrdiff_t already_done = 0)

@@ -11,7 +11,7 @@
 
 #include <motionlang/core/concepts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 // core
 class error;
@@ -135,4 +135,4 @@ using IntervalInSeconds = BasicInterval<double>;
 using TimelineInSeconds = BasicTimeline<double>;
 struct StmcOptions;
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

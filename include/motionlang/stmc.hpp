@@ -9,11 +9,12 @@
 ///     const ml::Tensor<B, 2> features = stmc.generate(timeline, ml::Philox{.seed = 7});
 ///     const ml::Motion motion = ml::stmc_motion(features);
 ///
-/// Writers of BVH, GLB, NPZ and pages are in <motionlang/io/...>. Who calculates with the features (exp, sum, ...) includes
-/// <motionlang/backend/eigen.hpp> as well; without it the linker misses those functions.
+/// Writers of BVH, GLB, NPZ and pages are in <motionlang/io/...>. Who calculates with the features (exp, sum, ...)
+/// includes <motionlang/backend/eigen.hpp> as well; without it the linker misses those functions.
 ///
-/// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library then, and this
-/// header only says what can be called. For other backends, and for `generate_from`, include <motionlang/io/stmc_file.hpp> as well.
+/// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library
+/// then, and this header only says what can be called. For other backends, and for `generate_from`, include
+/// <motionlang/io/stmc_file.hpp> as well.
 #pragma once
 
 #include <motionlang/backend/detail/eigen_class.hpp>
@@ -22,7 +23,7 @@
 #include <motionlang/systems/detail/stmc_class.hpp>
 
 #ifdef MOTIONLANG_INSTANTIATED
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 Stmc<B> load_stmc(const FilePath& path);
@@ -32,7 +33,7 @@ extern template Stmc<EigenBackend<float>> load_stmc<EigenBackend<float>>(const F
 extern template Motion stmc_motion<EigenBackend<float>>(const Tensor<EigenBackend<float>, 2>&, double);
 extern template std::vector<Timeline> detail::parse_timelines_as<Index>(std::string_view, const TimelineTextOptions&);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #else
 #include <motionlang/io/stmc_file.hpp>
 #endif

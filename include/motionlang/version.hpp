@@ -8,7 +8,8 @@
 #define MOTIONLANG_VERSION "0.1.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
-/// layouts, and without exceptions, so that object files built with different options do not link silently against each other.
+/// layouts, and without exceptions, so that object files built with different options do not link silently against each
+/// other.
 #if defined(MOTIONLANG_DIAGNOSTICS) && defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0_diag
 #elif defined(MOTIONLANG_DIAGNOSTICS)
@@ -18,3 +19,12 @@
 #else
 #define MOTIONLANG_ABI v0_no_exceptions
 #endif
+
+/// Opens and closes the namespace of the library. A macro, so that editors, clang-format and ctags need not know of the
+/// inline namespace: `ctags -R include` finds every name.
+#define MOTIONLANG_NAMESPACE_BEGIN \
+  namespace motionlang {           \
+  inline namespace MOTIONLANG_ABI {
+#define MOTIONLANG_NAMESPACE_END \
+  }                              \
+  }

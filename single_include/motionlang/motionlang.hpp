@@ -51,7 +51,8 @@
 #define MOTIONLANG_VERSION "0.1.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
-/// layouts, and without exceptions, so that object files built with different options do not link silently against each other.
+/// layouts, and without exceptions, so that object files built with different options do not link silently against each
+/// other.
 #if defined(MOTIONLANG_DIAGNOSTICS) && defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0_diag
 #elif defined(MOTIONLANG_DIAGNOSTICS)
@@ -61,9 +62,18 @@
 #else
 #define MOTIONLANG_ABI v0_no_exceptions
 #endif
+
+/// Opens and closes the namespace of the library. A macro, so that editors, clang-format and ctags need not know of the
+/// inline namespace: `ctags -R include` finds every name.
+#define MOTIONLANG_NAMESPACE_BEGIN \
+  namespace motionlang {           \
+  inline namespace MOTIONLANG_ABI {
+#define MOTIONLANG_NAMESPACE_END \
+  }                              \
+  }
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 inline double sqrt(double x) { return std::sqrt(x); }
 inline double exp(double x) { return std::exp(x); }
@@ -78,8 +88,9 @@ inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
-/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10, whose last digit often is another than the C library's.
-/// For published tables of frequencies: thousands of frames later it decides the fourth digit.
+/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10, whose last digit often is
+/// another than the C library's. For published tables of frequencies: thousands of frames later it decides the fourth
+/// digit.
 inline float torch_exp(float x) {
   if (!(x >= -104.0f)) return x < 0 ? 0.0f : x;  // NaN stays
   if (x > 100.0f) return std::numeric_limits<float>::infinity();
@@ -97,7 +108,7 @@ inline float torch_exp(float x) {
 constexpr double where_less(double a, double b, double x, double y) { return a < b ? x : y; }
 constexpr float where_less(float a, float b, float x, float y) { return a < b ? x : y; }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_SHAPE_HPP  // <motionlang/core/shape.hpp>
@@ -113,10 +124,10 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 #define MOTIONLANG_HAS_CORE_ERROR_HPP
 /// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
 ///
-/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless MOTIONLANG_THROW(exception) is
-/// defined, the same in all units: it gets the exception as an object (an error, std::bad_alloc, cancelled), on whichever thread it
-/// happens, and must not return; std::_Exit ends a program from any thread. What is caught otherwise (a value in a file of weights
-/// that cannot be read is passed over) ends it too.
+/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless
+/// MOTIONLANG_THROW(exception) is defined, the same in all units: it gets the exception as an object (an error,
+/// std::bad_alloc, cancelled), on whichever thread it happens, and must not return; std::_Exit ends a program from any
+/// thread. What is caught otherwise (a value in a file of weights that cannot be read is passed over) ends it too.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
@@ -145,9 +156,10 @@ __declspec(dllimport) int __stdcall FlsSetValue(unsigned long key, void* value);
 }
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// The calling thread's T: made when it is first asked for, destroyed when the thread ends. `Tag` tells objects of one type apart.
+/// The calling thread's T: made when it is first asked for, destroyed when the thread ends. `Tag` tells objects of one
+/// type apart.
 template <class T, class Tag = T>
 T& thread_object() {
 #ifdef MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
@@ -164,14 +176,14 @@ T& thread_object() {
 #endif
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_UTF8_HPP  // <motionlang/core/utf8.hpp>
 #define MOTIONLANG_HAS_CORE_UTF8_HPP
 /// UTF-8: one code point at a time, strictly. Nothing here knows about classes of characters.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What `decode_utf8` returns for bytes that are not UTF-8.
 inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
@@ -219,7 +231,8 @@ inline void append_utf8(std::string& out, char32_t c) {
   }
 }
 
-/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is in `keep` stays.
+/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is
+/// in `keep` stays.
 inline std::string printable(std::string_view text, std::string_view keep = {}) {
   std::string out;
   for (std::size_t at = 0; at < text.size();) {
@@ -232,10 +245,10 @@ inline std::string printable(std::string_view text, std::string_view keep = {}) 
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Base of every exception of the library. `id()` is stable between versions; the text is not.
 class error : public std::runtime_error {
@@ -343,8 +356,8 @@ requires requires(const T& t) {
 }
 void append(std::string& out, const T& t) { out += to_string(t); }
 
-/// A value on its way into a message: where it stands and how it is written. One type for all values and one for literals of
-/// all lengths, because messages are many and each would be compiled for its own list of types.
+/// A value on its way into a message: where it stands and how it is written. One type for all values and one for
+/// literals of all lengths, because messages are many and each would be compiled for its own list of types.
 struct TextPart {
   const void* value;
   void (*append)(std::string& out, const void* value);
@@ -405,7 +418,8 @@ std::string join_text(const R& items, std::string_view between, F text) {
 }
 template <class R>
 std::string join_text(const R& items, std::string_view between = ", ") {
-  return join_text(items, between, [](const auto& item) -> const auto& { return item; });
+  return join_text(
+      items, between, [](const auto& item) -> const auto& { return item; });
 }
 
 /// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
@@ -449,8 +463,8 @@ template <class E>
 }
 [[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
 
-/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here (true) or goes on
-/// to the caller. Returns whether f came to its end.
+/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here
+/// (true) or goes on to the caller. Returns whether f came to its end.
 template <class E, class F, class H>
 bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions
@@ -499,10 +513,10 @@ template <class E, class... T>
   detail::raise_parts<E>(id, {detail::text_part(parts)...});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sizes, positions and counts. Signed, so that differences are what they look like.
 using Index = std::ptrdiff_t;
@@ -593,10 +607,10 @@ constexpr Shape broadcast_shapes(const Shape& a, const Shape& b, const char* op)
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A number that memory holds: float or double.
 template <class S>
@@ -677,8 +691,9 @@ concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(c
   { B::variable(B::value(a)) } -> std::same_as<typename B::tensor>;
 };
 
-/// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in, taps): prepare(weight) keeps
-/// the weight in it beside the tensor, which must not change afterwards, and says whether all numbers are finite, which are read anyway.
+/// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in,
+/// taps): prepare(weight) keeps the weight in it beside the tensor, which must not change afterwards, and says whether
+/// all numbers are finite, which are read anyway.
 /// Laws     `linear` and `conv1d` of a prepared weight give the same bits (tests/unit/tensor/module.cpp)
 /// Models   EigenBackend<S>, XtensorBackend<S>
 template <class B>
@@ -706,10 +721,10 @@ concept Rng = std::copyable<G> &&
   { c.split(number) } -> std::same_as<G>;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 // core
 class error;
@@ -833,17 +848,18 @@ using IntervalInSeconds = BasicInterval<double>;
 using TimelineInSeconds = BasicTimeline<double>;
 struct StmcOptions;
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_ACTIVATION_HPP  // <motionlang/core/activation.hpp>
 #define MOTIONLANG_HAS_CORE_ACTIVATION_HPP
 /// The nonlinearities of networks, by name.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     relu(x) = max(x, 0),   gelu(x) = x (1 + erf(x / sqrt 2)) / 2 (the exact form),   silu(x) = x / (1 + exp(-x)),
-///     tanh(x),   quick_gelu(x) = x / (1 + exp(-1.702 x)),   gelu_new(x) = x (1 + tanh(sqrt(2 / pi) (x + 0.044715 x^3))) / 2,
+///     tanh(x),   quick_gelu(x) = x / (1 + exp(-1.702 x)),   gelu_new(x) = x (1 + tanh(sqrt(2 / pi) (x + 0.044715
+///                x^3))) / 2,
 ///     sigmoid(x) = 1 / (1 + exp(-x))
 enum class Activation { none, relu, gelu, silu, tanh, quick_gelu, gelu_new, sigmoid };
 
@@ -866,7 +882,7 @@ constexpr std::string_view to_string(Activation a) {
   return names[static_cast<int>(a)];
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_BUFFER_POOL_HPP  // <motionlang/core/buffer_pool.hpp>
@@ -884,9 +900,10 @@ constexpr std::string_view to_string(Activation a) {
 
 #ifndef MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP  // <motionlang/core/large_memory.hpp>
 #define MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP
-/// Memory for what is read from end to end again and again, weights and tables: in pages of 2 MB where the system has them (Linux).
-/// Between small pages the processor stops to read ahead; a scan over large ones is up to 1.8 times as fast. It comes from the system
-/// itself and goes back there: a heap that mixes alignments of 2 MB with small things keeps the gaps (a quarter of the weights).
+/// Memory for what is read from end to end again and again, weights and tables: in pages of 2 MB where the system has
+/// them (Linux). Between small pages the processor stops to read ahead; a scan over large ones is up to 1.8 times as
+/// fast. It comes from the system itself and goes back there: a heap that mixes alignments of 2 MB with small things
+/// keeps the gaps (a quarter of the weights).
 
 #if defined(__linux__)
 #include <sys/mman.h>  // mmap, madvise
@@ -894,7 +911,7 @@ constexpr std::string_view to_string(Activation a) {
 #include <malloc.h>  // _aligned_malloc
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -905,7 +922,8 @@ constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (
 
 }  // namespace detail
 
-/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in large pages.
+/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in
+/// large pages.
 inline void* take_memory(std::size_t bytes, [[maybe_unused]] std::size_t used) {
 #if defined(__linux__)
   if (bytes >= detail::large_page) {
@@ -917,7 +935,8 @@ inline void* take_memory(std::size_t bytes, [[maybe_unused]] std::size_t used) {
     std::byte* memory = static_cast<std::byte*>(start) + before;
     if (before > 0) ::munmap(start, before);
     if (after > 0) ::munmap(memory + whole, after);
-    const std::size_t large = used / detail::large_page * detail::large_page;  // a page that is partly used would be taken whole
+    // a page that is partly used would be taken whole
+    const std::size_t large = used / detail::large_page * detail::large_page;
     ::madvise(memory, large, MADV_HUGEPAGE);
     ::madvise(memory + large, whole - large, MADV_NOHUGEPAGE);  // where the system takes large pages for everything
     return memory;
@@ -954,10 +973,10 @@ std::shared_ptr<T[]> large_table(std::size_t count) {
   return {static_cast<T*>(take_memory(bytes, bytes)), [bytes](T* p) { give_memory(p, bytes); }};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -1104,8 +1123,8 @@ class BufferHandle {
 
 }  // namespace detail
 
-/// A list of values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no more (a
-/// std::vector over an allocator would be compiled with sixty functions for every type).
+/// A list of values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no
+/// more (a std::vector over an allocator would be compiled with sixty functions for every type).
 template <class T>
 class PoolVector {
   static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64,
@@ -1164,7 +1183,7 @@ class PoolVector {
   std::size_t size_ = 0, capacity_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_CONTEXT_HPP  // <motionlang/core/context.hpp>
@@ -1185,7 +1204,7 @@ class PoolVector {
 
 #include <numbers>      // pi
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Philox4x32-10. `seed` is the key, `stream` and `position` are the counter: any number of any stream can be computed
 /// without the ones before it, so results do not depend on batch order or threads.
@@ -1274,10 +1293,10 @@ struct Philox {
 };
 static_assert(Rng<Philox>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Dropout runs only if the context carries a generator: there is no train or eval flag to forget.
 ///
@@ -1291,14 +1310,14 @@ struct Context {
   Philox next_mask() const { return dropout->split(drawn++); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_DROPOUT_HPP  // <motionlang/core/dropout.hpp>
 #define MOTIONLANG_HAS_CORE_DROPOUT_HPP
 /// Dropout masks that are a function of a key and a position: nothing is stored, and any thread computes any part.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Inverted dropout (Srivastava et al., JMLR 2014): element i becomes x / (1 - p) if kept, else 0.
 /// Nothing happens at p = 0.
@@ -1324,7 +1343,7 @@ struct Dropout {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_DUAL_HPP  // <motionlang/core/dual.hpp>
@@ -1334,7 +1353,7 @@ struct Dropout {
 ///
 ///     f(a + b e) = f(a) + f'(a) b e,   e^2 = 0
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct Dual {
@@ -1368,7 +1387,7 @@ struct Dual {
 };
 static_assert(ScalarLike<Dual<double>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_FIELDS_HPP  // <motionlang/core/fields.hpp>
@@ -1378,15 +1397,16 @@ static_assert(ScalarLike<Dual<double>>);
 ///     struct Linear {
 ///       Tensor<B, 2> weight;
 ///       Tensor<B, 1> bias;
-///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias); }
+///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias);
+///       }
 ///     };
 ///     visit(model, [](const std::string& path, auto& tensor) { ... });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
-/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here, and be empty where the fields of
-/// a member have no level of their own (the statistics of a BatchNorm).
+/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here, and be empty where
+/// the fields of a member have no level of their own (the statistics of a BatchNorm).
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <class M, class T>
 struct Field {
@@ -1463,8 +1483,8 @@ auto walk(Object& object) {
   return Walk<decltype(Object::fields()), Object>{Object::fields(), object};
 }
 
-/// Calls f(name, member of first, members of others...) for all fields. The others may be the same template over another
-/// backend: fields are matched by position.
+/// Calls f(name, member of first, members of others...) for all fields. The others may be the same template over
+/// another backend: fields are matched by position.
 template <class F, class First, class... Walks>
 void each_field(F& f, const First& first, const Walks&... others) {
   if constexpr (!std::is_same_v<decltype(first.list), NoFields>) {
@@ -1505,7 +1525,7 @@ Index count_leaves(const M& module) {
   return n;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_HALF_HPP  // <motionlang/core/half.hpp>
@@ -1513,7 +1533,7 @@ Index count_leaves(const M& module) {
 /// The two 16-bit floating-point formats in which weights are stored: IEEE half (F16) and bfloat16 (BF16). Conversions
 /// only; nothing is calculated in them.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Value of a half: 1 sign, 5 exponent, 10 fraction bits. Exact, subnormals and NaN payloads included.
 constexpr float half_to_float(std::uint16_t h) {
@@ -1549,12 +1569,13 @@ constexpr std::uint16_t float_to_bfloat16(float f) {
   return static_cast<std::uint16_t>((bits + 0x7FFFu + (bits >> 16 & 1u)) >> 16);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_INSTRUCTION_SET_HPP  // <motionlang/core/instruction_set.hpp>
 #define MOTIONLANG_HAS_CORE_INSTRUCTION_SET_HPP
-/// Instruction sets beyond the plain ones of the compiler, chosen while the program runs: one binary for all processors.
+/// Instruction sets beyond the plain ones of the compiler, chosen while the program runs: one binary for all
+/// processors.
 ///
 /// MOTIONLANG_KERNELS (portable, avx2, avx512, avx512_bf16, amx) in the environment chooses instead of the processor.
 
@@ -1572,7 +1593,7 @@ constexpr std::uint16_t float_to_bfloat16(float f) {
 #define MOTIONLANG_AVX512 "avx512f,avx512vl,avx512dq,avx512bw," MOTIONLANG_AVX2
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -1599,20 +1620,25 @@ inline bool may_use_amx() {
 inline bool processor_has(Isa isa) {
 #if defined(__x86_64__)
   switch (isa) {
-    case Isa::avx2: return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    case Isa::avx2:
+      return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
     case Isa::avx512:
       return processor_has(Isa::avx2) && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
              __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
-    case Isa::avx512_bf16: return processor_has(Isa::avx512) && cpuid_bit(1, 0, 5);
-    case Isa::amx: return processor_has(Isa::avx512) && has_amx_bf16() && may_use_amx();
-    default: return true;
+    case Isa::avx512_bf16:
+      return processor_has(Isa::avx512) && cpuid_bit(1, 0, 5);
+    case Isa::amx:
+      return processor_has(Isa::avx512) && has_amx_bf16() && may_use_amx();
+    default:
+      return true;
   }
 #else
   return isa == Isa::portable || isa == Isa::best;
 #endif
 }
 
-/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor lacks.
+/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor
+/// lacks.
 inline Isa wanted_isa() {
   static const Isa wanted = [] {
     const char* name = std::getenv("MOTIONLANG_KERNELS");
@@ -1650,18 +1676,18 @@ __attribute__((target(MOTIONLANG_AVX512), flatten)) void with_avx512(const F& f)
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_LANE_HPP  // <motionlang/core/lane.hpp>
 #define MOTIONLANG_HAS_CORE_LANE_HPP
 /// A handful of numbers that are calculated with at once: one SIMD register as a `ScalarLike`.
 ///
-/// Geometry over `Lane<float>` treats eight poses at a time with the same source text as for one; with `with_widest_lanes`
-/// as many as a register of this processor holds. The compiler's vector types are used, so the code is the same on every
-/// processor. Square roots are refined from an estimate (error below 2 ulp).
+/// Geometry over `Lane<float>` treats eight poses at a time with the same source text as for one; with
+/// `with_widest_lanes` as many as a register of this processor holds. The compiler's vector types are used, so the code
+/// is the same on every processor. Square roots are refined from an estimate (error below 2 ulp).
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 // Everything below is inlined: how such vectors are passed between functions depends on the caller's instruction set.
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
@@ -1700,8 +1726,8 @@ struct Lane {
   }
 
   /// 1 / sqrt(x) of a normal number x > 0, error below 2 ulp; finite of 0.
-  /// The well-known estimate by shifting the exponent, 3.5 % off, then Householder's iteration: with y = (1 + e) / sqrt(x) and
-  /// h = x y^2, the first terms of y / sqrt(h) around h = 1, which leave 2.5 e^3.
+  /// The well-known estimate by shifting the exponent, 3.5 % off, then Householder's iteration: with y = (1 + e) /
+  /// sqrt(x) and h = x y^2, the first terms of y / sqrt(h) around h = 1, which leave 2.5 e^3.
   friend MOTIONLANG_INLINE Lane inverse_sqrt(const Lane& x) {
     constexpr Bits magic = sizeof(S) == 4 ? static_cast<Bits>(0x5F375A86) : static_cast<Bits>(0x5FE6EB50C7B537A9);
     Register y = (Register)(magic - ((BitRegister)x.v >> 1));
@@ -1740,8 +1766,8 @@ static_assert(ScalarLike<Lane<float>> && ScalarLike<Lane<double>>);
 
 #undef MOTIONLANG_INLINE
 
-/// Calls f.operator()<Lane<S, bytes>>(), by GCC for the widest registers of this processor, compiled for them with all that
-/// it calls.
+/// Calls f.operator()<Lane<S, bytes>>(), by GCC for the widest registers of this processor, compiled for them with all
+/// that it calls.
 template <Scalar S, class F>
 void with_widest_lanes(const F& f) {
 #if defined(MOTIONLANG_WIDER_COPIES)
@@ -1752,19 +1778,19 @@ void with_widest_lanes(const F& f) {
   f.template operator()<Lane<S, 16>>();
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_LANE_ROWS_HPP  // <motionlang/core/lane_rows.hpp>
 #define MOTIONLANG_HAS_CORE_LANE_ROWS_HPP
 /// Rows of numbers into lanes, number k of row i in lane i of number k, and back.
 ///
-/// Floats go four at a time: a register is made of pieces of 16 bytes, and piece i of register r takes four numbers of row 4 i + r. In
-/// four such registers the squares of four by four that stand at the same piece are transposed.
+/// Floats go four at a time: a register is made of pieces of 16 bytes, and piece i of register r takes four numbers of
+/// row 4 i + r. In four such registers the squares of four by four that stand at the same piece are transposed.
 
 #include <algorithm>  // min
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -1825,7 +1851,8 @@ MOTIONLANG_INLINE void transpose_pieces(Lane<float, bytes> (&in)[4]) {
 
 }  // namespace detail
 
-/// Lane i of number k is from[i * step + k] for the first `count` lanes (at least one); further lanes are as the last of these.
+/// Lane i of number k is from[i * step + k] for the first `count` lanes (at least one); further lanes are as the last
+/// of these.
 template <Scalar S, int bytes>
 MOTIONLANG_INLINE void load_rows(const S* from, std::size_t step, int count, std::span<Lane<S, bytes>> numbers) {
   using L = Lane<S, bytes>;
@@ -1881,7 +1908,7 @@ MOTIONLANG_INLINE void store_rows(std::span<const Lane<S, bytes>> numbers, std::
 
 #undef MOTIONLANG_INLINE
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_MT19937_HPP  // <motionlang/core/mt19937.hpp>
@@ -1892,7 +1919,7 @@ MOTIONLANG_INLINE void store_rows(std::span<const Lane<S, bytes>> numbers, std::
 /// Source  Matsumoto and Nishimura, "Mersenne Twister" (ACM TOMACS 8, 1998), and the seeding of 2002. `std::mt19937` is
 ///         the same engine, but it has no init_by_array.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class Mt19937 {
  public:
@@ -1955,7 +1982,7 @@ class Mt19937 {
   std::size_t at_ = size;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_NUMPY_RANDOM_HPP  // <motionlang/core/numpy_random.hpp>
@@ -1967,7 +1994,7 @@ class Mt19937 {
 
 #include <numeric>   // iota
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class NumpyRandom {
  public:
@@ -2041,14 +2068,14 @@ class NumpyRandom {
   std::optional<double> spare_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_OFFSETS_HPP  // <motionlang/core/offsets.hpp>
 #define MOTIONLANG_HAS_CORE_OFFSETS_HPP
 /// Where each sequence of a packed batch begins: an immutable shared list 0 = o_0 <= o_1 <= ... <= o_n = rows.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sequence i has the rows offsets[i] ... offsets[i + 1] - 1. Cheap to copy; whoever keeps a copy keeps the list alive.
 class Offsets {
@@ -2095,7 +2122,7 @@ class Offsets {
   Index count_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
@@ -2115,15 +2142,16 @@ class Offsets {
 
 #ifndef MOTIONLANG_HAS_CORE_PROCESSORS_HPP  // <motionlang/core/processors.hpp>
 #define MOTIONLANG_HAS_CORE_PROCESSORS_HPP
-/// How many threads pay for this process: the processors that it may run on, and no more than the processor time that its control group
-/// is given (containers, batch systems). More would spend the group's time with waiting for each other, and then all are stopped.
+/// How many threads pay for this process: the processors that it may run on, and no more than the processor time that
+/// its control group is given (containers, batch systems). More would spend the group's time with waiting for each
+/// other, and then all are stopped.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` says which group this process belongs to, the folders
-/// of `root` what it is given. What cannot be read is no limit.
+/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` says which group this process
+/// belongs to, the folders of `root` what it is given. What cannot be read is no limit.
 struct ControlGroups {
   std::string root = "/sys/fs/cgroup", processes = "/proc/self/cgroup";
 
@@ -2185,10 +2213,10 @@ inline int processor_count() {
 #endif
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -2246,8 +2274,8 @@ class ThreadPool {
  private:
   static constexpr int spins_before_sleep = 20000;
 
-  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike, one after the
-  /// other, find them in the caches of the same thread.
+  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike,
+  /// one after the other, find them in the caches of the same thread.
   struct alignas(64) Share {
     std::atomic<Index> next{0};
     Index end = 0;
@@ -2279,8 +2307,9 @@ class ThreadPool {
     for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
   }
 
-  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of std::thread's, which a
-  /// program and a shared library, each with its own copy of this pool and of `inside_`, have in common.
+  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of
+  /// std::thread's, which a program and a shared library, each with its own copy of this pool and of `inside_`, have in
+  /// common.
   static void start(ThreadPool* pool, int number, unsigned seen) {
     number_ = number;
     pool->work(seen);
@@ -2324,7 +2353,7 @@ class ThreadPool {
 
   inline static thread_local int number_ = 0;
   inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
-  std::unique_ptr<Share[]> shares_;  // one for every thread
+  std::unique_ptr<Share[]> shares_;                 // one for every thread
   std::unique_ptr<std::thread[]> threads_;
   int workers_ = 0;  // threads that run
   std::mutex caller_, sleep_;
@@ -2345,7 +2374,8 @@ inline int thread_count() { return detail::ThreadPool::instance().size(); }
 /// Threads that `parallel_for` uses here: one inside a task.
 inline int parallel_width() { return detail::ThreadPool::instance().width(); }
 
-/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at once.
+/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at
+/// once.
 inline int thread_number() { return detail::ThreadPool::number(); }
 
 /// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
@@ -2367,9 +2397,10 @@ namespace detail {
 inline constexpr Index worth_a_thread = 16384;  // numbers
 }
 
-/// Calls f(first, last) for pieces of 0 ... count-1, in one piece what is not worth two threads (`cost` numbers per element). Of elements of
-/// many numbers, such as rows, every thread has as many: in the next region it finds what it wrote in its cache. Pieces of single numbers begin
-/// at the same places for any number of threads: vectors and what is left beside them are the same.
+/// Calls f(first, last) for pieces of 0 ... count-1, in one piece what is not worth two threads (`cost` numbers per
+/// element). Of elements of many numbers, such as rows, every thread has as many: in the next region it finds what it
+/// wrote in its cache. Pieces of single numbers begin at the same places for any number of threads: vectors and what is
+/// left beside them are the same.
 template <class F>
 void parallel_ranges(Index count, Index cost, const F& f) {
   const Index grain = std::max<Index>(1, detail::worth_a_thread / std::max<Index>(1, cost));
@@ -2380,8 +2411,8 @@ void parallel_ranges(Index count, Index cost, const F& f) {
   parallel_for(equal, [&](Index i) { f(count * i / equal, count * (i + 1) / equal); });
 }
 
-/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the rows in their order.
-/// Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
+/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the
+/// rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
 template <class F>
 void parallel_columns(Index rows, Index width, const F& f) {
   const Index pieces = rows * width < detail::worth_a_thread ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
@@ -2389,24 +2420,25 @@ void parallel_columns(Index rows, Index width, const F& f) {
   parallel_for(pieces, [&](Index i) { f(begin(i), begin(i + 1)); });
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_PRECISION_HPP  // <motionlang/core/precision.hpp>
 #define MOTIONLANG_HAS_CORE_PRECISION_HPP
 /// How exactly products of matrices are computed.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// fp32    the numbers as they are.
 /// bf16    both factors rounded to bfloat16 (8 bits of significand), products and sums in float: half the memory for
 ///         prepared weights, and up to ten times the speed where the processor has instructions for it. An element of a
 ///         product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|, besides the rounding of
 ///         the sum, of which a bias may be the first number. Numbers below 2^-126 may count as 0.
-/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added up. From 128 rows on; else, and on other processors,
-///         fp32. Half its error while products are above 2^-108 (below 2^-126 they count as 0), other last digits (those of a few rows may
-///         differ alone and in a larger batch). For few threads: with two, large products take 0.6 to 0.9 of the time; with 8 and 16 of one
-///         machine they took 1.1 to 2.3 times as long, as all instructions of AMX are slower there when every core uses them.
+/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added up. From 128 rows on; else, and
+///         on other processors, fp32. Half its error while products are above 2^-108 (below 2^-126 they count as 0),
+///         other last digits (those of a few rows may differ alone and in a larger batch). For few threads: with two,
+///         large products take 0.6 to 0.9 of the time; with 8 and 16 of one machine they took 1.1 to 2.3 times as long,
+///         as all instructions of AMX are slower there when every core uses them.
 /// All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
 enum class Precision { fp32, bf16, bf16x3 };
 
@@ -2431,18 +2463,20 @@ inline std::atomic<Precision>& current_product_precision() {
 
 inline Precision product_precision() { return detail::current_product_precision().load(std::memory_order_relaxed); }
 
-/// Changes the precision of products for the whole process. Weights that were prepared in another precision are packed anew at every
-/// use (but fp32 and bf16x3 use the same): set it before preparing a model.
-inline void set_product_precision(Precision p) { detail::current_product_precision().store(p, std::memory_order_relaxed); }
+/// Changes the precision of products for the whole process. Weights that were prepared in another precision are packed
+/// anew at every use (but fp32 and bf16x3 use the same): set it before preparing a model.
+inline void set_product_precision(Precision p) {
+  detail::current_product_precision().store(p, std::memory_order_relaxed);
+}
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_PROGRESS_HPP  // <motionlang/core/progress.hpp>
 #define MOTIONLANG_HAS_CORE_PROGRESS_HPP
 /// How long work tells its caller where it is, and how the caller stops it.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. May be empty.
 /// Without exceptions false ends the program, like an error: there the C functions can be cancelled (motionlang/c).
@@ -2475,7 +2509,7 @@ class Progress {
   bool (*call_)(void*, Index, Index) = nullptr;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_PYTHON_RANDOM_HPP  // <motionlang/core/python_random.hpp>
@@ -2485,7 +2519,7 @@ class Progress {
 ///
 /// Source  CPython 3.11, Lib/random.py and Modules/_randommodule.c
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class PythonRandom {
  public:
@@ -2614,14 +2648,14 @@ class PythonRandom {
   std::optional<double> spare_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_QUANTILE_HPP  // <motionlang/core/quantile.hpp>
 #define MOTIONLANG_HAS_CORE_QUANTILE_HPP
 /// Values by their rank: medians, quartiles, "all but the lowest 5 %".
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The value that n others are not above; n below the number of values.
 inline double nth_smallest(std::vector<double> values, std::size_t n) {
@@ -2636,14 +2670,14 @@ inline double quantile(std::vector<double> values, double share) {
   return nth_smallest(std::move(values), n);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_ROUNDING_HPP  // <motionlang/core/rounding.hpp>
 #define MOTIONLANG_HAS_CORE_ROUNDING_HPP
 /// Decimal places as Python and NumPy round them: published tables are printed by one or the other.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -2654,8 +2688,8 @@ inline void require_places(const char* function, int places) {
 
 }  // namespace detail
 
-/// Python's `round(x, places)`: the decimal number nearest to the binary value of x. 2.675 is a little less than it looks
-/// and becomes 2.67. Throws config_error 101 unless 0 <= places <= 15.
+/// Python's `round(x, places)`: the decimal number nearest to the binary value of x. 2.675 is a little less than it
+/// looks and becomes 2.67. Throws config_error 101 unless 0 <= places <= 15.
 inline double python_round(double x, int places) {
   detail::require_places("python_round", places);
   if (!std::isfinite(x)) return x;
@@ -2665,27 +2699,28 @@ inline double python_round(double x, int places) {
   return x;
 }
 
-/// NumPy's `round(x, places)`: x 10^places to the nearest integer, halves to the even one, then back. 2.675 becomes 2.68,
-/// because the product is rounded before. Throws config_error 101 unless 0 <= places <= 15.
+/// NumPy's `round(x, places)`: x 10^places to the nearest integer, halves to the even one, then back. 2.675 becomes
+/// 2.68, because the product is rounded before. Throws config_error 101 unless 0 <= places <= 15.
 inline double numpy_round(double x, int places) {
   detail::require_places("numpy_round", places);
   const double scale = std::pow(10.0, places);
   return std::nearbyint(x * scale) / scale;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_ROWS_TOGETHER_HPP  // <motionlang/core/rows_together.hpp>
 #define MOTIONLANG_HAS_CORE_ROWS_TOGETHER_HPP
 /// How many rows belong together that are multiplied a few at a time.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
-/// While it lives, products of this thread count as parts of one of so many rows (0: each as what it is), unless another lives already. In
-/// bf16x3 the instructions depend on the number of rows, and with them the last digit: where that must not depend on how rows are shared by
-/// threads, or on what else is in a batch, say so by this. As `many`, a product of a few rows takes up to four times as long. Threads that
-/// help have to be told (for_products, in_groups).
+/// While it lives, products of this thread count as parts of one of so many rows (0: each as what it is), unless
+/// another lives already. In bf16x3 the instructions depend on the number of rows, and with them the last digit: where
+/// that must not depend on how rows are shared by threads, or on what else is in a batch, say so by this. As `many`, a
+/// product of a few rows takes up to four times as long. Threads that help have to be told (for_products, in_groups).
 class RowsTogether {
  public:
   static constexpr Index few = 1, many = 1 << 20;
@@ -2709,17 +2744,20 @@ class RowsTogether {
   Index before_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_SORT_HPP  // <motionlang/core/sort.hpp>
 #define MOTIONLANG_HAS_CORE_SORT_HPP
-/// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty functions.
+/// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty
+/// functions.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
-/// Sorts by `less`, which leaves no two elements equal or does not care for their order. Heap sort: n log n steps whatever
-/// the list. `List` is a vector.
+/// Sorts by `less`, which leaves no two elements equal or does not care for their order. Heap sort: n log n steps
+/// whatever the list. `List` is a vector.
 template <class List, class Less>
 void sort(List& list, Less less) {
   const auto sift_down = [&](std::size_t i, std::size_t size) {
@@ -2736,14 +2774,16 @@ void sort(List& list, Less less) {
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_TEXT_LINES_HPP  // <motionlang/core/text_lines.hpp>
 #define MOTIONLANG_HAS_CORE_TEXT_LINES_HPP
 /// Texts line by line, their blanks and small letters.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// A letter of ASCII in small, whatever the locale.
 constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
@@ -2767,7 +2807,8 @@ void for_each_line(std::string_view text, F on_line) {
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_TORCH_RANDOM_HPP  // <motionlang/core/torch_random.hpp>
@@ -2780,7 +2821,7 @@ void for_each_line(std::string_view text, F on_line) {
 /// Differs     by less than 1e-6 from torch's vectorised kernels, which approximate log and cos; uniform numbers and
 ///             the float64 path have no such difference
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class TorchRandom {
  public:
@@ -2847,7 +2888,7 @@ class TorchRandom {
   std::optional<double> spare_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TENSOR_ARG_MAX_HPP  // <motionlang/tensor/arg_max.hpp>
@@ -2861,7 +2902,7 @@ class TorchRandom {
 /// A handle with value semantics: copying shares memory, writing never shows through another handle. A wrong rank is a
 /// compile error; wrong sizes are a `shape_error` from the operation, thrown before any backend runs.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B, int Rank>
 class Tensor {
@@ -2897,8 +2938,8 @@ class Tensor {
   static Tensor from(const std::vector<scalar>& values, const Shape& shape) {
     return from(std::span<const scalar>(values), shape);
   }
-  /// Row-major numbers that fill(scalar*) writes, into the tensor itself where the backend's tensors can be written: a large table is
-  /// not there twice.
+  /// Row-major numbers that fill(scalar*) writes, into the tensor itself where the backend's tensors can be written: a
+  /// large table is not there twice.
   template <class F>
   static Tensor written(const Shape& shape, const F& fill) {
     if constexpr (requires(typename B::tensor t, const Shape& s) {
@@ -2969,10 +3010,10 @@ inline constexpr bool is_tensor = false;
 template <class B, int R>
 inline constexpr bool is_tensor<Tensor<B, R>> = true;
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// For each row the column of the largest number, of equals the first. Throws shape_error 205 for rows of no numbers.
 template <Backend B>
@@ -2988,7 +3029,7 @@ std::vector<Index> arg_max(const Tensor<B, 2>& x) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TENSOR_FUSED_HPP  // <motionlang/tensor/fused.hpp>
@@ -3006,7 +3047,7 @@ std::vector<Index> arg_max(const Tensor<B, 2>& x) {
 /// Binary operations broadcast like NumPy; the result has the larger rank. Temporaries are passed on, so that a backend
 /// may compute in place.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -3180,7 +3221,7 @@ requires(R >= 2) Tensor<B, R> matmul(const Tensor<B, R>& a, const Tensor<B, R>& 
   return Tensor<B, R>(B::matmul(a.data(), b.data(), options.transpose_a, options.transpose_b));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TENSOR_SEQUENCES_HPP  // <motionlang/tensor/sequences.hpp>
@@ -3195,7 +3236,7 @@ requires(R >= 2) Tensor<B, R> matmul(const Tensor<B, R>& a, const Tensor<B, R>& 
 #define MOTIONLANG_HAS_TENSOR_INDEX_HPP
 /// Moving numbers: reshape, permute, slice, concat, gather, scatter.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The same numbers in another shape; one size may be -1 and is then computed. Throws shape_error 205.
 template <int New, Backend B, int R>
@@ -3308,10 +3349,10 @@ requires(R > 0) Tensor<B, R> scatter_add(const Tensor<B, R>& a, std::span<const 
   return Tensor<B, R>(B::scatter_add(a.data(), rows, n));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct Sequences {
@@ -3342,7 +3383,8 @@ inline PoolVector<Index> sequence_of_row(const Offsets& offsets) {
   }
   return owner;
 }
-/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width). Throws shape_error 204 for another count.
+/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width). Throws shape_error 204
+/// for another count.
 template <Backend B>
 Tensor<B, 2> repeat_for_rows(const Tensor<B, 2>& per_sequence, const Offsets& offsets) {
   if (per_sequence.size(0) != offsets.count())
@@ -3508,10 +3550,10 @@ Tensor<B, 3> to_padded(const Sequences<B>& x, double value = 0, Index time = 0) 
   return reshape<3>(gather(rows, pick), {x.count(), time, x.width()});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -3582,8 +3624,8 @@ void check_linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tenso
 
 }  // namespace detail
 
-/// y = dropout(act(x W^T + bias)) + residual.   x (rows, in), weight (out, in), bias (out), residual (rows, out) -> (rows, out)
-/// Bias and residual may be null. Throws shape_error 201, 204, and as dropout.
+/// y = dropout(act(x W^T + bias)) + residual.   x (rows, in), weight (out, in), bias (out), residual (rows, out) ->
+/// (rows, out) Bias and residual may be null. Throws shape_error 201, 204, and as dropout.
 template <Backend B>
 Tensor<B, 2> linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tensor<B, 1>* bias,
                     Activation act = Activation::none, const Tensor<B, 2>* residual = nullptr,
@@ -3728,8 +3770,8 @@ Tensor<B, 2> attend(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B
 /// Multi-head attention over packed sequences (Vaswani et al. 2017, eq. 1); heads are contiguous slices of the width.
 ///     O_h = softmax(Q_h K_h^T / sqrt(width / heads) + R_h) V_h     within each sequence
 /// q (query rows, width), k and v (key rows, width) -> (query rows, width). Padding does not exist here: a key that is
-/// masked is simply not in the sequence (see from_padded). R may be null; element (i, j) of R_h is a number of the distance
-/// j - i: column j - i + n of relative_scores (heads, 2 n + 1). Throws config_error 101, shape_error 204, 207.
+/// masked is simply not in the sequence (see from_padded). R may be null; element (i, j) of R_h is a number of the
+/// distance j - i: column j - i + n of relative_scores (heads, 2 n + 1). Throws config_error 101, shape_error 204, 207.
 template <Backend B>
 Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, const Offsets& q_offsets,
                        const Offsets& k_offsets, const AttentionOptions& options,
@@ -3807,14 +3849,14 @@ void adamw_update(typename B::tensor& p, typename B::tensor& m, typename B::tens
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TENSOR_GRADIENT_HPP  // <motionlang/tensor/gradient.hpp>
 #define MOTIONLANG_HAS_TENSOR_GRADIENT_HPP
 /// Differentiation as user code sees it: variables, `backward`, and gradients as a value.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What `backward` returns: the gradient of every variable, on the inner backend.
 template <AutodiffBackend A>
@@ -3852,11 +3894,12 @@ auto backward(const Tensor<A, 0>& loss) {
   return Gradients<A>(A::gradients(loss.data()));
 }
 
-/// y, of which the graph keeps `inputs` and not what led from them to y: the backward pass calls again(inputs...), which
-/// has to give y once more. Training needs the memory of one such piece instead of all, for a second forward pass.
+/// y, of which the graph keeps `inputs` and not what led from them to y: the backward pass calls again(inputs...),
+/// which has to give y once more. Training needs the memory of one such piece instead of all, for a second forward
+/// pass.
 /// Source   Chen, Xu, Zhang, Guestrin: "Training deep nets with sublinear memory cost" (2016), section 4.1
-/// Caution  `again` is copied and called by `backward`: it may hold parameters and constants, but what has been calculated
-///          has to be an input (config_error 102). Gradients are the same bits as without
+/// Caution  `again` is copied and called by `backward`: it may hold parameters and constants, but what has been
+///          calculated has to be an input (config_error 102). Gradients are the same bits as without
 template <AutodiffBackend A, int R, class F, int... Q>
 Tensor<A, R> keep_inputs(const Tensor<A, R>& y, F again, const Tensor<A, Q>&... inputs) {
   return Tensor<A, R>(A::checkpoint(
@@ -3888,14 +3931,14 @@ Tensor<B, R> stop_gradient(const Tensor<B, R>& t) {
     return t;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TENSOR_ID_SEQUENCES_HPP  // <motionlang/tensor/id_sequences.hpp>
 #define MOTIONLANG_HAS_TENSOR_ID_SEQUENCES_HPP
 /// Sequences of symbols, packed like Sequences<B>: what models that read and write words or motion tokens take.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct IdSequences {
   std::vector<Index> ids;
@@ -3935,8 +3978,8 @@ struct IdSequences {
     return std::span(ids).subspan(static_cast<std::size_t>(offsets.begin(i)),
                                   static_cast<std::size_t>(offsets.length(i)));
   }
-  /// Each without its first or last ids: what is to be written, and what it is written after. Throws shape_error 207 for a sequence
-  /// that is shorter.
+  /// Each without its first or last ids: what is to be written, and what it is written after. Throws shape_error 207
+  /// for a sequence that is shorter.
   IdSequences without_ends(Index first, Index last) const {
     std::vector<std::vector<Index>> lists;
     for (Index i = 0; i < count(); ++i) {
@@ -3949,14 +3992,14 @@ struct IdSequences {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TENSOR_MODULE_HPP  // <motionlang/tensor/module.hpp>
 #define MOTIONLANG_HAS_TENSOR_MODULE_HPP
 /// What every module can do because it lists its fields: visit tensors, count parameters, move to another backend.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Statistics and tables (`static constexpr bool trainable = false`) are saved and loaded, but get no gradient.
 template <class M>
@@ -3969,8 +4012,8 @@ inline constexpr bool is_trainable = [] {
 
 namespace detail {
 
-/// Passes the tensors among the leaves on to f. A type of its own: inside visit_tensors it would be another one for every
-/// module, and all that lies below would be compiled again.
+/// Passes the tensors among the leaves on to f. A type of its own: inside visit_tensors it would be another one for
+/// every module, and all that lies below would be compiled again.
 template <class F>
 struct TensorsOnly {
   F& f;
@@ -4078,31 +4121,31 @@ void prepare(M& model) {
   visit_tensors(model, detail::PrepareWeights{});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TENSOR_NORMALIZE_HPP  // <motionlang/tensor/normalize.hpp>
 #define MOTIONLANG_HAS_TENSOR_NORMALIZE_HPP
 /// Rows of length 1: what cosine similarity needs, in losses and in encoders.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// Rows divided by max(norm, 1e-12). The sums are a product with ones, whose order does not depend on the number of rows: a row has the
-/// same bits alone and among others.
+/// Rows divided by max(norm, 1e-12). The sums are a product with ones, whose order does not depend on the number of
+/// rows: a row has the same bits alone and among others.
 template <Backend B>
 Tensor<B, 2> normalize_rows(const Tensor<B, 2>& x) {
   const auto squared = matmul(square(x), Tensor<B, 2>::full({x.size(1), 1}, 1));
   return x / sqrt(maximum(squared, Tensor<B, 2>(1e-24)));
 }
 
-/// S_ij = cos(x_i, y_j), (rows of x, rows of y); 0 where a row is zero. Every element is summed in the same order, so that equal rows
-/// have equal similarities bit by bit: ranks count ties.
+/// S_ij = cos(x_i, y_j), (rows of x, rows of y); 0 where a row is zero. Every element is summed in the same order, so
+/// that equal rows have equal similarities bit by bit: ranks count ties.
 template <Backend B>
 Tensor<B, 2> cosine_similarity(const Tensor<B, 2>& x, const Tensor<B, 2>& y) {
   return matmul(normalize_rows(x), normalize_rows(y), {.transpose_b = true});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_AXIS_ANGLE_HPP  // <motionlang/geometry/axis_angle.hpp>
@@ -4123,7 +4166,7 @@ Tensor<B, 2> cosine_similarity(const Tensor<B, 2>& x, const Tensor<B, 2>& y) {
 #define MOTIONLANG_HAS_GEOMETRY_VEC_HPP
 /// Vectors of three coordinates.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <class S>
 struct Vec3 {
@@ -4180,10 +4223,10 @@ Vec3<S> vec_cast(const Vec3<T>& a) {
   return {S(a.x), S(a.y), S(a.z)};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Three by three numbers, row by row: m[3 * row + column].
 template <class S>
@@ -4244,10 +4287,10 @@ concept Rotation = requires(const R& r) {
   to_matrix(r).m;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <class S>
 struct Quaternion {
@@ -4334,10 +4377,10 @@ auto to_quaternion(const R& r) {
 }
 static_assert(Rotation<Quaternion<double>> && Rotation<Matrix3<float>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <class S>
 struct AxisAngle {
@@ -4389,18 +4432,18 @@ auto to_axis_angle(const R& r) {
 }
 static_assert(Rotation<AxisAngle<double>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_DEGREE_HPP  // <motionlang/geometry/degree.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_DEGREE_HPP
 /// Angles in degrees: 30 * degree is in radians, a / degree in degrees.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 inline constexpr double degree = std::numbers::pi / 180;
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_EULER_HPP  // <motionlang/geometry/euler.hpp>
@@ -4410,7 +4453,7 @@ inline constexpr double degree = std::numbers::pi / 180;
 /// Intrinsic angles: order "ZXY" means R = Rz(a) Rx(b) Ry(c) on column vectors, the first letter outermost, which is
 /// the order of BVH channels and of pytorch3d's conventions.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Three axes, 0 = x, 1 = y, 2 = z; neighbours differ.
 struct EulerOrder {
@@ -4489,7 +4532,7 @@ auto to_euler(const R& rotation, EulerOrder order, double last = 0.0) {
 }
 static_assert(Rotation<EulerAngles<double>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_GUO_HPP  // <motionlang/geometry/guo.hpp>
@@ -4501,7 +4544,8 @@ static_assert(Rotation<EulerAngles<double>>);
 /// long way if the quaternions lie in different hemispheres. Use them to reproduce published numbers, not otherwise.
 /// Source  Guo et al. (CVPR 2022), common/quaternion.py; spec humanml3d-features.md 11b
 
-namespace motionlang::inline MOTIONLANG_ABI::guo {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace guo {
 
 /// The shortest rotation from a to b, of any length:  q ~ (|a||b| + a . b, a x b).  NaN for opposite vectors.
 /// lengths = |a||b|, where it is known.
@@ -4560,7 +4604,8 @@ Quaternion<S> from_euler_degrees(const Vec3<S>& angles, EulerOrder order) {
   return (order.axis[1] - order.axis[0] + 3) % 3 == 1 ? -q : q;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::guo
+}  // namespace guo
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_PYTORCH3D_HPP  // <motionlang/geometry/pytorch3d.hpp>
@@ -4580,7 +4625,7 @@ Quaternion<S> from_euler_degrees(const Vec3<S>& angles, EulerOrder order) {
 /// Two conventions are in use and must not be mixed, hence two types: ACTOR, TEMOS, TEACH, SINC and the 205-vector take
 /// the first two ROWS, row by row; the 263-vector of HumanML3D takes the first two COLUMNS, column by column.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <class S>
 struct Rotation6dRows {
@@ -4617,10 +4662,11 @@ auto to_rotation6d_columns(const R& r) {
 }
 static_assert(Rotation<Rotation6dRows<double>> && Rotation<Rotation6dColumns<double>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::pytorch3d {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace pytorch3d {
 
 /// w = sqrt(max(0, 1 + m00 + m11 + m22)) / 2, ...; signs of x, y, z are those of the antisymmetric part (0 counts as
 /// +).
@@ -4659,14 +4705,15 @@ Matrix3<S> rodrigues(const Vec3<S>& v) {
   return r;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::pytorch3d
+}  // namespace pytorch3d
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_RIGID_HPP  // <motionlang/geometry/rigid.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_RIGID_HPP
 /// Rotation and translation together.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// x -> R x + t.
 template <class S>
@@ -4686,7 +4733,7 @@ Rigid<S> inverse(const Rigid<S>& a) {
   return {r, -(r * a.translation)};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_SLERP_HPP  // <motionlang/geometry/slerp.hpp>
@@ -4697,7 +4744,7 @@ Rigid<S> inverse(const Rigid<S>& a) {
 #define MOTIONLANG_HAS_GEOMETRY_SO3_HPP
 /// What every rotation can do, whatever its representation: the API deduced from `to_matrix`.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// a after b: the matrix A B.
 template <Rotation A, Rotation B>
@@ -4756,10 +4803,10 @@ Quaternion<S> rotation_between(const Vec3<S>& from, const Vec3<S>& to) {
                                   where_less(w, tiny, any.y, c.y), where_less(w, tiny, any.z, c.z)});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Spherical linear interpolation: a at t = 0, b at t = 1, constant angular velocity in between.
 ///     slerp = (sin((1-t) h) a + sin(t h) b) / sin h,   h = angle between the quaternions (shorter arc)
@@ -4776,7 +4823,7 @@ Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& other, const S&
   return normalized(wa * a + wb * b);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_BACKEND_AUTODIFF_HPP  // <motionlang/backend/autodiff.hpp>
@@ -4787,8 +4834,8 @@ Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& other, const S&
 /// the answer is the gradient of each operand. The graph hangs off the tensors; there is no global tape. A closure
 /// keeps only the tensors that its derivative needs, and `backward` frees them as it goes: a graph can be walked once.
 /// Results of layer norms and of a sequence's attention to itself, which are cheap, are not kept: a product that needs
-/// one has it calculated again. `checkpoint` does the same with any function (Chen, Xu, Zhang, Guestrin: "Training deep nets with sublinear memory cost", 2016).
-/// Gradients are returned as a value and live on the inner backend.
+/// one has it calculated again. `checkpoint` does the same with any function (Chen, Xu, Zhang, Guestrin: "Training deep
+/// nets with sublinear memory cost", 2016). Gradients are returned as a value and live on the inner backend.
 ///
 /// Threads may differentiate losses over the same variables at once: a walk writes only to the operations behind its
 /// own loss. Losses that share operations belong to one thread.
@@ -4796,7 +4843,7 @@ Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& other, const S&
 #include <tuple>          // apply
 #include <unordered_map>  // gradients by variable
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct Autodiff {
@@ -5208,8 +5255,8 @@ struct Autodiff {
 
   // Recomputation.
 
-  /// y as one operation that keeps its inputs only: again(inputs...) gives y once more, and its graph is made during the
-  /// backward pass. What else `again` uses has to be constant or variable.
+  /// y as one operation that keeps its inputs only: again(inputs...) gives y once more, and its graph is made during
+  /// the backward pass. What else `again` uses has to be constant or variable.
   template <class F, class... T>
   static tensor checkpoint(const tensor& y, F again, const T&... inputs) {
     if (y.node == nullptr || y.node->variable) return y;
@@ -5240,9 +5287,9 @@ struct Autodiff {
   }
 
  private:
-  /// Sends the gradients of all variables behind `last`, whose own gradient is g, to the sink. Operations are walked from the last
-  /// made to the first: what a layer kept is free before the layer below begins, and sums of gradients have one order, with
-  /// checkpoints or without.
+  /// Sends the gradients of all variables behind `last`, whose own gradient is g, to the sink. Operations are walked
+  /// from the last made to the first: what a layer kept is free before the layer below begins, and sums of gradients
+  /// have one order, with checkpoints or without.
   static void walk(const tensor& last, Value g_last, Sink& sink) {
     if (last.node == nullptr) return;
     if (last.node->variable) return sink.add_variable(last.node.get(), std::move(g_last));
@@ -5347,7 +5394,8 @@ struct Autodiff {
   template <class G, class F, class... T>
   static tensor record_cheap(Value value, G forward, F vjp, const T&... operands) {
     if (constants(operands...)) return {std::move(value), nullptr};
-    return result(std::move(value), std::make_shared<CheapOperation<F, G>>(std::move(vjp), std::move(forward)), operands...);
+    return result(std::move(value), std::make_shared<CheapOperation<F, G>>(std::move(vjp), std::move(forward)),
+                  operands...);
   }
   template <class F>
   static tensor record_list(Value value, F vjp, std::span<const tensor> operands) {
@@ -5385,7 +5433,7 @@ struct Autodiff {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_BACKEND_REFERENCE_HPP  // <motionlang/backend/reference.hpp>
@@ -5396,7 +5444,8 @@ struct Autodiff {
 
 #ifndef MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP  // <motionlang/backend/dense_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP
-/// What all backends over Dense storage share: making tensors, moving numbers without calculating, and how a reduction is shared by threads.
+/// What all backends over Dense storage share: making tensors, moving numbers without calculating, and how a reduction
+/// is shared by threads.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DENSE_HPP  // <motionlang/backend/dense.hpp>
 #define MOTIONLANG_HAS_BACKEND_DENSE_HPP
@@ -5405,7 +5454,7 @@ struct Autodiff {
 /// A handle to a shared buffer plus a shape. Copying shares memory; whoever wants to write asks `unique()` first.
 /// Always contiguous: reshaping and taking leading rows are views, everything else copies.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 class Dense {
@@ -5464,14 +5513,14 @@ class Dense {
   Index offset_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
-/// A reduction along an axis of (outer, axis, inner), by all threads: of the last axis rows(first, last), rows of the memory; of another
-/// columns(i, first, last), columns of matrix i of `outer`.
+/// A reduction along an axis of (outer, axis, inner), by all threads: of the last axis rows(first, last), rows of the
+/// memory; of another columns(i, first, last), columns of matrix i of `outer`.
 template <class Rows, class Columns>
 void for_reduction(const Shape& s, int axis, const Rows& rows, const Columns& columns) {
   const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
@@ -5600,8 +5649,9 @@ struct DenseOps {
   struct Axis {
     Index size = 1, in = 1, out = 1;
   };
-  /// out[i_0, i_1, ...] = a's memory at sum i_k stride_k, line by line along the last axis. Where these lines jump through the memory of a, and
-  /// those along another axis do not, some lines are made at once: a line of the cache serves all of them.
+  /// out[i_0, i_1, ...] = a's memory at sum i_k stride_k, line by line along the last axis. Where these lines jump
+  /// through the memory of a, and those along another axis do not, some lines are made at once: a line of the cache
+  /// serves all of them.
   static tensor strided_copy(const tensor& a, const Shape& s, const Strides& stride) {
     tensor out(s);
     if (s.count() == 0) return out;
@@ -5660,10 +5710,10 @@ struct DenseOps {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct ReferenceBackend : DenseOps<S> {
@@ -5790,7 +5840,7 @@ struct ReferenceBackend : DenseOps<S> {
 };
 static_assert(Backend<ReferenceBackend<float>> && Backend<ReferenceBackend<double>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BLEND_HPP  // <motionlang/kinematics/blend.hpp>
@@ -5814,7 +5864,7 @@ static_assert(Backend<ReferenceBackend<float>> && Backend<ReferenceBackend<doubl
 #include <cctype>       // tolower
 #include <iterator>     // begin
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Side of the body: a rest pose faces +Z, its left is at +X.
 enum class Side : int { middle, left, right };
@@ -5879,7 +5929,7 @@ inline std::vector<std::string> other_side(const std::string& name) {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_HPP  // <motionlang/kinematics/motion.hpp>
@@ -5893,7 +5943,8 @@ inline std::vector<std::string> other_side(const std::string& name) {
 #ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP  // <motionlang/kinematics/forward.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP
 /// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
-/// derivatives (Dual), for poses side by side in a register (Lane) and for a differentiable batch (Tensor; see lanes.hpp).
+/// derivatives (Dual), for poses side by side in a register (Lane) and for a differentiable batch (Tensor; see
+/// lanes.hpp).
 ///
 ///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
 
@@ -5904,7 +5955,7 @@ inline std::vector<std::string> other_side(const std::string& name) {
 /// Established here and relied upon everywhere: parents[0] = -1, 0 <= parents[j] < j, names are unique. Algorithms over
 /// a skeleton are therefore one loop over j in which the parent has been visited already.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One joint as it is written down: its parent by name ("" for the root) and its rest position relative to the parent,
 /// metres.
@@ -5918,8 +5969,8 @@ struct Skeleton {
   std::vector<std::string> names;
   std::vector<int> parents;
   std::vector<Vec3<double>> offsets;
-  /// Where the bones of joints without children end, relative to them: tips of toes and fingers, as BVH files have them. One for each
-  /// joint, (0, 0, 0) where it is not known, or none at all.
+  /// Where the bones of joints without children end, relative to them: tips of toes and fingers, as BVH files have
+  /// them. One for each joint, (0, 0, 0) where it is not known, or none at all.
   std::vector<Vec3<double>> ends{};
 
   /// From joints in an order in which parents come first. Throws config_error 106.
@@ -6009,10 +6060,10 @@ struct Skeleton {
   bool operator==(const Skeleton& s) const { return names == s.names && parents == s.parents && offsets == s.offsets; }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Local rotations of all joints and the position of the root.
 template <ScalarLike S>
@@ -6038,7 +6089,8 @@ namespace detail {
 
 /// Position of joint j, whose parent is done, and its rotation unless nothing hangs on it.
 template <Rotation R, ScalarLike S>
-void place_joint(const Skeleton& skeleton, std::size_t j, const R& local, const Vec3<S>& root, bool rotate, JointTransforms<S>& world) {
+void place_joint(const Skeleton& skeleton, std::size_t j, const R& local, const Vec3<S>& root, bool rotate,
+                 JointTransforms<S>& world) {
   if (j == 0) {
     world.position[0] = root;
     world.rotation[0] = to_matrix(local);
@@ -6078,10 +6130,10 @@ JointTransforms<S> forward_kinematics(const Skeleton& skeleton, const Pose<S>& p
   return forward_kinematics(skeleton, std::span<const Quaternion<S>>(pose.local), pose.root);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Rotations (frames x joints) of a clip that is made by sampling another; 1.6 GB. More are a frame rate typed wrong.
 inline constexpr double max_rotations = 5e7;
@@ -6121,8 +6173,8 @@ struct Motion {
     }
     return out;
   }
-  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none or at which times overflow, numeric_error 301
-  /// on a value that is not finite and on a rotation of length 0.
+  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none or at which times
+  /// overflow, numeric_error 301 on a value that is not finite and on a rotation of length 0.
   void validate() const {
     skeleton.validate();
     if (local.size() != root.size() * static_cast<std::size_t>(skeleton.size())) {
@@ -6130,7 +6182,8 @@ struct Motion {
                          skeleton.size(), " joints");
     }
     for (int j = 0; j < skeleton.size(); ++j) {
-      const auto o = skeleton.ends.empty() ? skeleton.offset(j) : skeleton.offset(j) + skeleton.ends[static_cast<std::size_t>(j)];
+      const auto o =
+          skeleton.ends.empty() ? skeleton.offset(j) : skeleton.offset(j) + skeleton.ends[static_cast<std::size_t>(j)];
       if (!std::isfinite(o.x + o.y + o.z))
         raise<numeric_error>(301, "Motion '", name, "': the offset of joint '", skeleton.name(j), "' is not finite");
     }
@@ -6154,10 +6207,10 @@ struct Motion {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Frames first ... last - 1. Throws shape_error 203 unless 0 <= first <= last <= frames.
 inline Motion crop(const Motion& motion, Index first, Index last) {
@@ -6183,9 +6236,9 @@ inline Motion resample(const Motion& motion, double fps) {
   const auto last = static_cast<double>(motion.frames() - 1);
   const double whole_frames = std::floor(last / step + rounding) + 1;
   if (!(whole_frames * motion.skeleton.size() <= max_rotations)) {
-    raise<config_error>(101, "resample: '", motion.name, "' of ", motion.seconds(), " s at ", fps, " frames per second has ",
-                        whole_frames, " frames of ", motion.skeleton.size(), " joints, more than ", max_rotations,
-                        " rotations");
+    raise<config_error>(101, "resample: '", motion.name, "' of ", motion.seconds(), " s at ", fps,
+                        " frames per second has ", whole_frames, " frames of ", motion.skeleton.size(),
+                        " joints, more than ", max_rotations, " rotations");
   }
   const auto frames = static_cast<Index>(whole_frames);
   out.root.reserve(static_cast<std::size_t>(frames));
@@ -6201,8 +6254,8 @@ inline Motion resample(const Motion& motion, double fps) {
   return out;
 }
 
-/// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor > 0, and
-/// for more than max_rotations.
+/// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor >
+/// 0, and for more than max_rotations.
 inline Motion change_speed(const Motion& motion, double factor) {
   if (!(factor > 0) || !std::isfinite(factor)) raise<config_error>(101, "change_speed: factor ", factor);
   Motion out = resample(motion, motion.fps / factor);
@@ -6287,11 +6340,12 @@ inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partne
 /// trials, and some blend out of it (Daz files, with a spline that swings over for as long again).
 ///
 /// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
-/// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last digit counts as
-/// one frame. Returns 0 for skeletons whose zero pose is no T-pose: call it before retargeting.
+/// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last
+/// digit counts as one frame. Returns 0 for skeletons whose zero pose is no T-pose: call it before retargeting.
 inline Index detect_t_pose_lead_in(const Motion& motion) {
   const auto same = [&](Index f) {
-    return std::ranges::equal(motion.rotations(f), motion.rotations(0), [](const auto& p, const auto& q) { return distance(p, q) < 1e-6; });
+    return std::ranges::equal(motion.rotations(f), motion.rotations(0),
+                              [](const auto& p, const auto& q) { return distance(p, q) < 1e-6; });
   };
   Index held = 0;  // the last frame of the first pose
   while (held + 1 < motion.frames() && same(held + 1)) ++held;
@@ -6329,7 +6383,7 @@ inline Motion drop_lead_in(const Motion& motion) {
   return crop(motion, detect_t_pose_lead_in(motion), motion.frames());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_HPP  // <motionlang/kinematics/root_motion.hpp>
@@ -6337,7 +6391,7 @@ inline Motion drop_lead_in(const Motion& motion) {
 /// Where a clip stands and goes on the floor: moving a whole clip, clips in place, and the path of the root as a track
 /// of its own, as game engines want it. Y up, metres, radians; a turn to the left is positive.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The turn about the vertical that brings rotation `from` nearest to `to`, in [-pi, pi]. Whatever the local axes of
 /// the root are: turn_between(q, Ry(a) q) = a.
@@ -6428,14 +6482,14 @@ inline Motion apply_root_motion(const Motion& pose, const RootMotion& path) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTHING_HPP  // <motionlang/kinematics/smoothing.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SMOOTHING_HPP
 /// Smoothing of curves over time.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// From 0 at 0 to 1 at 1, level at both ends: s^2 (3 - 2 s).
 constexpr double smoothstep(double s) { return s * s * (3 - 2 * s); }
@@ -6475,10 +6529,10 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
   return std::vector<S>(sums.begin(), sums.end());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -6513,9 +6567,9 @@ inline Motion blend_into(const Motion& first, const Motion& second, Index frames
   return concatenate(out, crop(next, frames, next.frames()));
 }
 
-/// The clip without the jump into frame `from`: that frame goes where the ones before it lead, and what this moves it by
-/// fades away until frame `to`, which is as it was. With to < from the same backwards in time: for the jump out of frame
-/// `from`. k is the frame before `from`, k' the one before that (k, where the clip has none).
+/// The clip without the jump into frame `from`: that frame goes where the ones before it lead, and what this moves it
+/// by fades away until frame `to`, which is as it was. With to < from the same backwards in time: for the jump out of
+/// frame `from`. k is the frame before `from`, k' the one before that (k, where the clip has none).
 ///     r'_i = r_i + w_i (2 r_k - r_k' - r_from),   q'_i = q_i exp(w_i log(q_from^-1 q_k q_k'^-1 q_k)),
 ///     w_i = 1 - smoothstep(|i - from| / |to - from|)
 /// Source  "Inertialization", D. Bollo, GDC 2018; here with the weights of the other blends
@@ -6555,8 +6609,8 @@ struct LoopRound {
 /// Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
 inline LoopRound make_loop(const Motion& motion, Index frames) {
   if (frames < 1 || frames > motion.frames() / 2) {
-    raise<config_error>(101, "make_loop: ", frames, " frames to blend in a clip of ", motion.frames(), " at ", motion.fps,
-                        " per second: at most half of it");
+    raise<config_error>(101, "make_loop: ", frames, " frames to blend in a clip of ", motion.frames(), " at ",
+                        motion.fps, " per second: at most half of it");
   }
   const Index last = motion.frames() - frames, middle = frames / 2;
   const Motion end = placed(motion, placement_between(motion, last + middle, motion, middle));
@@ -6568,30 +6622,32 @@ inline LoopRound make_loop(const Motion& motion, Index frames) {
   return loop;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_HPP  // <motionlang/kinematics/body.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_HPP
-/// A body: its model, its surface, its hands; and what is public about the SMPL family: sizes, and the vertices that serve as
-/// extra joints. Bodies come from the user's own files (io/body_file.hpp) or from any skeleton (io/figure_body.hpp).
+/// A body: its model, its surface, its hands; and what is public about the SMPL family: sizes, and the vertices that
+/// serve as extra joints. Bodies come from the user's own files (io/body_file.hpp) or from any skeleton
+/// (io/figure_body.hpp).
 ///
 /// Source  spec body-models.md, sections 2, 4, 5
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_MODEL_HPP  // <motionlang/kinematics/body_model.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_MODEL_HPP
-/// Linear blend skinning with shape and pose blend shapes: the forward pass of SMPL, SMPL-H and SMPL-X, over any backend.
+/// Linear blend skinning with shape and pose blend shapes: the forward pass of SMPL, SMPL-H and SMPL-X, over any
+/// backend.
 ///
-/// On a bare backend every lane of a register holds another pose (Lane), and a block of vertices at a time gets its blend shapes and
-/// is skinned while it is in the cache, on all threads (`prepare` the model first: its blend shapes are then packed once). On an
-/// Autodiff backend every number of the chain is a tensor over the poses, so that vertices and joints can be differentiated
-/// by shape, rotations and translation.
+/// On a bare backend every lane of a register holds another pose (Lane), and a block of vertices at a time gets its
+/// blend shapes and is skinned while it is in the cache, on all threads (`prepare` the model first: its blend shapes
+/// are then packed once). On an Autodiff backend every number of the chain is a tensor over the poses, so that vertices
+/// and joints can be differentiated by shape, rotations and translation.
 ///
 /// Source    Loper et al. (2015), eq. 2-12; spec body-models.md 1. The model's arrays come from the user's own file
 ///           (io/body_file.hpp) or from a skeleton (io/figure_body.hpp).
 /// Notation  V vertices, J joints, K shape coefficients, N poses; beta -> betas, R_j -> rotations, tau -> translation
-/// Differs   from the smplx package: rest joints come from the regressor folded into template and shape directions, which is
-///           the same sum in another order
+/// Differs   from the smplx package: rest joints come from the regressor folded into template and shape directions,
+///           which is the same sum in another order
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SKINNING_HPP  // <motionlang/kinematics/skinning.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SKINNING_HPP
@@ -6599,11 +6655,11 @@ inline LoopRound make_loop(const Motion& motion, Index frames) {
 ///
 ///     vertex_i = sum_j w_ij (R_j v_i + t_j)
 ///
-/// A vertex follows few joints (SMPL: at most four), so only weights that are not 0 are visited. Every lane of a register holds
-/// another pose.
+/// A vertex follows few joints (SMPL: at most four), so only weights that are not 0 are visited. Every lane of a
+/// register holds another pose.
 /// Source    Loper et al. (2015), eq. 2
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The weights that are not 0, vertex by vertex.
 template <Scalar S>
@@ -6650,10 +6706,11 @@ constexpr std::size_t skin_transform_bytes(Index poses, Index joints) {
 /// transforms   (joints, 12)
 /// vertices     (poses, all vertices, 3): from the first pose on
 template <class L, Scalar S>
-void skin_vertices(const SkinWeights<S>& weights, Index first, Index last, const S* posed, const L* transforms, int poses,
-                   S* vertices) {
+void skin_vertices(const SkinWeights<S>& weights, Index first, Index last, const S* posed, const L* transforms,
+                   int poses, S* vertices) {
   constexpr Index some = 4;  // vertices, whose twelve numbers are three fours, as load_rows likes them
-  const auto row = static_cast<std::size_t>(3 * (last - first)), whole_row = static_cast<std::size_t>(3 * weights.vertices());
+  const auto row = static_cast<std::size_t>(3 * (last - first)),
+             whole_row = static_cast<std::size_t>(3 * weights.vertices());
   for (Index v = first; v < last; v += some) {
     const Index count = std::min(some, last - v);
     std::array<Vec3<L>, some> points;
@@ -6678,10 +6735,10 @@ void skin_vertices(const SkinWeights<S>& weights, Index first, Index last, const
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Posed points. vertices (N, V, 3), joints (N, J, 3), extra (N, E, 3): points picked from the vertices.
 template <Backend B>
@@ -6713,8 +6770,8 @@ void walk_chain(std::span<const int> parents, JointTransforms<S>& world, Rest re
 
 }  // namespace detail
 
-/// Rotations of F numbers each, (N, J, F), as the matrices that a body model takes: (N, J, 9), row by row. matrix_of makes a Matrix3 from
-/// a span of F numbers; on an Autodiff backend a number is a tensor over all rotations.
+/// Rotations of F numbers each, (N, J, F), as the matrices that a body model takes: (N, J, 9), row by row. matrix_of
+/// makes a Matrix3 from a span of F numbers; on an Autodiff backend a number is a tensor over all rotations.
 template <Backend B, class F>
 Tensor<B, 3> rotation_rows(const Tensor<B, 3>& rotations, F matrix_of) {
   const Index n = rotations.size(0), j = rotations.size(1), width = rotations.size(2);
@@ -6730,7 +6787,8 @@ Tensor<B, 3> rotation_rows(const Tensor<B, 3>& rotations, F matrix_of) {
     return Tensor<B, 3>::written({n, j, 9}, [&](S* to) {
       parallel_for(n, [&](Index pose) {
         for (Index i = pose * j; i < (pose + 1) * j; ++i) {
-          const auto m = matrix_of(from.subspan(static_cast<std::size_t>(i * width), static_cast<std::size_t>(width))).m;
+          const auto m =
+              matrix_of(from.subspan(static_cast<std::size_t>(i * width), static_cast<std::size_t>(width))).m;
           std::copy_n(m.begin(), 9, to + 9 * i);
         }
       });
@@ -6759,7 +6817,8 @@ struct BodyModel {
     Tensor<B, 1> mean;        // (3 J)
     Tensor<B, 2> directions;  // (3 J, K)
   };
-  /// Blend shapes in blocks of vertices, packed; the weights that are not 0; the regressor folded into template and shape directions.
+  /// Blend shapes in blocks of vertices, packed; the weights that are not 0; the regressor folded into template and
+  /// shape directions.
   struct Surface {
     struct Block {
       Index first, last;
@@ -6770,7 +6829,8 @@ struct BodyModel {
     SkinWeights<typename B::scalar> weights;
     RestJoints rest;
   };
-  std::shared_ptr<const Surface> packed{};  // by `prepare`: the tensors must stay as they are from then on, in copies too
+  // by `prepare`: the tensors must stay as they are from then on, in copies too
+  std::shared_ptr<const Surface> packed{};
 
   static constexpr auto fields() {
     using M = BodyModel;
@@ -6782,13 +6842,12 @@ struct BodyModel {
   Index vertices() const { return v_template.size(0); }
   Index joints() const { return static_cast<Index>(parents.size()); }
 
-  /// Throws shape_error 204 if the arrays do not fit together, config_error 106 if a parent does not come before its child,
-  /// 101 for an extra joint at no vertex.
+  /// Throws shape_error 204 if the arrays do not fit together, config_error 106 if a parent does not come before its
+  /// child, 101 for an extra joint at no vertex.
   void validate() const {
     const Index v = vertices(), j = joints();
     const bool blends = posedirs.shape() == Shape{3 * v, 9 * (j - 1)} || posedirs.shape() == Shape{3 * v, 0};
-    if (shapedirs.size(0) != 3 * v || !blends ||
-        J_regressor.shape() != Shape{j, v} || weights.shape() != Shape{v, j}) {
+    if (shapedirs.size(0) != 3 * v || !blends || J_regressor.shape() != Shape{j, v} || weights.shape() != Shape{v, j}) {
       raise<shape_error>(204, "BodyModel: ", v, " vertices, ", j, " joints, but shapedirs ", shapedirs.shape(),
                          ", posedirs ", posedirs.shape(), ", J_regressor ", J_regressor.shape(), ", weights ",
                          weights.shape());
@@ -6819,7 +6878,8 @@ struct BodyModel {
     if constexpr (AutodiffBackend<B>) {
       const Chain chain = posed_chain(rest, rotations);
       const auto tau = reshape<3>(translation, {translation.size(0), 1, 3});
-      out.vertices = skinned(blended(coefficients, directions(0, vertices()), mean(0, vertices())), chain.transforms) + tau;
+      out.vertices =
+          skinned(blended(coefficients, directions(0, vertices()), mean(0, vertices())), chain.transforms) + tau;
       out.joints = chain.positions + tau;
     } else {
       const detail::BufferHandle transforms(skin_transform_bytes<S>(rotations.size(0), joints()));
@@ -6870,13 +6930,13 @@ struct BodyModel {
                          translation.shape(), " for ", j, " joints and ", shapedirs.size(1), " shape coefficients");
     }
   }
-  static Tensor<B, 1> identity_row() {
-    return Tensor<B, 1>::from(std::vector<S>{1, 0, 0, 0, 1, 0, 0, 0, 1}, {9});
-  }
+  static Tensor<B, 1> identity_row() { return Tensor<B, 1>::from(std::vector<S>{1, 0, 0, 0, 1, 0, 0, 0, 1}, {9}); }
 
   RestJoints regressed() const {
     const Index v = vertices(), j = joints(), k = shapedirs.size(1);
-    auto regress = [&](const Tensor<B, 2>& t, Index columns) { return matmul(J_regressor, reshape<2>(t, {v, 3 * columns})); };
+    auto regress = [&](const Tensor<B, 2>& t, Index columns) {
+      return matmul(J_regressor, reshape<2>(t, {v, 3 * columns}));
+    };
     return {reshape<1>(regress(v_template, 1), {3 * j}), reshape<2>(regress(shapedirs, k), {3 * j, k})};
   }
   /// Factors of the shape directions and, if there are any, of the pose directions: (N, K + 9 (J - 1)).
@@ -6889,15 +6949,19 @@ struct BodyModel {
   Tensor<B, 2> directions(Index first, Index last) const {
     return concat(1, slice(shapedirs, 0, 3 * first, 3 * last), slice(posedirs, 0, 3 * first, 3 * last));
   }
-  Tensor<B, 1> mean(Index first, Index last) const { return reshape<1>(slice(v_template, 0, first, last), {3 * (last - first)}); }
+  Tensor<B, 1> mean(Index first, Index last) const {
+    return reshape<1>(slice(v_template, 0, first, last), {3 * (last - first)});
+  }
   /// Points of the rest pose with blend shapes: vertices, (N, 3 vertices), or joints.
-  static Tensor<B, 2> blended(const Tensor<B, 2>& coefficients, const Tensor<B, 2>& directions, const Tensor<B, 1>& mean) {
+  static Tensor<B, 2> blended(const Tensor<B, 2>& coefficients, const Tensor<B, 2>& directions,
+                              const Tensor<B, 1>& mean) {
     if (coefficients.size(1) == 0)
       return reshape<2>(mean, {1, mean.size(0)}) + Tensor<B, 2>::zeros({coefficients.size(0), 1});
     return linear(coefficients, directions, &mean);
   }
 
-  // Both and the directions between them fit the second cache; SMPL is 54 blocks of vertices, which threads share evenly.
+  // Both and the directions between them fit the second cache; SMPL is 54 blocks of vertices, which threads share
+  // evenly.
   static constexpr Index block_vertices = 128, block_poses = 256;
   Index blocks() const { return (vertices() + block_vertices - 1) / block_vertices; }
   typename Surface::Block block(Index i) const {
@@ -6949,8 +7013,8 @@ struct BodyModel {
         },
         [&](std::size_t, const Matrix3<T>& r, const Vec3<T>& p, const Vec3<T>& t) {
           points.insert(points.end(), {p.x, p.y, p.z});
-          transforms.insert(transforms.end(), {r.m[0], r.m[1], r.m[2], t.x, r.m[3], r.m[4], r.m[5], t.y, r.m[6], r.m[7],
-                                               r.m[8], t.z});
+          transforms.insert(transforms.end(),
+                            {r.m[0], r.m[1], r.m[2], t.x, r.m[3], r.m[4], r.m[5], t.y, r.m[6], r.m[7], r.m[8], t.z});
         });
     return {reshape<3>(concat(std::span<const T>(points), 1), {n, joints(), 3}),
             reshape<3>(concat(std::span<const T>(transforms), 1), {n, joints(), 12})};
@@ -6972,7 +7036,8 @@ struct BodyModel {
     return concat(std::span<const Tensor<B, 3>>(axes), 2);
   }
 
-  /// (N, J, 3), moved by the translation, and for skin_vertices the transforms, (groups of poses, J, 12, lanes), unless that is null.
+  /// (N, J, 3), moved by the translation, and for skin_vertices the transforms, (groups of poses, J, 12, lanes), unless
+  /// that is null.
   Tensor<B, 3> posed_joints(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation,
                             S* transforms) const {
     const Index n = rotations.size(0);
@@ -6994,12 +7059,13 @@ struct BodyModel {
             load_rows(tau_at + all * 3, 3, poses, std::span<L>(&tau.x, 3));
             L* to = transforms == nullptr ? nullptr : reinterpret_cast<L*>(transforms + all * j * skin_transform_size);
             detail::walk_chain(
-                std::span(parents), world, [&](std::size_t i) { return own[i]; }, [&](std::size_t i) { return local[i]; },
+                std::span(parents), world, [&](std::size_t i) { return own[i]; },
+                [&](std::size_t i) { return local[i]; },
                 [&](std::size_t i, const Matrix3<L>& r, const Vec3<L>& p, const Vec3<L>& t) {
                   moved[i] = p + tau;
                   if (to == nullptr) return;
-                  for (const L& x : {r.m[0], r.m[1], r.m[2], t.x + tau.x, r.m[3], r.m[4], r.m[5], t.y + tau.y, r.m[6], r.m[7],
-                                     r.m[8], t.z + tau.z}) {
+                  for (const L& x : {r.m[0], r.m[1], r.m[2], t.x + tau.x, r.m[3], r.m[4], r.m[5], t.y + tau.y, r.m[6],
+                                     r.m[7], r.m[8], t.z + tau.z}) {
                     ::new (static_cast<void*>(to++)) L(x);
                   }
                 });
@@ -7017,7 +7083,7 @@ void prepare(BodyModel<B>& model) {
   model.pack_surface();
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SURFACE_POINTS_HPP  // <motionlang/kinematics/surface_points.hpp>
@@ -7027,7 +7093,7 @@ void prepare(BodyModel<B>& model) {
 ///     point = w_0 v_a + w_1 v_b + w_2 v_c      on the triangle (a, b, c)
 /// Source  spec weights.md 8.1 (lmk_faces_idx, lmk_bary_coords), body-models.md 1, step 8
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct SurfacePoints {
   std::vector<std::array<Index, 3>> corners;   // vertices of the triangle of each point
@@ -7036,8 +7102,8 @@ struct SurfacePoints {
   Index size() const { return static_cast<Index>(corners.size()); }
 };
 
-/// vertices (N, V, 3) -> (N, points, 3). Differentiable. Throws shape_error 203 for a vertex that does not exist, 204 unless each
-/// point has weights.
+/// vertices (N, V, 3) -> (N, points, 3). Differentiable. Throws shape_error 203 for a vertex that does not exist, 204
+/// unless each point has weights.
 template <Backend B>
 Tensor<B, 3> surface_points(const Tensor<B, 3>& vertices, const SurfacePoints& points) {
   using S = typename B::scalar;
@@ -7057,10 +7123,10 @@ Tensor<B, 3> surface_points(const Tensor<B, 3>& vertices, const SurfacePoints& p
   return permute(corner(0) + corner(1) + corner(2), {1, 0, 2});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The family of a body: told by its number of joints. `other`: a body of the same form, but not of the family.
 enum class BodyKind { smpl, smplh, smplx, other };
@@ -7136,8 +7202,8 @@ struct HandPoses {
   static constexpr auto fields() {
     return motionlang::fields("components", &HandPoses::components, "mean", &HandPoses::mean);
   }
-  /// coefficients (N, n) of the first n components -> rotation vectors (N, 15, 3). `flat`: a hand of all zeros is stretched out,
-  /// not the mean pose. Throws shape_error 203 if there are fewer components.
+  /// coefficients (N, n) of the first n components -> rotation vectors (N, 15, 3). `flat`: a hand of all zeros is
+  /// stretched out, not the mean pose. Throws shape_error 203 if there are fewer components.
   Tensor<B, 3> operator()(const Tensor<B, 2>& coefficients, bool flat = false) const {
     const auto offset = matmul(coefficients, slice(components, 0, 0, coefficients.size(1)));
     return reshape<3>(flat ? offset : offset + reshape<2>(mean, {1, 45}), {coefficients.size(0), 15, 3});
@@ -7157,8 +7223,9 @@ struct Body {
   std::vector<SurfacePoints> contours{};  // of the face, one for each direction from which it is seen
 };
 
-/// Rotations (N, n, 9) of all joints of a body, where `rotations` may end before the fingers: then both hands have their mean pose.
-/// Throws config_error 106 if the body has no such hands, shape_error 204 for another number of joints.
+/// Rotations (N, n, 9) of all joints of a body, where `rotations` may end before the fingers: then both hands have
+/// their mean pose. Throws config_error 106 if the body has no such hands, shape_error 204 for another number of
+/// joints.
 template <Backend B>
 Tensor<B, 3> with_mean_hands(const Body<B>& body, const Tensor<B, 3>& rotations) {
   const Index n = rotations.size(0), given = rotations.size(1), joints = body.model.joints();
@@ -7166,15 +7233,17 @@ Tensor<B, 3> with_mean_hands(const Body<B>& body, const Tensor<B, 3>& rotations)
   if (!body.left_hand || !body.right_hand)
     raise<config_error>(106, "with_mean_hands: ", given, " rotations for a body of ", joints, " joints without hands");
   if (given + 30 != joints)
-    raise<shape_error>(204, "with_mean_hands: rotations ", rotations.shape(), " for ", joints, " joints with 30 of hands");
+    raise<shape_error>(204, "with_mean_hands: rotations ", rotations.shape(), " for ", joints,
+                       " joints with 30 of hands");
   auto mean = [&](const HandPoses<B>& hand) {
     return broadcast_to<3>(rotation_rows(reshape<3>(hand.mean, {1, 15, 3})), {n, 15, 9});
   };
   return concat(1, rotations, mean(*body.left_hand), mean(*body.right_hand));
 }
 
-/// The body in every frame of a motion. The motion's joints are the first ones of the model, which keeps the others (fingers, say) as
-/// they are at rest; the root joint is where the motion has it. betas (K): one shape for all frames, none means zeros.
+/// The body in every frame of a motion. The motion's joints are the first ones of the model, which keeps the others
+/// (fingers, say) as they are at rest; the root joint is where the motion has it. betas (K): one shape for all frames,
+/// none means zeros.
 /// Throws  config_error 106 if the joints of the motion are not the first ones of the model, shape_error 204
 template <Backend B>
 PosedBody<B> pose_body(const BodyModel<B>& model, const Motion& motion,
@@ -7207,7 +7276,7 @@ PosedBody<B> pose_body(const BodyModel<B>& model, const Motion& motion,
                Tensor<B, 2>::from(translation, {frames, 3}));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_JOINTS_HPP  // <motionlang/kinematics/body_joints.hpp>
@@ -7225,7 +7294,7 @@ PosedBody<B> pose_body(const BodyModel<B>& model, const Motion& motion,
 /// Which joint of a kind of skeleton has the part of which joint of SMPL: one table. Those that are known are in
 /// skeleton_tables.hpp.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A joint's name without what programs put before it: namespaces ("hero:Hips"), and Mixamo's "mixamorig:", also as
 /// "mixamorig1:" and, where colons were lost, "mixamorig".
@@ -7306,7 +7375,7 @@ struct SkeletonTable {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_STANDING_SKELETON_HPP  // <motionlang/kinematics/standing_skeleton.hpp>
@@ -7319,7 +7388,7 @@ struct SkeletonTable {
 /// our own (1.75 m), so that no licensed body model is needed. Rest pose: standing, arms to the sides, Y up, facing +Z,
 /// left at +X, metres.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 // clang-format off
 /// SMPL, 24 joints. Source: Loper et al. 2015; names as in the smplx package.
@@ -7354,7 +7423,8 @@ inline const Skeleton& humanml3d22_skeleton() {
   return skeleton;
 }
 
-/// KIT Motion-Language, 21 joints of the Master Motor Map. Here in metres; the data set's own coordinates are in other units.
+/// KIT Motion-Language, 21 joints of the Master Motor Map. Here in metres; the coordinates of the data set have other
+/// units.
 inline const Skeleton& kit21_skeleton() {
   static const Skeleton skeleton = Skeleton::from_joints({
       {"root", "", {0, 0.95, 0}},
@@ -7370,10 +7440,10 @@ inline const Skeleton& kit21_skeleton() {
 }
 // clang-format on
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -7505,10 +7575,10 @@ class StandingSkeleton {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -7531,8 +7601,8 @@ struct KnownTable {
     SkeletonTable table{.name = std::string(name), .joints = {}, .straighten = straighten, .level_soles = level_soles};
     for (const Joint& j : joints) {
       if (j.target.empty()) break;
-      table.joints.push_back({std::string(j.target), std::string(j.source), std::string(j.axes), j.turn,
-                              std::string(j.second), j.share});
+      table.joints.push_back(
+          {std::string(j.target), std::string(j.source), std::string(j.axes), j.turn, std::string(j.second), j.share});
     }
     return table;
   }
@@ -7727,10 +7797,10 @@ inline const SkeletonTable& skeleton_table(std::string_view name) {
   raise<config_error>(103, "skeleton_table: no table '", name, "'");
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Numbers of joints; -1 where the skeleton has none.
 struct BodyJoints {
@@ -7755,7 +7825,7 @@ inline std::optional<BodyJoints> find_body_joints(const Skeleton& skeleton) {
                     pair("foot"),    pair("shoulder"), pair("elbow"), pair("wrist")};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_MOTION_HPP  // <motionlang/kinematics/body_motion.hpp>
@@ -7765,12 +7835,12 @@ inline std::optional<BodyJoints> find_body_joints(const Skeleton& skeleton) {
 ///     const Motion own = motion_on_body(body, on_smpls_joints, betas);
 ///     const PosedBody<B> posed = pose_body(body.model, own, betas);
 ///
-/// Rotations are taken as they are: SMPL's rest pose and the motion's are both a T-pose. Unless the motion has all joints of the
-/// body, fingers have the mean pose of the body's hands, or are stretched out; jaw and eyes are at rest. The path is scaled with the
-/// length of the legs.
+/// Rotations are taken as they are: SMPL's rest pose and the motion's are both a T-pose. Unless the motion has all
+/// joints of the body, fingers have the mean pose of the body's hands, or are stretched out; jaw and eyes are at rest.
+/// The path is scaled with the length of the legs.
 /// Source  spec body-models.md 2, 4
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class BodyHands { mean, flat };
 
@@ -7813,7 +7883,8 @@ Skeleton body_skeleton(const Body<B>& body, std::span<const typename B::scalar> 
   return Skeleton::from_arrays(body_joint_names(body.kind, body.model.joints()), parents, offsets);
 }
 
-/// motion   on SMPL's 24 joints or the first 22, or on the body's own (by their names); for a body of another kind, on its first joints
+/// motion   on SMPL's 24 joints or the first 22, or on the body's own (by their names); for a body of another kind, on
+///          its first joints
 /// Throws   config_error 106 if the joints are others, shape_error 204
 template <Backend B>
 Motion motion_on_body(const Body<B>& body, const Motion& motion, std::span<const typename B::scalar> betas = {},
@@ -7853,14 +7924,14 @@ Motion motion_on_body(const Body<B>& body, const Motion& motion, std::span<const
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_PARTS_HPP  // <motionlang/kinematics/body_parts.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_PARTS_HPP
 /// Named body parts: the five of STMC, and the joints of each on a skeleton.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The five parts in the order that STMC uses everywhere.
 /// Source  STMC (Petrovich et al., CVPR workshops 2024); the thesis says "torso" for `spine`; neck and head are `head`.
@@ -7911,15 +7982,15 @@ inline constexpr std::array<BodyPart, 24> smpl_part_of_joint = [] {
 /// Part of each joint of KIT-ML (21, Master Motor Map): the neck belongs to the head, as in SMPL.
 inline constexpr std::array<BodyPart, 21> kit_part_of_joint = [] {
   using enum BodyPart;
-  return std::array{legs,      spine,     spine,     head, head, left_arm, left_arm, left_arm, right_arm, right_arm, right_arm,
-                    legs,      legs,      legs,      legs, legs, legs,     legs,     legs,     legs,      legs};
+  return std::array{legs, spine, spine, head, head, left_arm, left_arm, left_arm, right_arm, right_arm, right_arm,
+                    legs, legs,  legs,  legs, legs, legs,     legs,     legs,     legs,      legs};
 }();
 
 /// Partner of each SMPL joint under reflection in the sagittal plane.
 inline constexpr std::array<int, 24> smpl_mirror_joint{0,  2,  1,  3,  5,  4,  6,  8,  7,  9,  11, 10,
                                                        12, 14, 13, 15, 17, 16, 19, 18, 21, 20, 23, 22};
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_CHAIN_KINEMATICS_HPP  // <motionlang/kinematics/chain_kinematics.hpp>
@@ -7943,7 +8014,7 @@ inline constexpr std::array<int, 24> smpl_mirror_joint{0,  2,  1,  3,  5,  4,  6
 ///         spec humanml3d-features.md 1
 /// World   Y up, a body faces +Z with its left side at +X (KIT's coordinates are mirrored, see below)
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The bone that ends at `joint`. `before` is the joint whose rotation goes ahead of it: the one before in its chain,
 /// but the root for the first bone of a chain, also where the chain branches off elsewhere.
@@ -8052,10 +8123,10 @@ inline const ChainSkeleton& kit_chains() {
   return skeleton;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct FacingOptions {
   double sigma = 0;            // frames; of the Gaussian filter over time, 0: none
@@ -8267,24 +8338,27 @@ std::vector<Vec3<S>> chain_forward_kinematics(const ChainSkeleton& skeleton, std
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FACE_LANDMARKS_HPP  // <motionlang/kinematics/face_landmarks.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FACE_LANDMARKS_HPP
-/// The landmarks of a face: those that stay on their triangles, and after them those of its contour, which wander over the cheek as the
-/// head turns away from the camera.
+/// The landmarks of a face: those that stay on their triangles, and after them those of its contour, which wander over
+/// the cheek as the head turns away from the camera.
 ///
 ///     const auto posed = body.model(betas, rotations, translation);
-///     const auto points = concat(1, posed.joints, posed.extra, face_landmarks(body, posed.vertices, rotations));   // SMPL-X: 144
+///     const auto points = concat(1, posed.joints, posed.extra, face_landmarks(body, posed.vertices, rotations));   //
+///     SMPL-X: 144
 ///
-/// Source  spec body-models.md 1, step 8, and 2; weights.md 8.1 (dynamic_lmk_faces_idx: a contour for each angle of the neck)
+/// Source  spec body-models.md 1, step 8, and 2; weights.md 8.1 (dynamic_lmk_faces_idx: a contour for each angle of the
+///         neck)
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Which contour a head shows that looks where R, the world rotation of the neck, turns it.
 ///     angle = -atan2(-R_20, sqrt(R_00^2 + R_10^2))   in degrees, rounded: negative for a turn to the left
-///     row   = angle                for 0, 1, ..., h         h = (contours - 1) / 2, published 39; larger turns count as h
+///     row   = angle                for 0, 1, ..., h         h = (contours - 1) / 2, published 39; larger turns count
+///           as h
 ///           = h + |angle|          for -1, -2, ..., -h
 template <class S>
 Index contour_row(const Matrix3<S>& r, Index contours) {
@@ -8294,9 +8368,10 @@ Index contour_row(const Matrix3<S>& r, Index contours) {
   return angle >= 0 ? std::min(angle, half) : half + std::min(-angle, half);
 }
 
-/// vertices (N, V, 3) of the posed body, rotations (N, J, 9) that posed it -> (N, landmarks + points of a contour, 3); only the landmarks
-/// of bodies without contours. neck: its joint. Differentiable by the vertices.
-/// Throws  shape_error 204 unless both have N poses and the rotations are those of the body, config_error 101 for a neck that is no joint
+/// vertices (N, V, 3) of the posed body, rotations (N, J, 9) that posed it -> (N, landmarks + points of a contour, 3);
+/// only the landmarks of bodies without contours. neck: its joint. Differentiable by the vertices.
+/// Throws  shape_error 204 unless both have N poses and the rotations are those of the body, config_error 101 for a
+///         neck that is no joint
 template <Backend B>
 Tensor<B, 3> face_landmarks(const Body<B>& body, const Tensor<B, 3>& vertices, const Tensor<B, 3>& rotations,
                             Index neck = 12) {
@@ -8329,18 +8404,19 @@ Tensor<B, 3> face_landmarks(const Body<B>& body, const Tensor<B, 3>& vertices, c
                     {n, points.size() / std::max<Index>(n, 1), 3});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP  // <motionlang/kinematics/finger_names.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP
-/// Joints of fingers by their names, which every program forms in its own way. No table lists them: hands may have any number of fingers.
+/// Joints of fingers by their names, which every program forms in its own way. No table lists them: hands may have any
+/// number of fingers.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. From "LeftHandIndex1"
-/// (Mixamo), "index_01_l" (Unreal), "DEF-f_index.01.L" (Rigify), "lIndex1" (Daz), "leftIndexProximal" (VRM) and their like. "" for another
-/// joint, and for tips and metacarpals.
+/// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. From
+/// "LeftHandIndex1" (Mixamo), "index_01_l" (Unreal), "DEF-f_index.01.L" (Rigify), "lIndex1" (Daz), "leftIndexProximal"
+/// (VRM) and their like. "" for another joint, and for tips and metacarpals.
 inline std::string finger_of(std::string_view joint) {
   const Side side = detail::side_of_name(joint);
   if (side == Side::middle) return "";
@@ -8352,14 +8428,19 @@ inline std::string finger_of(std::string_view joint) {
   for (const char* other : {"leaf", "end", "tip", "nub", "meta", "twist"}) {
     if (has(other)) return "";
   }
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> fingers{
-      {{"thumb", "thumb"}, {"index", "index"}, {"mid", "middle"}, {"ring", "ring"}, {"pinky", "pinky"}, {"little", "pinky"}}};
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> fingers{{{"thumb", "thumb"},
+                                                                                  {"index", "index"},
+                                                                                  {"mid", "middle"},
+                                                                                  {"ring", "ring"},
+                                                                                  {"pinky", "pinky"},
+                                                                                  {"little", "pinky"}}};
   constexpr std::array<std::string_view, 3> phalanges{"proximal", "intermediate", "distal"};
   for (const auto& [part, finger] : fingers) {
     const std::size_t at = name.find(part);
     if (at == name.npos) continue;
     std::size_t number = 0;
-    for (std::size_t i = name.find_first_of("0123456789", at); i < name.size() && '0' <= name[i] && name[i] <= '9' && number < 10; ++i)
+    for (std::size_t i = name.find_first_of("0123456789", at);
+         i < name.size() && '0' <= name[i] && name[i] <= '9' && number < 10; ++i)
       number = 10 * number + static_cast<std::size_t>(name[i] - '0');
     for (std::size_t i = 0; i < phalanges.size() && number == 0; ++i) number = has(phalanges[i]) ? i + 1 : 0;
     if (number < 1 || number > 3) return "";
@@ -8368,14 +8449,14 @@ inline std::string finger_of(std::string_view joint) {
   return "";
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP  // <motionlang/kinematics/foot_contact.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP
 /// When feet touch the floor. Y up, metres.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A joint that may touch the floor, and the height below which it does.
 struct ContactJoint {
@@ -8435,7 +8516,7 @@ inline std::vector<std::uint8_t> foot_contacts(const Motion& motion,
   return flags;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP  // <motionlang/kinematics/foot_lock.hpp>
@@ -8449,7 +8530,7 @@ inline std::vector<std::uint8_t> foot_contacts(const Motion& motion,
 #define MOTIONLANG_HAS_KINEMATICS_LIMB_IK_HPP
 /// Inverse kinematics of a limb of two bones: hip, knee and ankle, or shoulder, elbow and wrist.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Joints of a limb, each the parent of the next.
 struct Limb {
@@ -8513,10 +8594,10 @@ inline void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose, 
   pose[end] = normalized(inverse(middle_now) * to_quaternion(world.rotation[end]));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A leg and its toe.
 struct Leg {
@@ -8601,8 +8682,8 @@ inline Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = s
 
 namespace detail {
 
-/// (frames): how far a foot that stands slides to the next frame, on its toe or its ankle, whichever carries it. Nothing
-/// for a foot that swings, and in the last frame.
+/// (frames): how far a foot that stands slides to the next frame, on its toe or its ankle, whichever carries it.
+/// Nothing for a foot that swings, and in the last frame.
 inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& motion,
                                                                std::span<const Vec3<double>> positions, const Leg& leg,
                                                                const FootFixOptions& options) {
@@ -8617,8 +8698,8 @@ inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& mot
   return steps;
 }
 
-/// Where the knee of a straight leg goes, seen from the thigh: where the toes point in the rest pose, whatever that faces. +Z
-/// for a foot that does not tell.
+/// Where the knee of a straight leg goes, seen from the thigh: where the toes point in the rest pose, whatever that
+/// faces. +Z for a foot that does not tell.
 inline Vec3<double> forward_of(const Skeleton& skeleton, const Leg& leg) {
   const auto rest = skeleton.rest_positions();
   const auto at = [&](int joint) { return rest[static_cast<std::size_t>(joint)]; };
@@ -8642,9 +8723,9 @@ inline void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<doubl
   }
 }
 
-/// (frames): by how much a foot has to be raised so that its toe swings `clearance` above the lower of the heights where
-/// it left the floor and where it comes back. One bump sin^2 for each swing, no higher than that or a tenth of its way: a foot
-/// that only trembles is left alone.
+/// (frames): by how much a foot has to be raised so that its toe swings `clearance` above the lower of the heights
+/// where it left the floor and where it comes back. One bump sin^2 for each swing, no higher than that or a tenth of
+/// its way: a foot that only trembles is left alone.
 inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<const Vec3<double>> positions,
                                              const Leg& leg, const FootFixOptions& options) {
   const Index frames = motion.frames(), joints = motion.skeleton.size();
@@ -8677,8 +8758,8 @@ inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<con
   return lift;
 }
 
-/// (frames): by how much a foot has to be moved to stay where it stands. During a contact the offset undoes the slide; its
-/// mean is zero, so that the foot stands where it was on average. Between contacts it fades out and in.
+/// (frames): by how much a foot has to be moved to stay where it stands. During a contact the offset undoes the slide;
+/// its mean is zero, so that the foot stands where it was on average. Between contacts it fades out and in.
 inline std::vector<Vec3<double>> foot_offsets(const Motion& motion, std::span<const Vec3<double>> positions,
                                               const Leg& leg, const FootFixOptions& options) {
   const Index frames = motion.frames();
@@ -8747,7 +8828,7 @@ inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_le
   return raise_swings(lock_feet(path_from_feet(motion, legs, options), legs, options), legs, options);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_LANES_HPP  // <motionlang/kinematics/lanes.hpp>
@@ -8756,10 +8837,10 @@ inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_le
 ///
 ///     auto joints = forward_kinematics(skeleton, lanes(rot6d, root));     // (batch, time, joints, 3)
 ///
-/// On a bare backend as many poses at a time as SIMD registers hold (Lane) go through it, on all threads. On an Autodiff
-/// backend every number is a tensor over batch and time, so that the result can be differentiated.
+/// On a bare backend as many poses at a time as SIMD registers hold (Lane) go through it, on all threads. On an
+/// Autodiff backend every number is a tensor over batch and time, so that the result can be differentiated.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Poses of a batch: rotations as their first two rows, and root positions.
 template <Backend B>
@@ -8890,14 +8971,14 @@ Tensor<B, 4> forward_kinematics(const Skeleton& skeleton, const LanePoses<B>& po
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_LOOPS_HPP  // <motionlang/kinematics/loops.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_LOOPS_HPP
 /// Cycles in a clip (steps, waving, breathing) and clips made longer by going round them.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Frames first and last look alike, so that after `last - 1` the clip may go on at `first`.
 struct Loop {
@@ -8949,8 +9030,8 @@ inline std::optional<Loop> find_loop(const Motion& motion, Index least, double m
   return best;
 }
 
-/// The clip up to loop.last, then round the loop until there are `frames` frames. Each round goes on from where the last one was,
-/// in its direction; what is left of the difference between the ends fades away over `blend` frames.
+/// The clip up to loop.last, then round the loop until there are `frames` frames. Each round goes on from where the
+/// last one was, in its direction; what is left of the difference between the ends fades away over `blend` frames.
 inline Motion go_round(const Motion& motion, const Loop& loop, Index frames, Index blend = 8) {
   if (loop.first < 0 || loop.last <= loop.first || loop.last >= motion.frames()) {
     raise<config_error>(101, "go_round: loop ", loop.first, " ... ", loop.last, " in ", motion.frames(), " frames");
@@ -8993,7 +9074,7 @@ inline Motion go_round(const Motion& motion, const Loop& loop, Index frames, Ind
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MIRROR_JOINTS_HPP  // <motionlang/kinematics/mirror_joints.hpp>
@@ -9003,7 +9084,7 @@ inline Motion go_round(const Motion& motion, const Loop& loop, Index frames, Ind
 ///
 /// Source  Guo et al. (CVPR 2022), raw_pose_processing.ipynb swap_left_right; spec humanml3d-features.md 8
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Partners of the 22 joints of HumanML3D or the 52 of SMPL-H. The published list of the fingers pairs wrong ones (the
 /// left index finger with the right little one, ...); `fix_fingers` pairs the right ones.
@@ -9048,7 +9129,7 @@ std::vector<Vec3<S>> mirror_joints(std::span<const Vec3<S>> joints, std::span<co
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_FROM_JOINTS_HPP  // <motionlang/kinematics/motion_from_joints.hpp>
@@ -9057,20 +9138,23 @@ std::vector<Vec3<S>> mirror_joints(std::span<const Vec3<S>> joints, std::span<co
 ///
 ///     const Motion clip = motion_from_joints(humanml3d22_skeleton(), joints, 20);
 ///
-/// Bones get the mean length that they have in the clip, and where several begin at one joint, the angles between them. Each joint is turned so that its bones at rest come nearest to where they
-/// are seen, with as little twist against its parent as that leaves open; positions along bones of constant length are met.
-/// Source  Mueller, Bender, Chentanez, Macklin: "A robust method to extract the rotational part of deformations" (MIG 2016), eq. 7,
+/// Bones get the mean length that they have in the clip, and where several begin at one joint, the angles between them.
+/// Each joint is turned so that its bones at rest come nearest to where they are seen, with as little twist against its
+/// parent as that leaves open; positions along bones of constant length are met.
+/// Source  Mueller, Bender, Chentanez, Macklin: "A robust method to extract the rotational part of deformations" (MIG
+///         2016), eq. 7,
 ///         on pairs of vectors:   omega = sum_i R a_i x b_i / |sum_i R a_i . b_i|,   R <- exp(omega) R
 /// World   Y up, as Motion has it
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A vector at rest and where it is seen.
 struct SeenVector {
   Vec3<double> rest, seen;
 };
 
-/// The rotation that brings vectors at rest nearest to where they are seen, in the sense of least squares, found from `start` on.
+/// The rotation that brings vectors at rest nearest to where they are seen, in the sense of least squares, found from
+/// `start` on.
 inline Quaternion<double> fit_rotation(std::span<const SeenVector> vectors, Quaternion<double> start) {
   constexpr int most_steps = 200;
   if (vectors.size() == 1 && norm(vectors[0].rest) > 0 && norm(vectors[0].seen) > 0)
@@ -9102,8 +9186,8 @@ inline double misfit(std::span<const SeenVector> vectors, const Quaternion<doubl
   return sum;
 }
 
-/// Bones that begin at one joint as they lie to one another in the clip, turned as at rest. They keep their lengths. Each round
-/// turns the bones of every frame onto those at rest and takes the means.
+/// Bones that begin at one joint as they lie to one another in the clip, turned as at rest. They keep their lengths.
+/// Each round turns the bones of every frame onto those at rest and takes the means.
 /// rest   (bones); seen (frames, bones)
 inline std::vector<Vec3<double>> bones_of_one_joint(std::vector<Vec3<double>> rest,
                                                     std::span<const Vec3<double>> seen) {
@@ -9132,7 +9216,8 @@ inline std::vector<Vec3<double>> bones_of_one_joint(std::vector<Vec3<double>> re
 
 }  // namespace detail
 
-/// skeleton  its names, parents and the directions of its bones at rest; joints beyond those that are given stay as at rest
+/// skeleton  its names, parents and the directions of its bones at rest; joints beyond those that are given stay as at
+///           rest
 /// joints    (frames, count), count <= the joints of the skeleton, of which they are the first
 /// Throws    shape_error 205 unless `joints` are whole frames, config_error 101 for a count or a rate that is none,
 ///           numeric_error 301 for a position that is not finite
@@ -9196,18 +9281,18 @@ inline Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<
   return motion_from_joints(skeleton, joints, skeleton.size(), fps);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_OVERLAY_HPP  // <motionlang/kinematics/overlay.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_OVERLAY_HPP
 /// Two motions in one body: some parts move as in one clip, the rest as in another.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// `base` with the local rotations of `parts` taken from `other`, frame by frame, as long as both last. The path, the height and
-/// everything else are the base's. SMPL's joints only, or the first of them (HumanML3D). Throws config_error 103 for
-/// another skeleton, 102 for two frame rates.
+/// `base` with the local rotations of `parts` taken from `other`, frame by frame, as long as both last. The path, the
+/// height and everything else are the base's. SMPL's joints only, or the first of them (HumanML3D). Throws config_error
+/// 103 for another skeleton, 102 for two frame rates.
 /// Source  the synthetic training data of SINC (Athanasiou et al. 2023), section 4.1, on rotations
 inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts) {
   const auto& names = base.skeleton.names;
@@ -9218,8 +9303,8 @@ inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts p
                         "' are not on one skeleton of SMPL's joints");
   }
   if (base.fps != other.fps) {
-    raise<config_error>(102, "overlay_parts: '", base.name, "' has ", base.fps, " frames per second, '", other.name, "' ",
-                        other.fps);
+    raise<config_error>(102, "overlay_parts: '", base.name, "' has ", base.fps, " frames per second, '", other.name,
+                        "' ", other.fps);
   }
   Motion out = base;
   const Index frames = std::min(base.frames(), other.frames());
@@ -9235,7 +9320,7 @@ inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts p
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP  // <motionlang/kinematics/retarget.hpp>
@@ -9243,14 +9328,14 @@ inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts p
 /// Retargeting: the same movement on another skeleton, from and to every kind that skeleton_tables.hpp knows.
 ///
 ///     G_t(f) = G_s(f) C_s^-1 C_t
-/// G_s, G_t: world rotations of a joint s of the source and of the joint t of the target that follows it. C_t: the world
-/// rotation of t while the target stands in its T-pose, facing +Z; C_s: that of s while the source stands as the target
-/// does then, its limbs along the target's limbs. A source in that pose so gives the target's T-pose, whatever the local
-/// axes and the rest poses (T, A, any quarter turn), and chains may have different numbers of joints. Joints that no table knows follow
-/// those of the same name, fingers those of the same finger. Bones keep the
+/// G_s, G_t: world rotations of a joint s of the source and of the joint t of the target that follows it. C_t: the
+/// world rotation of t while the target stands in its T-pose, facing +Z; C_s: that of s while the source stands as the
+/// target does then, its limbs along the target's limbs. A source in that pose so gives the target's T-pose, whatever
+/// the local axes and the rest poses (T, A, any quarter turn), and chains may have different numbers of joints. Joints
+/// that no table knows follow those of the same name, fingers those of the same finger. Bones keep the
 /// target's lengths; the path is scaled by the ratio of the legs.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What a map did with the joints of both skeletons.
 struct RetargetReport {
@@ -9420,8 +9505,8 @@ class SkeletonMap {
   }
 
   /// The rotation that brings a joint of the source from its T-pose to the pose in which it stands like the target.
-  /// Limbs are turned along, joint by joint; feet only roll with their shins, unless a table says that they stand level,
-  /// so that soles stay level; the trunk is taken as it stands.
+  /// Limbs are turned along, joint by joint; feet only roll with their shins, unless a table says that they stand
+  /// level, so that soles stay level; the trunk is taken as it stands.
   static Quaternion<double> bone_turn(std::string_view role, const detail::StandingSkeleton& from,
                                       const detail::StandingSkeleton& to, const Quaternion<double>& up) {
     if (const detail::LimbBone* limb = detail::find_limb_bone(role)) {
@@ -9474,9 +9559,9 @@ class SkeletonMap {
 };
 
 /// Moves a clip up or down so that its feet stand on y = 0 as they do in the rest pose: the lowest joint of a frame, in
-/// all but the lowest 5 % of the frames, is not below the lowest joint at rest. A rest pose that is below the floor tells
-/// nothing of it (the root of many BVH files has OFFSET 0); that joint then stands on y = 0 itself. Returns by how much the
-/// clip was moved.
+/// all but the lowest 5 % of the frames, is not below the lowest joint at rest. A rest pose that is below the floor
+/// tells nothing of it (the root of many BVH files has OFFSET 0); that joint then stands on y = 0 itself. Returns by
+/// how much the clip was moved.
 inline double place_on_floor(Motion& motion) {
   if (motion.frames() == 0) return 0;
   auto lowest = [](std::span<const Vec3<double>> joints) {
@@ -9513,8 +9598,8 @@ inline Motion retarget(const Motion& motion, const SkeletonMap& map, const Retar
   if (options.floor) place_on_floor(out);
   return out;
 }
-/// With the built-in tables that fit the clip and the target; on its own skeleton a motion stays as it is. Throws config_error 103 with the
-/// joint that is missing.
+/// With the built-in tables that fit the clip and the target; on its own skeleton a motion stays as it is. Throws
+/// config_error 103 with the joint that is missing.
 inline Motion retarget(const Motion& motion, const Skeleton& target = smpl24_skeleton(),
                        const RetargetOptions& options = {}) {
   if (motion.skeleton == target) {
@@ -9525,7 +9610,7 @@ inline Motion retarget(const Motion& motion, const Skeleton& target = smpl24_ske
   return retarget(motion, SkeletonMap(motion.skeleton, target), options);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SINC_PART_MOTION_HPP  // <motionlang/kinematics/sinc_part_motion.hpp>
@@ -9543,7 +9628,7 @@ inline Motion retarget(const Motion& motion, const Skeleton& target = smpl24_ske
 
 #include <bitset>       // sets of parts
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// In the order of SINC's part vectors. `global` is the pelvis: where the body is and how it is turned.
 enum class SincPart : std::size_t { global, torso, left_arm, right_arm, left_leg, right_leg };
@@ -9580,10 +9665,10 @@ inline constexpr std::array<SincPart, 22> sinc_part_of_joint = [] {
                     left_arm,  right_arm, left_arm,  right_arm, left_arm, right_arm};
 }();
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Mean over time of the length of the mean step of a part's joints.
 /// joints  (frames, 22), two frames or more. Throws shape_error 205.
@@ -9620,14 +9705,14 @@ SincParts moving_sinc_parts(const std::array<S, sinc_part_count>& speeds, double
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP  // <motionlang/kinematics/smooth_motion.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP
 /// A clip without its trembling. Slow movement, peaks and the ends of the clip stay where they are.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct SmoothOptions {
   /// Seconds. At 20 frames per second and 0.04 s a movement of 2.5 Hz keeps 98 % of its size, one of 5 Hz 82 %, one of
@@ -9637,9 +9722,9 @@ struct SmoothOptions {
 
 namespace detail {
 
-/// The weights c of x_{first} ... x_{last} (0 is the frame itself) in the value at 0 of the parabola that fits them best,
-/// errors weighted by exp(-k^2 / (2 sigma^2)). They sum to 1, and a parabola is its own fit: so peaks are not blunted and
-/// ends are not pulled. Fewer than three values: the frame itself.
+/// The weights c of x_{first} ... x_{last} (0 is the frame itself) in the value at 0 of the parabola that fits them
+/// best, errors weighted by exp(-k^2 / (2 sigma^2)). They sum to 1, and a parabola is its own fit: so peaks are not
+/// blunted and ends are not pulled. Fewer than three values: the frame itself.
 ///     c_k = w_k (1 0 0) M^-1 (1, k, k^2)^T,   M_ab = sum_k w_k k^(a + b)
 /// Source  Savitzky and Golay (1964); with Gaussian weights local regression, Cleveland (1979)
 inline std::vector<double> parabola_weights(Index first, Index last, double sigma) {
@@ -9698,7 +9783,7 @@ inline Motion smooth_motion(const Motion& motion, const SmoothOptions& options =
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_UNIFORM_SKELETON_HPP  // <motionlang/kinematics/uniform_skeleton.hpp>
@@ -9713,7 +9798,7 @@ inline Motion smooth_motion(const Motion& motion, const SmoothOptions& options =
 ///         published code goes there and back through rotations, which cancel; its NaN for a bone opposite to its zero
 ///         direction is not reproduced here.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct UniformJoints {
@@ -9752,7 +9837,7 @@ UniformJoints<S> uniform_skeleton(const ChainSkeleton& skeleton, std::span<const
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_BATCH_NORM_HPP  // <motionlang/nn/batch_norm.hpp>
@@ -9763,7 +9848,7 @@ UniformJoints<S> uniform_skeleton(const ChainSkeleton& skeleton, std::span<const
 #define MOTIONLANG_HAS_NN_INIT_HPP
 /// Initial values of parameters, as PyTorch draws them (the distributions, not the same numbers).
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A generator that gives zeros at no cost: for models whose parameters are about to be loaded.
 struct NoInit {
@@ -9829,7 +9914,8 @@ Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
   if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
   return t;
 }
-/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), with the kernel behind it if there is one.
+/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), with the kernel behind it if
+/// there is one.
 template <Backend B, int R>
 Tensor<B, R> xavier_normal(const Shape& shape, Rng auto& rng) {
   const Index kernel = shape.count(2, shape.rank());
@@ -9842,10 +9928,10 @@ Tensor<B, R> constant_init(const Shape& shape, double value) {
   return t;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What a BatchNorm has seen in training. Saved and loaded, but not trained.
 template <Backend B>
@@ -9863,8 +9949,9 @@ struct RunningStatistics {
 
 ///     y = (x - m) / sqrt(v + eps) weight + bias
 /// Source  Ioffe and Szegedy (2015), algorithms 1 and 2; parameter names of PyTorch.
-/// In use m and v are the running statistics. In training, `train(x)`, they are mean and variance (divided by n) of the rows, and the
-/// running ones move towards them: r = (1 - momentum) r + momentum s, where s has the variance divided by n - 1.
+/// In use m and v are the running statistics. In training, `train(x)`, they are mean and variance (divided by n) of the
+/// rows, and the running ones move towards them: r = (1 - momentum) r + momentum s, where s has the variance divided by
+/// n - 1.
 template <Backend B>
 struct BatchNorm {
   Tensor<B, 1> weight, bias;  // (channels)
@@ -9912,7 +9999,8 @@ struct BatchNorm {
   }
 };
 
-/// Statistics of use for a constant norm, of training for one that may change: so one function runs a network both ways.
+/// Statistics of use for a constant norm, of training for one that may change: so one function runs a network both
+/// ways.
 template <Backend B>
 Tensor<B, 2> batch_norm(const BatchNorm<B>& norm, const Tensor<B, 2>& x) {
   return norm(x);
@@ -9922,7 +10010,7 @@ Tensor<B, 2> batch_norm(BatchNorm<B>& norm, const Tensor<B, 2>& x) {
   return norm.train(x);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_BI_GRU_HPP  // <motionlang/nn/bi_gru.hpp>
@@ -9937,7 +10025,7 @@ Tensor<B, 2> batch_norm(BatchNorm<B>& norm, const Tensor<B, 2>& x) {
 #define MOTIONLANG_HAS_NN_LINEAR_HPP
 /// Linear layer: y = x W^T + b.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct Linear {
@@ -9990,15 +10078,15 @@ struct LinearMap {
   Tensor<B, 2> operator()(const Tensor<B, 2>& x) const { return linear<B>(x, weight, nullptr); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Packed sequences as steps of time: step t has row t of every sequence that is that long, the longest first; with `backwards` counted
-/// from the end. Like PyTorch's packed sequences.
+/// Packed sequences as steps of time: step t has row t of every sequence that is that long, the longest first; with
+/// `backwards` counted from the end. Like PyTorch's packed sequences.
 template <Backend B>
 struct TimeSteps {
   std::vector<Tensor<B, 2>> steps;
@@ -10055,8 +10143,8 @@ struct GruLayer {
 
   Index hidden() const { return weight_hh.size(1); }
 
-  /// x: one (rows, in) per time step; h0 (rows, hidden) -> one (rows, hidden) per step. Steps may have fewer rows than the ones before:
-  /// the last sequences have ended.
+  /// x: one (rows, in) per time step; h0 (rows, hidden) -> one (rows, hidden) per step. Steps may have fewer rows than
+  /// the ones before: the last sequences have ended.
   std::vector<Tensor<B, 2>> operator()(const std::vector<Tensor<B, 2>>& x, const Tensor<B, 2>& h0) const {
     const Index n = hidden();
     Tensor<B, 2> h = h0;
@@ -10072,8 +10160,8 @@ struct GruLayer {
     }
     return out;
   }
-  /// Each sequence by itself, from its first row to the last or `backwards`; h0 (sequences, hidden). A row of the result for every row.
-  /// Throws shape_error 204.
+  /// Each sequence by itself, from its first row to the last or `backwards`; h0 (sequences, hidden). A row of the
+  /// result for every row. Throws shape_error 204.
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 2>& h0, bool backwards = false) const {
     if (h0.shape() != Shape{x.count(), hidden()})
       raise<shape_error>(204, "GruLayer: h0 ", h0.shape(), " for ", hidden(), " units and ", x.count(), " sequences");
@@ -10083,8 +10171,8 @@ struct GruLayer {
   }
 
  private:
-  /// W_i x + b_i of all gates for each step, by one product of all steps: weights are read once. Not on a tape, where the gradient of each
-  /// step would be one of all rows.
+  /// W_i x + b_i of all gates for each step, by one product of all steps: weights are read once. Not on a tape, where
+  /// the gradient of each step would be one of all rows.
   std::vector<Tensor<B, 2>> read(const std::vector<Tensor<B, 2>>& x) const {
     std::vector<Tensor<B, 2>> out;
     if (AutodiffBackend<B> || x.size() < 2) {
@@ -10101,7 +10189,8 @@ struct GruLayer {
   }
 };
 
-/// A stack of layers; every layer starts from zeros unless it is told otherwise. Official keys are weight_ih_l0, ...: see `gru_key`.
+/// A stack of layers; every layer starts from zeros unless it is told otherwise. Official keys are weight_ih_l0, ...:
+/// see `gru_key`.
 template <Backend B>
 struct Gru {
   std::vector<GruLayer<B>> layers;
@@ -10118,7 +10207,8 @@ struct Gru {
     }
     return x;
   }
-  /// Each sequence by itself; a row of the result for every row. h0 (layers, sequences, hidden), null for zeros. Throws shape_error 204.
+  /// Each sequence by itself; a row of the result for every row. h0 (layers, sequences, hidden), null for zeros. Throws
+  /// shape_error 204.
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 3>* h0 = nullptr) const {
     const Index n = x.count(), hidden = layers.empty() ? 0 : layers.front().hidden();
     if (h0 != nullptr && h0->shape() != Shape{std::ssize(layers), n, hidden}) {
@@ -10138,8 +10228,8 @@ struct Gru {
   }
 };
 
-/// "gru.layers.2.weight_ih" -> "gru.weight_ih_l2", at any depth: PyTorch numbers the parameters instead of nesting them. Other paths
-/// stay. `name`: what the model calls its Gru.
+/// "gru.layers.2.weight_ih" -> "gru.weight_ih_l2", at any depth: PyTorch numbers the parameters instead of nesting
+/// them. Other paths stay. `name`: what the model calls its Gru.
 inline std::string gru_key(const std::string& path, std::string_view name = "gru") {
   const std::string nested = concat_text(name, ".layers.");
   const auto at = path.find(nested);
@@ -10148,7 +10238,7 @@ inline std::string gru_key(const std::string& path, std::string_view name = "gru
   return concat_text(path.substr(0, at), name, path.substr(dot), "_l", path.substr(number, dot - number));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_POOLING_HPP  // <motionlang/nn/pooling.hpp>
@@ -10159,7 +10249,7 @@ inline std::string gru_key(const std::string& path, std::string_view name = "gru
 #define MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP
 /// What a text encoder gives and a denoiser takes: some token vectors for every text.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct TextFeatures {
@@ -10186,10 +10276,10 @@ TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The mean of each sequence, (sequences, width); zeros for an empty one.
 template <Backend B>
@@ -10200,7 +10290,8 @@ Tensor<B, 2> mean_rows(const Sequences<B>& x) {
   return scatter_add(x.rows, sequence_of_row(x.offsets), x.count()) * Tensor<B, 2>::from(share, {x.count(), 1});
 }
 
-/// One row of each sequence, `at[i]` of sequence i. Throws shape_error 203 if there is no such row, 204 if the counts differ.
+/// One row of each sequence, `at[i]` of sequence i. Throws shape_error 203 if there is no such row, 204 if the counts
+/// differ.
 template <Backend B>
 Tensor<B, 2> pick_rows(const Sequences<B>& x, std::span<const Index> at) {
   if (static_cast<Index>(at.size()) != x.count())
@@ -10223,8 +10314,8 @@ Tensor<B, 2> last_row(const Sequences<B>& x) {
   return pick_rows(x, at);
 }
 
-/// What becomes of the tokens of a text: all stay; their mean; the first one ([CLS]); the end token, which is the last one where the
-/// network does not say.
+/// What becomes of the tokens of a text: all stay; their mean; the first one ([CLS]); the end token, which is the last
+/// one where the network does not say.
 enum class Pooling { none, mean, first, end };
 
 /// (texts, width). Throws config_error 101 for Pooling::none, shape_error 203 for a text without tokens.
@@ -10237,10 +10328,10 @@ Tensor<B, 2> pool(const TextFeatures<B>& text, Pooling pooling) {
   return pick_rows(text.tokens, PoolVector<Index>(static_cast<std::size_t>(text.count()), 0));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What both directions know after each row. Rows are those of the input.
 template <Backend B>
@@ -10325,14 +10416,14 @@ struct BiGruEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_CONV1D_HPP  // <motionlang/nn/conv1d.hpp>
 #define MOTIONLANG_HAS_NN_CONV1D_HPP
 /// Convolution over time.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct Conv1dOptions {
   Index stride = 1, padding = 0, dilation = 1;
@@ -10355,9 +10446,10 @@ inline Index conv1d_length(Index n, Index kernel, const Conv1dOptions& o) {
 }
 
 ///     y[t] = act(bias + sum_j W[:, :, j] x[t stride + j dilation - padding]),   x = 0 outside of its sequence
-/// x packed (rows, in), weight (out, in, kernel), bias (out) or null -> packed (rows', out). Every sequence is convolved by itself.
-/// Source  PyTorch's Conv1d, which correlates. One product of all windows with all weights; a backend with a `conv1d` of its own need not
-///         write the windows down.
+/// x packed (rows, in), weight (out, in, kernel), bias (out) or null -> packed (rows', out). Every sequence is
+/// convolved by itself.
+/// Source  PyTorch's Conv1d, which correlates. One product of all windows with all weights; a backend with a `conv1d`
+///         of its own need not write the windows down.
 /// Throws  shape_error 201, 204, 205, config_error 101
 template <Backend B>
 Sequences<B> conv1d(const Sequences<B>& x, const Tensor<B, 3>& weight, const Tensor<B, 1>* bias,
@@ -10417,7 +10509,7 @@ struct Conv1d {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_CONV_STACK_HPP  // <motionlang/nn/conv_stack.hpp>
@@ -10425,19 +10517,21 @@ struct Conv1d {
 /// A stack of convolutions over time with what stands between them, numbered like PyTorch's Sequential.
 ///
 ///     ConvStack<B> main;
-///     main.conv(259, 512, 4, {.stride = 2, .padding = 1}, rng).dropout(0.2).leaky_relu();       // main.0, main.1, main.2
+///     main.conv(259, 512, 4, {.stride = 2, .padding = 1}, rng).dropout(0.2).leaky_relu();       // main.0, main.1,
+///     main.2
 ///
-/// The networks of Guo et al. are such stacks: the movement encoder and decoder of their evaluator (CVPR 2022), TM2T's tokenizer and
-/// discriminator (ECCV 2022). Weights of convolutions begin as xavier_normal, biases as 0.
+/// The networks of Guo et al. are such stacks: the movement encoder and decoder of their evaluator (CVPR 2022), TM2T's
+/// tokenizer and discriminator (ECCV 2022). Weights of convolutions begin as xavier_normal, biases as 0.
 
 #ifndef MOTIONLANG_HAS_NN_CONV_TRANSPOSE1D_HPP  // <motionlang/nn/conv_transpose1d.hpp>
 #define MOTIONLANG_HAS_NN_CONV_TRANSPOSE1D_HPP
 /// Transposed convolution over time: the adjoint of conv1d, which makes sequences longer.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     y[t stride + j - padding] += W[:, :, j]^T x[t],   y begins as the bias
-/// x packed (rows, in), weight (in, out, kernel), bias (out) -> packed; n rows become (n - 1) stride + kernel - 2 padding.
+/// x packed (rows, in), weight (in, out, kernel), bias (out) -> packed; n rows become (n - 1) stride + kernel - 2
+/// padding.
 /// Source  PyTorch's ConvTranspose1d. One product, whose rows are added up.
 /// Throws  shape_error 201, 205, config_error 101
 template <Backend B>
@@ -10489,14 +10583,14 @@ struct ConvTranspose1d {
   Sequences<B> operator()(const Sequences<B>& x) const { return conv_transpose1d(x, weight, bias, stride, padding); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_DROPOUT_HPP  // <motionlang/nn/dropout.hpp>
 #define MOTIONLANG_HAS_NN_DROPOUT_HPP
 /// Dropout that runs only when the call brings a generator.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The next mask of a context: probability 0 when there is no generator. Throws config_error 101 unless 0 <= p < 1.
 inline Dropout next_dropout(double p, const Context& context) {
@@ -10510,27 +10604,27 @@ Tensor<B, R> dropout(const Tensor<B, R>& x, double p, const Context& context) {
   return dropout(x, next_dropout(p, context));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_LEAKY_RELU_HPP  // <motionlang/nn/leaky_relu.hpp>
 #define MOTIONLANG_HAS_NN_LEAKY_RELU_HPP
 /// The nonlinearity of convolutional networks.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     x where x > 0, else slope x,   0 < slope < 1
-/// Source  Maas, Hannun, Ng, "Rectifier nonlinearities improve neural network acoustic models" (2013), eq. 2; the networks of Guo et al.
-///         have slope 0.2
+/// Source  Maas, Hannun, Ng, "Rectifier nonlinearities improve neural network acoustic models" (2013), eq. 2; the
+///         networks of Guo et al. have slope 0.2
 template <Backend B, int R>
 Tensor<B, R> leaky_relu(const Tensor<B, R>& x, double slope = 0.2) {
   return maximum(x * slope, x);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Every row several times in a row: the sequences become longer.
 template <Backend B>
@@ -10675,20 +10769,22 @@ class ConvStack {
   std::vector<ConvStackLayer<B>> layers_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_DECODING_HPP  // <motionlang/nn/decoding.hpp>
 #define MOTIONLANG_HAS_NN_DECODING_HPP
-/// Writing a sequence symbol by symbol with a model that says what may come next: the most probable symbol, a random one, or the best of
-/// several beams. The model is any function from the beginnings written so far to logits of the next symbol:
+/// Writing a sequence symbol by symbol with a model that says what may come next: the most probable symbol, a random
+/// one, or the best of several beams. The model is any function from the beginnings written so far to logits of the
+/// next symbol:
 ///
-///     auto next = [&](const IdSequences& written) { return m.next_logits(written, memory); };      // Tensor<B, 2> (rows, symbols)
-///     const auto words = beam_search(next, {.begin = 0, .end = 1, .pad = 4199});
+///     auto next = [&](const IdSequences& written) { return m.next_logits(written, memory); };      // Tensor<B, 2>
+///     (rows, symbols) const auto words = beam_search(next, {.begin = 0, .end = 1, .pad = 4199});
 ///
-/// Source  TM2T (Guo et al., ECCV 2022), networks/transformer.py sample and sample_batch, networks/translator.py; spec tm2t.md 4.3, 5.2
+/// Source  TM2T (Guo et al., ECCV 2022), networks/transformer.py sample and sample_batch, networks/translator.py; spec
+///         tm2t.md 4.3, 5.2
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct DecodingOptions {
   Index begin = 0, end = 1, pad = 2;
@@ -10697,8 +10793,8 @@ struct DecodingOptions {
   bool redraw_pad = true;  // decode_one never draws the padding either
 };
 
-/// Adds -1e30 to all logits but the top_k largest of a row and their equals; 0 or less: all stay. (rows, symbols). Throws numeric_error
-/// 301 for a logit that is NaN.
+/// Adds -1e30 to all logits but the top_k largest of a row and their equals; 0 or less: all stay. (rows, symbols).
+/// Throws numeric_error 301 for a logit that is NaN.
 template <Backend B>
 std::vector<typename B::scalar> top_k_penalty(const Tensor<B, 2>& logits, Index top_k) {
   using S = typename B::scalar;
@@ -10760,9 +10856,11 @@ inline Index draw(std::span<const double> p, double u) {
 
 }  // namespace detail
 
-/// One sequence, the mark of the beginning first and without that of the end, which is written when it is the most probable symbol.
+/// One sequence, the mark of the beginning first and without that of the end, which is written when it is the most
+/// probable symbol.
 /// next   takes one beginning
-/// uniform()  a number of [0, 1) for each draw, or nullptr: the most probable symbol is taken. Marks that are drawn are drawn again
+/// uniform()  a number of [0, 1) for each draw, or nullptr: the most probable symbol is taken. Marks that are drawn are
+///            drawn again
 /// Throws numeric_error 301 for a logit that is NaN, 302 where nothing but marks can be drawn
 template <class Next, class Uniform = std::nullptr_t>
 std::vector<Index> decode_one(Next&& next, const DecodingOptions& o, Uniform&& uniform = nullptr) {
@@ -10786,7 +10884,8 @@ std::vector<Index> decode_one(Next&& next, const DecodingOptions& o, Uniform&& u
   return out;
 }
 
-/// Several sequences at once: as many symbols for each, of which the first `lengths` behind the mark of the beginning count.
+/// Several sequences at once: as many symbols for each, of which the first `lengths` behind the mark of the beginning
+/// count.
 struct Decoded {
   std::vector<std::vector<Index>> ids;
   std::vector<Index> lengths;
@@ -10800,9 +10899,10 @@ struct Decoded {
 };
 
 /// next     takes `count` beginnings of one length
-/// uniform(step, row)  a number of [0, 1), or nullptr: the most probable symbols are taken. Marks are never drawn; where the end is
-///          the most probable symbol, it is written. A sequence that has ended goes on until the last one has; then nothing is written
-///          in that step
+/// uniform(step, row)  a number of [0, 1), or nullptr: the most probable symbols are taken. Marks are never drawn;
+///                     where the end is
+///          the most probable symbol, it is written. A sequence that has ended goes on until the last one has; then
+///          nothing is written in that step
 /// Throws   numeric_error 302 where nothing but marks could be drawn
 template <class Next, class Uniform = std::nullptr_t>
 Decoded decode_batch(Next&& next, Index count, const DecodingOptions& o, Uniform&& uniform = nullptr) {
@@ -10852,8 +10952,8 @@ struct BeamSearch {
 };
 
 ///     answer = arg max of score / length^alpha over the beams
-/// Each beam is continued by the symbols that are most probable after it, and the best of all continuations go on; until all have
-/// ended. Beams that have ended are continued, too, and go on losing score, as published.
+/// Each beam is continued by the symbols that are most probable after it, and the best of all continuations go on;
+/// until all have ended. Beams that have ended are continued, too, and go on losing score, as published.
 /// next    takes 1 or `beams` beginnings of one length
 /// Source  spec tm2t.md 4.3; the length penalty of Wu et al. (2016) without its constants
 /// Throws  config_error 101 for options that mean nothing
@@ -10901,20 +11001,21 @@ BeamSearch beam_search(Next&& next, const BeamOptions& o) {
     beam.resize(static_cast<std::size_t>(o.max_length), o.pad);
     out.order.push_back(b);
   }
-  std::stable_sort(out.order.begin(), out.order.end(), [&](std::size_t a, std::size_t b) { return value(a) > value(b); });
+  std::stable_sort(out.order.begin(), out.order.end(),
+                   [&](std::size_t a, std::size_t b) { return value(a) > value(b); });
   const std::size_t best = out.order.front();
   out.ids.assign(out.beams[best].begin(), out.beams[best].begin() + out.lengths[best]);
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_EMBEDDING_HPP  // <motionlang/nn/embedding.hpp>
 #define MOTIONLANG_HAS_NN_EMBEDDING_HPP
 /// A learned row for every symbol.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct Embedding {
@@ -10942,14 +11043,14 @@ Tensor<B, 2> one_hot(std::span<const Index> labels, Index classes) {
   return Tensor<B, 2>::from(rows, {std::ssize(labels), classes});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_FEED_FORWARD_HPP  // <motionlang/nn/feed_forward.hpp>
 #define MOTIONLANG_HAS_NN_FEED_FORWARD_HPP
 /// The second half of a transformer layer.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// dropout(W2 dropout(act(W1 x))) + residual, row by row: Vaswani et al. (2017), equation 2, with PyTorch's dropout.
 template <Backend B>
@@ -10960,14 +11061,14 @@ Tensor<B, 2> feed_forward(const Linear<B>& linear1, const Linear<B>& linear2, Ac
   return linear2(inside, Activation::none, &residual, next_dropout(dropout_p, context));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_LAYER_NORM_HPP  // <motionlang/nn/layer_norm.hpp>
 #define MOTIONLANG_HAS_NN_LAYER_NORM_HPP
 /// Layer normalisation with gain and bias.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Ba, Kiros, Hinton (2016). eps = 1e-5, as everywhere in the published systems.
 template <Backend B>
@@ -10988,14 +11089,14 @@ struct LayerNorm {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_LINEAR_ATTENTION_HPP  // <motionlang/nn/linear_attention.hpp>
 #define MOTIONLANG_HAS_NN_LINEAR_ATTENTION_HPP
 /// Attention whose cost grows linearly with the length (MotionDiffuse's "efficient attention").
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Per head: softmax of q over its channels, softmax of k over time, A = k^T v, y = q A.
 /// Source  Shen et al. (2021), "Efficient attention", as used by MotionDiffuse (Zhang et al. 2022), section 3.3
@@ -11020,14 +11121,14 @@ Tensor<B, 2> linear_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, cons
   return sequences.empty() ? q : concat(std::span<const Tensor<B, 2>>(sequences), 0);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_MULTIHEAD_ATTENTION_HPP  // <motionlang/nn/multihead_attention.hpp>
 #define MOTIONLANG_HAS_NN_MULTIHEAD_ATTENTION_HPP
 /// Multi-head attention with PyTorch's packing of the projections.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Throws config_error 101 if the heads do not divide the width. In a constant expression the compiler refuses it.
 constexpr void check_heads(Index width, Index heads) {
@@ -11063,8 +11164,8 @@ struct MultiheadAttention {
     out_proj.bias = constant_init<B, 1>({width}, 0);
   }
 
-  /// x (rows, width) attends to itself within each sequence; the result is projected, dropped out with probability `drop` (where the context
-  /// brings a generator) and added to `residual`.
+  /// x (rows, width) attends to itself within each sequence; the result is projected, dropped out with probability
+  /// `drop` (where the context brings a generator) and added to `residual`.
   Tensor<B, 2> self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context,
                     const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
     return attend(project(x), offsets, context, residual, causal, drop);
@@ -11093,14 +11194,14 @@ struct MultiheadAttention {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_POSITIONAL_ENCODING_HPP  // <motionlang/nn/positional_encoding.hpp>
 #define MOTIONLANG_HAS_NN_POSITIONAL_ENCODING_HPP
 /// Sinusoidal positions.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     pe[p, 2i] = sin(p w_i),   pe[p, 2i + 1] = cos(p w_i),   w_i = exp(-2i ln(10000) / width)
 /// Source  Vaswani et al. (2017), section 3.5. Every intermediate is rounded to float, as in the published tables,
@@ -11175,8 +11276,8 @@ Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std
   return x.with(gather(table, rows) + x.rows);
 }
 
-/// How far each row is through its sequence, (rows, 1): t / (length - 1). Differs from published code where a sequence has one row: 0
-/// instead of a division by 0.
+/// How far each row is through its sequence, (rows, 1): t / (length - 1). Differs from published code where a sequence
+/// has one row: 0 instead of a division by 0.
 template <Backend B>
 Tensor<B, 2> relative_time(const Offsets& offsets) {
   std::vector<typename B::scalar> time;
@@ -11188,17 +11289,17 @@ Tensor<B, 2> relative_time(const Offsets& offsets) {
   return Tensor<B, 2>::from(time, {offsets.rows(), 1});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_RECOMPUTE_HPP  // <motionlang/nn/recompute.hpp>
 #define MOTIONLANG_HAS_NN_RECOMPUTE_HPP
 /// Layers whose inside is calculated again in the backward pass, where the context asks for it.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// layer(x, offsets, context). With `context.recompute` the graph keeps x and a copy of the layer's handles; what happens inside
-/// is calculated once more with the same dropout masks, so gradients are the same bits.
+/// layer(x, offsets, context). With `context.recompute` the graph keeps x and a copy of the layer's handles; what
+/// happens inside is calculated once more with the same dropout masks, so gradients are the same bits.
 template <class Layer, Backend B>
 Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets& offsets, const Context& context) {
   if constexpr (AutodiffBackend<B>) {
@@ -11227,25 +11328,26 @@ Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets&
   return layer(x, offsets, memory, context);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_SEQ2SEQ_GRU_HPP  // <motionlang/nn/seq2seq_gru.hpp>
 #define MOTIONLANG_HAS_NN_SEQ2SEQ_GRU_HPP
-/// TM2T's published model from text to motion: words are read from both ends, and a recurrent network that attends to them writes motion
-/// tokens one after the other.
+/// TM2T's published model from text to motion: words are read from both ends, and a recurrent network that attends to
+/// them writes motion tokens one after the other.
 ///
 ///     auto state = m.start(words.encode<B>(texts).tokens);
-///     const auto logits = m.step(previous, state).logits;               // (texts, symbols), and so on with what was chosen
+///     const auto logits = m.step(previous, state).logits;               // (texts, symbols), and so on with what was
+///     chosen
 ///
 /// Source  Guo et al. (ECCV 2022), section 3.2; TM2T networks/modules.py Seq2SeqText2MotModel; spec tm2t.md 5
 /// Differs from the paper: no positions and no mu network, as published
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     a = softmax(W_q h . W_k w / sqrt(width)) W_v w
-/// Words are a padded tensor and nothing is masked: what stands behind a short text has logit 0 and the bias of W_v as value. A text is
-/// attended to a little differently beside longer ones, as published.
+/// Words are a padded tensor and nothing is masked: what stands behind a short text has logit 0 and the bias of W_v as
+/// value. A text is attended to a little differently beside longer ones, as published.
 template <Backend B>
 struct WordAttention {
   Linear<B> W_q;
@@ -11390,8 +11492,8 @@ struct Seq2SeqGru {
   /// previous: the last token of each text.
   Step step(std::span<const Index> previous, State& state) const { return motion_decoder_step.step(previous, state); }
 
-  /// For each token the logits of what comes after it, packed like `inputs`, of which there are as many as texts. `forced`: the decoder
-  /// reads the inputs; if not, their first token and then what it finds most probable itself.
+  /// For each token the logits of what comes after it, packed like `inputs`, of which there are as many as texts.
+  /// `forced`: the decoder reads the inputs; if not, their first token and then what it finds most probable itself.
   Tensor<B, 2> logits(const Sequences<B>& words, const IdSequences& inputs, bool forced) const {
     const Index n = inputs.count();
     if (words.count() != n) raise<shape_error>(204, "Seq2SeqGru: ", n, " sequences for ", words.count(), " texts");
@@ -11414,7 +11516,8 @@ struct Seq2SeqGru {
     return gather(concat(std::span<const Tensor<B, 2>>(steps), 0), pick);
   }
 
-  /// What decode_batch asks. The state goes along with the steps, so that beginnings have to grow by one token at a time.
+  /// What decode_batch asks. The state goes along with the steps, so that beginnings have to grow by one token at a
+  /// time.
   auto next(State& state) const {
     return [this, &state](const IdSequences& written) {
       std::vector<Index> last;
@@ -11455,11 +11558,13 @@ Tensor<B, 2> gumbel_noise(Index rows, Index symbols, Philox& rng) {
 }
 
 ///     y = softmax((logits + g) / tau),   row = onehot(arg max y) - sg(y) + y
-/// The next token is the arg max, and no gradient goes through that choice. Marks of beginning and end are never written; a sequence ends
-/// where the end is the most probable symbol, and goes on until the last one has ended.
+/// The next token is the arg max, and no gradient goes through that choice. Marks of beginning and end are never
+/// written; a sequence ends where the end is the most probable symbol, and goes on until the last one has ended.
 /// noise(step)  (sequences, symbols), see gumbel_noise
-/// Source       Jang, Gu, Poole, "Categorical reparameterization with Gumbel-softmax" (ICLR 2017), section 2.2; spec tm2t.md 5.1
-/// Differs      from TM2T, whose code fails where all sequences end at once: here each is the mark of the beginning only
+/// Source       Jang, Gu, Poole, "Categorical reparameterization with Gumbel-softmax" (ICLR 2017), section 2.2; spec
+///              tm2t.md 5.1
+/// Differs      from TM2T, whose code fails where all sequences end at once: here each is the mark of the beginning
+///              only
 template <Backend B, class Noise>
 GumbelSample<B> gumbel_sample(const Seq2SeqGru<B>& m, const Sequences<B>& words, const GumbelOptions& o,
                               Noise&& noise) {
@@ -11488,17 +11593,20 @@ GumbelSample<B> gumbel_sample(const Seq2SeqGru<B>& m, const Sequences<B>& words,
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_SEQ2SEQ_TRANSFORMER_HPP  // <motionlang/nn/seq2seq_transformer.hpp>
 #define MOTIONLANG_HAS_NN_SEQ2SEQ_TRANSFORMER_HPP
 /// The transformer from sequence to sequence, as TM2T has it: motion tokens to words, words to motion tokens.
 ///
-///     const auto memory = m.encode(tokens);                                          // IdSequences, word vectors, or shares of symbols
-///     const auto logits = m.logits(words.without_ends(0, 1), memory);                // (rows, words): what comes next after each word
+///     const auto memory = m.encode(tokens);                                          // IdSequences, word vectors, or
+///     shares of symbols
+///     const auto logits = m.logits(words.without_ends(0, 1), memory);                // (rows, words): what comes next
+///     after each word
 ///
-/// Source  Vaswani et al., "Attention is all you need" (NIPS 2017); TM2T networks/transformer.py (TransformerV1 to V3); spec tm2t.md 4
+/// Source  Vaswani et al., "Attention is all you need" (NIPS 2017); TM2T networks/transformer.py (TransformerV1 to V3);
+///         spec tm2t.md 4
 /// Differs from nn/transformer_decoder.hpp in the names and number of the projections, and in the eps of the norms
 
 #ifndef MOTIONLANG_HAS_NN_TRANSFORMER_ENCODER_HPP  // <motionlang/nn/transformer_encoder.hpp>
@@ -11509,13 +11617,14 @@ GumbelSample<B> gumbel_sample(const Seq2SeqGru<B>& m, const Sequences<B>& words,
 #define MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP
 /// A few sequences of a batch at a time through a whole stack of layers, every thread with its own.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// How threads share sequences: the thread of each of the first ones.
 using SequenceShares = PoolVector<Index>;
-/// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread has a twentieth more
-/// than the mean, and that is at least the 128 rows from which on it pays to read all weights in every thread. None if there is no such
-/// number.
+/// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread
+/// has a twentieth more than the mean, and that is at least the 128 rows from which on it pays to read all weights in
+/// every thread. None if there is no such number.
 inline SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads) {
   SequenceShares out;
   if (threads == 1) return out;
@@ -11555,8 +11664,8 @@ inline std::span<const Index> first_group(const Offsets& offsets, std::span<cons
 
 /// Calls put(group) for the sequences that each thread has, in groups of at most so many rows. All threads at once.
 template <class F>
-void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads, Index rows,
-                const F& put) {
+void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads,
+                Index rows, const F& put) {
   const auto modules = ModulePath::names();  // a copy: this thread goes into modules itself
   parallel_for(threads, [&](Index thread) {
     const ModulePath::Continued path(modules);
@@ -11571,11 +11680,12 @@ void put_shares(const Offsets& offsets, std::span<const Index> order, const Sequ
   });
 }
 
-/// The rows f(which) of the sequences `which` (a span of their numbers), where each has the rows `results` of `width` numbers. f treats each
-/// sequence on its own, so that it can be called for a few at a time, as many as have B::rows_in_cache() rows (a longer one alone): what one
-/// layer writes is still in the cache when the next reads it. Threads that can share the sequences evenly go through the layers without
-/// waiting for each other; what is left over they do together. The numbers are those of all at once. Where the backend says nothing,
-/// gradients are kept or dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
+/// The rows f(which) of the sequences `which` (a span of their numbers), where each has the rows `results` of `width`
+/// numbers. f treats each sequence on its own, so that it can be called for a few at a time, as many as have
+/// B::rows_in_cache() rows (a longer one alone): what one layer writes is still in the cache when the next reads it.
+/// Threads that can share the sequences evenly go through the layers without waiting for each other; what is left over
+/// they do together. The numbers are those of all at once. Where the backend says nothing, gradients are kept or
+/// dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index width, const Context& context, F f) {
   const auto whole = [&] {
@@ -11622,10 +11732,11 @@ Tensor<B, 2> in_groups(const Sequences<B>& x, const Offsets& results, const Cont
   return in_groups<B>(x.offsets, results, x.width(), context, some);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct TransformerConfig {
   Index d_model = 512;
@@ -11648,7 +11759,8 @@ struct TransformerConfig {
 ///     post-norm   x = LN1(x + SA(x));      x = LN2(x + W2 act(W1 x))
 ///     pre-norm    x = x + SA(LN1 x);       x = x + W2 act(W1 LN2 x)
 /// Source  Vaswani et al. (2017), section 3.1; pre-norm: Xiong et al. (2020). Parameter names of PyTorch. Dropout (only
-///         with a context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has it.
+///         with a context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has
+///         it.
 template <Backend B>
 struct TransformerEncoderLayer {
   MultiheadAttention<B> self_attn;
@@ -11718,14 +11830,14 @@ struct TransformerEncoder {
       return some.rows;
     }));
   }
-  /// Of sequences that end alike: sequence j has the rows of heads[j], then those of tails[i], where uses.begin(i) <= j < uses.end(i). The same
-  /// numbers as of whole sequences; what the first layer projects of a tail is computed once. No dropout. Throws shape_error 204 for other
-  /// numbers of heads or tails.
+  /// Of sequences that end alike: sequence j has the rows of heads[j], then those of tails[i], where uses.begin(i) <= j
+  /// < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail is computed once.
+  /// No dropout. Throws shape_error 204 for other numbers of heads or tails.
   Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
     const Offsets repeated = repeat_lengths(tails.offsets, uses);
     if (heads.count() != repeated.count())
-      raise<shape_error>(204, "with_tails: ", heads.count(), " heads for ", repeated.count(), " uses of ", tails.count(),
-                         " tails");
+      raise<shape_error>(204, "with_tails: ", heads.count(), " heads for ", repeated.count(), " uses of ",
+                         tails.count(), " tails");
     PoolVector<Index> lengths;
     for (Index j = 0; j < heads.count(); ++j) lengths.push_back(heads.offsets.length(j) + repeated.length(j));
     const Offsets offsets{std::span<const Index>(lengths)};
@@ -11759,10 +11871,10 @@ struct TransformerEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes of motion to text.
 struct Seq2SeqConfig {
@@ -12047,7 +12159,8 @@ struct Seq2SeqTransformer {
     const auto& m = detail::present(encoder.emb, "its source are symbols");
     return encoder(vectors.with(m(vectors.rows)), context);
   }
-  /// Rows of shares of the symbols, one-hot ones for certainty: the way for gradients to reach who has written the source.
+  /// Rows of shares of the symbols, one-hot ones for certainty: the way for gradients to reach who has written the
+  /// source.
   Sequences<B> encode_shares(const Sequences<B>& shares, const Context& context = {}) const {
     const auto& e = detail::present(encoder.src_word_emb, "its source are vectors");
     return encoder(shares.with(matmul(shares.rows, e.weight)), context);
@@ -12060,13 +12173,14 @@ struct Seq2SeqTransformer {
   Sequences<B> embed_target(const Sequences<B>& vectors) const {
     return vectors.with(detail::present(decoder.vectors, "its decoder reads symbols")(vectors.rows));
   }
-  /// For each row of the target the logits of the symbol after it, (rows, symbols). target: symbols or vectors, from the mark of the
-  /// beginning on; memory: as many sequences.
+  /// For each row of the target the logits of the symbol after it, (rows, symbols). target: symbols or vectors, from
+  /// the mark of the beginning on; memory: as many sequences.
   template <class Target>
   Tensor<B, 2> logits(const Target& target, const Sequences<B>& memory, const Context& context = {}) const {
     return project(decoder(embed_target(target), memory, context).rows);
   }
-  /// The same for the last symbol of each sequence only. Seq2SeqWriter gives these numbers with less work where sequences grow.
+  /// The same for the last symbol of each sequence only. Seq2SeqWriter gives these numbers with less work where
+  /// sequences grow.
   Tensor<B, 2> next_logits(const IdSequences& target, const Sequences<B>& memory) const {
     return project(last_row(decoder(embed_target(target), memory)));
   }
@@ -12075,18 +12189,19 @@ struct Seq2SeqTransformer {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_SEQ2SEQ_WRITER_HPP  // <motionlang/nn/seq2seq_writer.hpp>
 #define MOTIONLANG_HAS_NN_SEQ2SEQ_WRITER_HPP
-/// A transformer that is asked for one symbol after the other: what it has calculated for a beginning it calculates no more.
+/// A transformer that is asked for one symbol after the other: what it has calculated for a beginning it calculates no
+/// more.
 ///
 ///     Seq2SeqWriter writer(m, memory);
 ///     const auto found = beam_search(writer, options);          // memory of one source
 ///     const auto all = decode_batch(writer, memory.count(), options);
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A function as nn/decoding.hpp asks for it. The model has to live as long.
 template <Backend B>
@@ -12101,9 +12216,9 @@ class Seq2SeqWriter {
     }
   }
 
-  /// Beginnings of one length, equally many for each source, one source after the other -> logits of the next symbol, (beginnings, symbols).
-  /// Each should be a beginning of the call before, wherever it stood there, and one more symbol.
-  /// Throws shape_error 205 for other lengths or numbers, 203 for a beginning longer than the positions.
+  /// Beginnings of one length, equally many for each source, one source after the other -> logits of the next symbol,
+  /// (beginnings, symbols). Each should be a beginning of the call before, wherever it stood there, and one more
+  /// symbol. Throws shape_error 205 for other lengths or numbers, 203 for a beginning longer than the positions.
   Tensor<B, 2> operator()(const IdSequences& written) {
     const Index n = written.count(), length = written.offsets.longest();
     if (n == 0 || n % sources_ != 0 || length == 0 || !(written.offsets == Offsets::equal(n, length)))
@@ -12170,14 +12285,15 @@ class Seq2SeqWriter {
   IdSequences before_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_SEQUENCE_VAE_HPP  // <motionlang/nn/sequence_vae.hpp>
 #define MOTIONLANG_HAS_NN_SEQUENCE_VAE_HPP
 /// Sequences to one Gaussian each, and back: what the variational autoencoders ACTOR, TEMOS and TMR share.
 ///
-///     encoder   learned tokens before the frames, positions, transformer; what becomes of the tokens is the distribution
+///     encoder   learned tokens before the frames, positions, transformer; what becomes of the tokens is the
+///               distribution
 ///     decoder   positions are the queries, the latent is the memory; all frames are written at once
 /// Source  Petrovich, Black, Varol: ACTOR (ICCV 2021), section 3.1; TEMOS (ECCV 2022), 3.2; TMR (ICCV 2023), 3.1
 
@@ -12185,13 +12301,14 @@ class Seq2SeqWriter {
 #define MOTIONLANG_HAS_NN_TRANSFORMER_DECODER_HPP
 /// Transformer decoder over packed sequences, post-norm (MDM's trans_dec, ACTOR, TEMOS, TMR).
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Cross-attention to one row of memory per sequence: softmax over one key is 1, so every query reads the value of that row. It is
-/// computed once for each sequence; weights of queries and keys play no role and get gradient 0. What dropout leaves is one weight for
-/// each query and head: queries of one sequence that keep the same heads read the same, and each such reading is computed once.
+/// Cross-attention to one row of memory per sequence: softmax over one key is 1, so every query reads the value of that
+/// row. It is computed once for each sequence; weights of queries and keys play no role and get gradient 0. What
+/// dropout leaves is one weight for each query and head: queries of one sequence that keep the same heads read the
+/// same, and each such reading is computed once.
 template <Backend B>
 Tensor<B, 2> attend_one_row(const MultiheadAttention<B>& attention, const Tensor<B, 2>& memory, const Offsets& offsets,
                             const Context& context) {
@@ -12305,13 +12422,13 @@ struct TransformerDecoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// N(mu, exp(logvar)) for each sequence, coordinates independent. An autoencoder that is not variational has no logvar (its shape
-/// is (0)); then every sample is mu.
+/// N(mu, exp(logvar)) for each sequence, coordinates independent. An autoencoder that is not variational has no logvar
+/// (its shape is (0)); then every sample is mu.
 template <Backend B>
 struct LatentGaussian {
   Tensor<B, 2> mu, logvar;  // (sequences, width)
@@ -12331,8 +12448,8 @@ struct LatentGaussian {
   }
 };
 
-/// `count` rows on the straight line from a to b, both (1, width): the latents of motions that turn from one into the other.
-/// Throws shape_error 204 unless both are one row of one width, config_error 101 unless count is 2 or more.
+/// `count` rows on the straight line from a to b, both (1, width): the latents of motions that turn from one into the
+/// other. Throws shape_error 204 unless both are one row of one width, config_error 101 unless count is 2 or more.
 template <Backend B>
 Tensor<B, 2> interpolate_rows(const Tensor<B, 2>& a, const Tensor<B, 2>& b, Index count) {
   if (a.shape() != b.shape() || a.size(0) != 1)
@@ -12421,8 +12538,8 @@ LatentGaussian<B> gaussian_of_tokens(const Sequences<B>& tokens) {
   return {row(0), row(1)};
 }
 
-/// The queries of a decoder: zeros plus positions, so rows 0, 1, ... of the table for each sequence. Throws shape_error 203 for a
-/// sequence longer than the table.
+/// The queries of a decoder: zeros plus positions, so rows 0, 1, ... of the table for each sequence. Throws shape_error
+/// 203 for a sequence longer than the table.
 template <Backend B>
 Sequences<B> position_queries(const Tensor<B, 2>& positions, const Offsets& offsets) {
   PoolVector<Index> rows;
@@ -12435,7 +12552,8 @@ Sequences<B> position_queries(const Tensor<B, 2>& positions, const Offsets& offs
 
 /// What a decoder makes of queries that are the same for all sequences of one length, read out by `final_layer`.
 ///     queries(lengths)   the queries of sequences of these lengths
-/// Without dropout the first layer's attention to itself is the same for them too, and is computed once for each length.
+/// Without dropout the first layer's attention to itself is the same for them too, and is computed once for each
+/// length.
 template <Backend B, class Queries>
 Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B>& final_layer, Queries queries,
                             const Sequences<B>& memory, const Offsets& lengths, double dropout_p,
@@ -12504,14 +12622,14 @@ struct SequenceDecoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_TIMESTEP_EMBEDDING_HPP  // <motionlang/nn/timestep_embedding.hpp>
 #define MOTIONLANG_HAS_NN_TIMESTEP_EMBEDDING_HPP
 /// The token that tells a denoiser which diffusion step it is at.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     e = W2 silu(W1 pe[t])
 /// Source  MDM (Tevet et al. 2023), `TimestepEmbedder`; keys time_embed.0 and time_embed.2. The table pe is the one of
@@ -12532,14 +12650,14 @@ struct TimestepEmbedding {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_VECTOR_QUANTIZER_HPP  // <motionlang/nn/vector_quantizer.hpp>
 #define MOTIONLANG_HAS_NN_VECTOR_QUANTIZER_HPP
 /// Vectors to the nearest entry of a codebook, and back: motions become words of a finite vocabulary.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// How many codes are in use, as it were:  exp(-sum_k p_k log(p_k + 1e-10)),   p_k: share of code k
 inline double code_perplexity(std::span<const Index> codes, Index codebook) {
@@ -12565,8 +12683,8 @@ struct Quantized {
   double perplexity = 0;
 };
 
-/// Source  van den Oord, Vinyals, Kavukcuoglu, "Neural discrete representation learning" (NeurIPS 2017), eq. 1-3. TM2T has beta 1 and
-///         no moving averages (its "q_mode cmt").
+/// Source  van den Oord, Vinyals, Kavukcuoglu, "Neural discrete representation learning" (NeurIPS 2017), eq. 1-3. TM2T
+///         has beta 1 and no moving averages (its "q_mode cmt").
 template <Backend B>
 struct VectorQuantizer {
   Embedding<B> embedding;  // (codes, width)
@@ -12599,14 +12717,14 @@ struct VectorQuantizer {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_LOSS_ADVERSARIAL_HPP  // <motionlang/loss/adversarial.hpp>
 #define MOTIONLANG_HAS_LOSS_ADVERSARIAL_HPP
 /// The hinge losses of a generator and a discriminator.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     (mean max(0, 1 - D(x)) + mean max(0, 1 + D(x^))) / 2,   x: real, x^: generated, as a constant
 /// Source  Lim and Ye, "Geometric GAN" (2017)
@@ -12621,20 +12739,20 @@ Tensor<B, 0> hinge_generator_loss(const Tensor<B, 2>& generated) {
   return -mean(generated);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_LOSS_CROSS_ENTROPY_HPP  // <motionlang/loss/cross_entropy.hpp>
 #define MOTIONLANG_HAS_LOSS_CROSS_ENTROPY_HPP
 /// The loss of classifiers.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     l_i = -sum_j t_ij log softmax(s_i)_j,   t_ij = 1 - e where j = y_i, e / (classes - 1) elsewhere
 /// computed relative to the largest s_ij of each row: nothing overflows. e: label smoothing as TM2T has it
 /// (Szegedy et al., 2016, section 7, give e / classes to every class).
-/// logits s (rows, classes), one label y per row -> (rows). Throws shape_error 203 for a label that is no class, 204 if the counts differ,
-/// config_error 101 unless 0 <= e < 1.
+/// logits s (rows, classes), one label y per row -> (rows). Throws shape_error 203 for a label that is no class, 204 if
+/// the counts differ, config_error 101 unless 0 <= e < 1.
 template <Backend B>
 Tensor<B, 1> cross_entropies(const Tensor<B, 2>& logits, std::span<const Index> labels, double smoothing = 0) {
   const Index rows = logits.size(0), classes = logits.size(1);
@@ -12661,27 +12779,28 @@ Tensor<B, 0> cross_entropy(const Tensor<B, 2>& logits, std::span<const Index> la
   return mean(cross_entropies(logits, labels, smoothing));
 }
 
-/// The sum over all symbols of -log p, as TM2T has it not their mean. `logits`: of what comes after each symbol but the last one.
+/// The sum over all symbols of -log p, as TM2T has it not their mean. `logits`: of what comes after each symbol but the
+/// last one.
 template <Backend B>
 Tensor<B, 0> next_symbol_loss(const Tensor<B, 2>& logits, const IdSequences& written, double smoothing = 0) {
   return sum(cross_entropies(logits, written.without_ends(1, 0).ids, smoothing));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_LOSS_FALSE_NEGATIVES_HPP  // <motionlang/loss/false_negatives.hpp>
 #define MOTIONLANG_HAS_LOSS_FALSE_NEGATIVES_HPP
 /// Pairs of a batch that contrastive losses must not push apart, because their texts say nearly the same.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     filtered_ij = i != j and <t_i, t_j> > 2 threshold - 1
-/// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2; the threshold is given in [0, 1] and mapped to [-1, 1], as the
-///          published code does
+/// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2; the threshold is given in [0, 1] and mapped to [-1,
+///          1], as the published code does
 /// sentences  (batch, width), rows of length 1. threshold 0: nothing is filtered
-/// result   (batch, batch), row by row, 1 = filtered; empty for threshold 0. The diagonal never is, whatever the threshold: the published
-///          code filters it below 0.5, and its loss is NaN
+/// result   (batch, batch), row by row, 1 = filtered; empty for threshold 0. The diagonal never is, whatever the
+///          threshold: the published code filters it below 0.5, and its loss is NaN
 /// Throws   config_error 101 unless 0 <= threshold <= 1
 template <Backend B>
 std::vector<unsigned char> false_negatives(const Tensor<B, 2>& sentences, double threshold) {
@@ -12701,7 +12820,7 @@ std::vector<unsigned char> false_negatives(const Tensor<B, 2>& sentences, double
   return filtered;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_LOSS_INFO_NCE_HPP  // <motionlang/loss/info_nce.hpp>
@@ -12711,7 +12830,7 @@ std::vector<unsigned char> false_negatives(const Tensor<B, 2>& sentences, double
 ///     info_nce(z_text, z_motion, 0.1, false_negatives(sentences, 0.8))
 ///     info_nce(z_text, z_motion, exp(log_temperature))                    // the temperature is learned
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -12741,12 +12860,12 @@ Tensor<B, 0> scaled_info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const
 
 ///     S_ij = cos(x_i, y_j) / tau,   S_ij = -inf where i != j and filtered_ij
 ///     loss = (CE(S) + CE(S^T)) / 2,   CE(S) = mean_i (log sum_j exp(S_ij) - S_ii)
-/// Source    van den Oord et al. (2018); TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2; a learned temperature: CLIP (Radford
-///           et al., ICML 2021), section 2.3
+/// Source    van den Oord et al. (2018); TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2; a learned temperature:
+///           CLIP (Radford et al., ICML 2021), section 2.3
 /// Notation  motion -> x, text -> y, temperature -> tau
 /// Shapes    x, y (batch, latent); filtered (batch, batch), see false_negatives, empty: none -> ()
-/// Throws    shape_error 204 if the sizes of the batches differ, 205 for a filter of another size, config_error 101 unless
-///           temperature > 0
+/// Throws    shape_error 204 if the sizes of the batches differ, 205 for a filter of another size, config_error 101
+///           unless temperature > 0
 template <Backend B>
 Tensor<B, 0> info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double temperature,
                       std::span<const unsigned char> filtered = {}) {
@@ -12760,14 +12879,14 @@ Tensor<B, 0> info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const Tensor
   return detail::scaled_info_nce(x, y, 1.0 / temperature, filtered);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_LOSS_KL_HPP  // <motionlang/loss/kl.hpp>
 #define MOTIONLANG_HAS_LOSS_KL_HPP
 /// Divergences between diagonal Gaussians, averaged over all coordinates of all rows, or of each row.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -12813,14 +12932,14 @@ Tensor<B, 1> kl_divergence_of_rows(const Tensor<B, 2>& mu_q, const Tensor<B, 2>&
   return mean(detail::twice_kl(mu_q, logvar_q, mu_p, logvar_p), 1) * 0.5;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_LOSS_LOSS_TERMS_HPP  // <motionlang/loss/loss_terms.hpp>
 #define MOTIONLANG_HAS_LOSS_LOSS_TERMS_HPP
 /// A loss of several named and weighted terms.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct LossTerms {
@@ -12854,18 +12973,20 @@ struct LossTerms {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_LOSS_MARGIN_HPP  // <motionlang/loss/margin.hpp>
 #define MOTIONLANG_HAS_LOSS_MARGIN_HPP
-/// Contrastive losses with a Euclidean margin: of all pairs of a batch, what InfoNCE is compared with; of one other partner for each.
+/// Contrastive losses with a Euclidean margin: of all pairs of a batch, what InfoNCE is compared with; of one other
+/// partner for each.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// max(0, margin - d) for squared distances. Two equal points have no direction to be pushed in: their root gets slope 0.
+/// max(0, margin - d) for squared distances. Two equal points have no direction to be pushed in: their root gets slope
+/// 0.
 template <Backend B, int R>
 Tensor<B, R> short_of_margin(const Tensor<B, R>& squared, double margin) {
   return maximum(Tensor<B, R>(margin) - sqrt(maximum(squared, Tensor<B, R>(1e-24))), Tensor<B, R>(0.0));
@@ -12874,8 +12995,8 @@ Tensor<B, R> short_of_margin(const Tensor<B, R>& squared, double margin) {
 }  // namespace detail
 
 ///     d_ij = |x_i - y_j + 1e-6|,   loss = mean_i d_ii^2 + mean_{i != j, not filtered} max(0, margin - d_ij)^2
-/// Source   Hadsell, Chopra, LeCun (CVPR 2006), eq. 4; distance and margin of Guo et al. (CVPR 2022). The ablation of TMR, thesis table
-///          5.3: all pairs of the batch, with the same filter as InfoNCE
+/// Source   Hadsell, Chopra, LeCun (CVPR 2006), eq. 4; distance and margin of Guo et al. (CVPR 2022). The ablation of
+///          TMR, thesis table 5.3: all pairs of the batch, with the same filter as InfoNCE
 /// Differs  from Guo et al., who have one negative for each pair
 /// Shapes   x, y (batch, latent); filtered (batch, batch), see false_negatives, empty: none -> ()
 /// Throws   shape_error 204 if the shapes differ, 205 for a filter of another size, config_error 101 unless margin > 0
@@ -12905,9 +13026,10 @@ Tensor<B, 0> margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double ma
   return mean_over(squared, positive, n) + mean_over(square(short_of), negative, negatives);
 }
 
-///     d(a, b) = |a - b + 1e-6|,   positive = mean_i d(x_i, y_i)^2,   negative = mean_i max(0, margin - d(x_i, y_(i + shift) mod n))^2
-/// Source   Guo et al. (CVPR 2022), the training of their evaluator; spec evaluation-guo.md 3. There the shift is drawn from
-///          0 ... n - 2, so that now and then, at 0, the right partner is pushed away
+///     d(a, b) = |a - b + 1e-6|,   positive = mean_i d(x_i, y_i)^2,   negative = mean_i max(0, margin - d(x_i, y_(i +
+///     shift) mod n))^2
+/// Source   Guo et al. (CVPR 2022), the training of their evaluator; spec evaluation-guo.md 3. There the shift is drawn
+///          from 0 ... n - 2, so that now and then, at 0, the right partner is pushed away
 /// Shapes   x, y (batch, latent) -> the two terms, of weight 1
 /// Throws   shape_error 204 if the shapes differ, config_error 101 unless margin > 0 and 0 <= shift
 template <Backend B>
@@ -12924,14 +13046,14 @@ LossTerms<B> shifted_margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, I
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_LOSS_RECONSTRUCTION_HPP  // <motionlang/loss/reconstruction.hpp>
 #define MOTIONLANG_HAS_LOSS_RECONSTRUCTION_HPP
 /// Losses that compare numbers with numbers.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// mean((a - b)^2) over all elements.
 template <Backend B, int R>
@@ -12983,7 +13105,8 @@ Tensor<B, 0> padded_smooth_l1(const Sequences<B>& a, const Tensor<B, 2>& b, Inde
   return sum(detail::huber(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
 }
 
-/// The mean over the sequences of smooth_l1 of each: a short sequence weighs as much as a long one. Source  spec teach.md 3
+/// The mean over the sequences of smooth_l1 of each: a short sequence weighs as much as a long one. Source  spec
+/// teach.md 3
 template <Backend B>
 Tensor<B, 0> smooth_l1_of_sequences(const Sequences<B>& a, const Tensor<B, 2>& b) {
   std::vector<typename B::scalar> share;  // of each row
@@ -13025,7 +13148,7 @@ Tensor<B, 1> mse_per_sequence(const Sequences<B>& a, const Tensor<B, 2>& b) {
   return scatter_add(squares, owner, a.count()) * Tensor<B, 1>::from(weight, {a.count()});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_OPTIM_ADAMW_HPP  // <motionlang/optim/adamw.hpp>
@@ -13034,7 +13157,7 @@ Tensor<B, 1> mse_per_sequence(const Sequences<B>& a, const Tensor<B, 2>& b) {
 
 #include <map>      // state by parameter
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct AdamWConfig {
   double lr = 1e-4;
@@ -13139,14 +13262,14 @@ class AdamW {
   std::map<std::string, Moments> state_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_OPTIM_EMA_HPP  // <motionlang/optim/ema.hpp>
 #define MOTIONLANG_HAS_OPTIM_EMA_HPP
 /// Exponential moving average of the parameters: the model that is saved and sampled from.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     e = rate e + (1 - rate) p
 /// `rate` grows from 0.1 as min(rate, (1 + k) / (10 + k)), so that the first updates are not held back by the initial
@@ -13168,14 +13291,14 @@ void update_ema(Average& average, const Model& model, double rate, Index step) {
   });
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_OPTIM_LR_SCHEDULE_HPP  // <motionlang/optim/lr_schedule.hpp>
 #define MOTIONLANG_HAS_OPTIM_LR_SCHEDULE_HPP
 /// Learning rates over the steps of a training.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Linear rise over `warmup` steps, then half a cosine from `peak` down to `floor` at step `total` (Loshchilov, Hutter
 /// 2017).
@@ -13199,10 +13322,12 @@ struct StepDecay {
   double factor = 10;
   Index every = 1;
 
-  double operator()(Index step) const { return rate / std::pow(factor, static_cast<double>(step / std::max<Index>(1, every))); }
+  double operator()(Index step) const {
+    return rate / std::pow(factor, static_cast<double>(step / std::max<Index>(1, every)));
+  }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_ACTION_NAMES_HPP  // <motionlang/features/action_names.hpp>
@@ -13210,7 +13335,7 @@ struct StepDecay {
 /// What the classes of data sets of actions are called, by their numbers.
 /// Source  spec actor.md 8.1
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 inline constexpr std::string_view humanact12_actions[] = {
     "warm_up", "walk",   "run",  "jump", "drink", "lift_dumbbell", "sit", "eat", "turn steering wheel",
@@ -13222,7 +13347,7 @@ inline std::vector<std::string> action_labels(std::string_view dataset, Index cl
   return {std::begin(humanact12_actions), std::end(humanact12_actions)};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_ACTOR_POINTS_HPP  // <motionlang/features/actor_points.hpp>
@@ -13255,7 +13380,7 @@ inline std::vector<std::string> action_labels(std::string_view dataset, Index cl
 ///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule.
 ///         Meanings and units: specs humanml3d-features.md 6 and 10, mdm.md 6, temos.md 4.1, tmr.md 4.1
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Half-open range of positions.
 struct IndexRange {
@@ -13400,7 +13525,8 @@ constexpr std::array<FeatureRange, 7> guoh3dfeats_ranges_of(const Guoh3dSlots& s
       {rotations,
        "rotation of the bone that ends here relative to the one before it in its chain, of the first to the root: "
        "the first two columns of the matrix",
-       "1", {1, slots.joints}},
+       "1",
+       {1, slots.joints}},
       {velocities, "velocity to the next frame, seen from the body: x, y, z", speed, {0, slots.joints}},
       {feet, contacts, "1"},
   }};
@@ -13414,8 +13540,8 @@ inline constexpr auto guoh3dfeats_ranges = detail::guoh3dfeats_ranges_of(
 inline constexpr auto kit_ranges =
     detail::guoh3dfeats_ranges_of({21}, "m/640", "m/640/frame", "RMrot, RF, LMrot, LF: 1 if it stands, else 0");
 
-/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67 for SMPL's 22
-/// joints and with `kit_part_of_joint` TEMOS's 64.
+/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67
+/// for SMPL's 22 joints and with `kit_part_of_joint` TEMOS's 64.
 inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
   const Index joints = std::ssize(part_of_joint);
   if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
@@ -13439,10 +13565,10 @@ inline constexpr std::array<FeatureRange, 4> rifke64_ranges{{
     {{62, 64}, "velocity of the root since the frame before, seen from the body: x, z", "m/640/frame"},
 }};
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class PoseRepresentation : int { rotvec, rotquat, rotmat, rot6d };
 inline constexpr std::array<std::string_view, 4> pose_representation_names{"rotvec", "rotquat", "rotmat", "rot6d"};
@@ -13522,7 +13648,8 @@ struct ActorFeatureOptions {
 /// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
 inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
 
-/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the legs: 150.
+/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the
+/// legs: 150.
 inline FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
                                   const ActorFeatureOptions& options = {}) {
   const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
@@ -13623,10 +13750,10 @@ std::vector<S> actor_joint_features(std::span<const Vec3<S>> positions, Index jo
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class ActorPoints : int { vertices, smpl, a2m, a2mpl, vibe };
 inline constexpr std::array<std::string_view, 5> actor_point_names{"vertices", "smpl", "a2m", "a2mpl", "vibe"};
@@ -13639,8 +13766,8 @@ inline ActorPoints parse_actor_points(std::string_view name) {
   raise<config_error>(103, "parse_actor_points: '", name, "' is not vertices, smpl, a2m, a2mpl or vibe");
 }
 
-/// Numbers of the points among 54: 24 joints of SMPL, the 21 vertices of `body_points`, 9 that a regressor takes from the surface.
-/// None for vertices.
+/// Numbers of the points among 54: 24 joints of SMPL, the 21 vertices of `body_points`, 9 that a regressor takes from
+/// the surface. None for vertices.
 inline std::span<const Index> actor_point_numbers(ActorPoints points) {
   static constexpr Index smpl[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11,
                                    12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
@@ -13689,9 +13816,11 @@ Tensor<B, 3> actor_54_points(const PosedBody<B>& posed, const Tensor<B, 2>* J_re
 
 }  // namespace detail
 
-/// x: frames of `actor_frame_features`, (frames, rows numbers) -> (frames, 3 points). All points but vertices are relative to the
-/// root of their frame. J_regressor_extra (9, vertices) may be null for vertices and smpl. Differentiable.
-/// Throws  shape_error 204 if motion, body and point set do not fit, config_error 101 for a second coefficient that the body lacks
+/// x: frames of `actor_frame_features`, (frames, rows numbers) -> (frames, 3 points). All points but vertices are
+/// relative to the root of their frame. J_regressor_extra (9, vertices) may be null for vertices and smpl.
+/// Differentiable.
+/// Throws  shape_error 204 if motion, body and point set do not fit, config_error 101 for a second coefficient that the
+///         body lacks
 template <Backend B>
 Sequences<B> actor_points(const Sequences<B>& x, const BodyModel<B>& body, const Tensor<B, 2>* J_regressor_extra,
                           ActorPoints points, const ActorPointOptions& o = {}) {
@@ -13742,7 +13871,7 @@ Sequences<B> actor_points(const Sequences<B>& x, const BodyModel<B>& body, const
   return x.with(reshape<2>(out, {frames, 3 * out.size(1)}));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_AMASS_RELEASES_HPP  // <motionlang/features/amass_releases.hpp>
@@ -13750,12 +13879,13 @@ Sequences<B> actor_points(const Sequences<B>& x, const BodyModel<B>& body, const
 /// What is known to be wrong in the files of AMASS, and to have another name from one release to the next.
 ///
 ///     sequence.fps = corrected_amass_fps(path, sequence.fps);
-///     for (const std::string& path : amass_paths(babel.feat_p)) ...      // the file of an annotation, of whatever release
+///     for (const std::string& path : amass_paths(babel.feat_p)) ...      // the file of an annotation, of whatever
+///     release
 ///
 /// No reader corrects a rate by itself: a file that was resampled lies below the same name and says what is true.
 /// Source  TEACH (Athanasiou et al., 3DV 2022), amass_files; specs teach.md 4.1, body-models.md 6
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Frames per second of a sequence as it was released, whatever its file says.
 struct AmassRate {
@@ -13788,7 +13918,7 @@ inline constexpr std::array<AmassRename, 8> amass_renames{{{"BioMotionLab_NTroje
 
 /// The path of a sequence, then those with the names before and today where they differ from it.
 inline std::vector<std::string> amass_paths(std::string_view path) {
-  auto renamed = [&](std::string_view AmassRename::* from, std::string_view AmassRename::* to) {
+  auto renamed = [&](std::string_view AmassRename::*from, std::string_view AmassRename::*to) {
     std::string out;
     for (std::size_t at = 0; at <= path.size();) {
       const std::size_t end = std::min(path.find('/', at), path.size());
@@ -13806,13 +13936,14 @@ inline std::vector<std::string> amass_paths(std::string_view path) {
     return out;
   };
   std::vector<std::string> out{std::string(path)};
-  for (std::string other : {renamed(&AmassRename::today, &AmassRename::before), renamed(&AmassRename::before, &AmassRename::today)}) {
+  for (std::string other :
+       {renamed(&AmassRename::today, &AmassRename::before), renamed(&AmassRename::before, &AmassRename::today)}) {
     if (other != path) out.push_back(std::move(other));
   }
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_AMASS_RESAMPLE_HPP  // <motionlang/features/amass_resample.hpp>
@@ -13827,7 +13958,7 @@ inline std::vector<std::string> amass_paths(std::string_view path) {
 /// Which frames of a clip the published systems take: other frame rates, parts, windows for training. For parity; to
 /// resample clips of one's own use kinematics/motion_tools.hpp.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -13942,8 +14073,8 @@ inline std::vector<Index> actor_frames(Index available, const ActorFrameOptions&
   return out;
 }
 
-/// SINC: the frames of a training item. Of a longer clip consecutive ones from a random start on; the last possible start is
-/// never drawn, as published. In evaluation whole clips (`request` 0) of 15 to 800 frames.
+/// SINC: the frames of a training item. Of a longer clip consecutive ones from a random start on; the last possible
+/// start is never drawn, as published. In evaluation whole clips (`request` 0) of 15 to 800 frames.
 /// Source  SINC, spec sinc.md 5.3
 struct SincWindow {
   Index request = 300;  // frames to take; 0: all
@@ -13961,10 +14092,10 @@ struct SincWindow {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// SMPL poses as AMASS files have them.
 template <Scalar S>
@@ -14042,14 +14173,14 @@ AmassPoses<S> amass_mirror(std::span<const S> poses, std::span<const S> trans) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP  // <motionlang/features/amass_sequence.hpp>
 #define MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP
 /// A sequence of AMASS as its file has it: rotation vectors, path and shape of an SMPL body, world Z up.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct AmassSequence {
   Index frames = 0, columns = 0;  // columns: 66 or more; 156 of SMPL-H, 165 of SMPL-X
@@ -14060,7 +14191,7 @@ struct AmassSequence {
   double fps = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_GUO_CLIP_HPP  // <motionlang/features/guo_clip.hpp>
@@ -14070,7 +14201,7 @@ struct AmassSequence {
 ///
 /// Source  text-to-motion data/dataset.py, Text2MotionDatasetV2; spec evaluation-guo.md 1.3, 2.4
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct GuoClipLimits {
   Index least = 40;   // frames; KIT: 24
@@ -14103,7 +14234,7 @@ inline FrameSlice guo_item(Index frames, NumpyRandom& coin, PythonRandom& start,
   return {static_cast<Index>(start.randint(0, frames - length)), length};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_HPP  // <motionlang/features/guoh3d.hpp>
@@ -14115,7 +14246,7 @@ inline FrameSlice guo_item(Index frames, NumpyRandom& coin, PythonRandom& start,
 ///         recover_from_rot; spec humanml3d-features.md 7
 /// World   Y up, frame 0 at x = z = 0; units as the features have them (metres; KIT: about 1/640 m), not normalised
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The path of the root. `turn` takes directions of the world to those seen from the body.
 template <Scalar S>
@@ -14229,7 +14360,7 @@ std::vector<Vec3<S>> guoh3d_joints_from_rotations(const ChainSkeleton& skeleton,
                                   offsets);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_EXTRACTION_HPP  // <motionlang/features/guoh3d_extraction.hpp>
@@ -14245,7 +14376,7 @@ std::vector<Vec3<S>> guoh3d_joints_from_rotations(const ChainSkeleton& skeleton,
 ///         spec humanml3d-features.md 3 to 6
 /// World   Y up; velocities and turns per frame (20 frames per second, KIT 12.5)
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// As published, unless something is said.
 struct Guoh3dOptions {
@@ -14456,23 +14587,23 @@ std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Ve
   return guoh3d_features(skeleton, joints, std::span<const S>(lengths), options);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_HUMANML3D_SOURCE_HPP  // <motionlang/features/humanml3d_source.hpp>
 #define MOTIONLANG_HAS_FEATURES_HUMANML3D_SOURCE_HPP
-/// From raw AMASS to the joints that HumanML3D begins with: which frames a row of index.csv takes, and the axes. The body
-/// is the caller's: a function that poses frames, such as a BodyModel of SMPL-H on the user's own model file.
+/// From raw AMASS to the joints that HumanML3D begins with: which frames a row of index.csv takes, and the axes. The
+/// body is the caller's: a function that poses frames, such as a BodyModel of SMPL-H on the user's own model file.
 ///
 /// Source   Guo et al. (CVPR 2022), raw_pose_processing.ipynb; spec humanml3d-features.md 8
-/// World    in: Z up, metres (AMASS); out: Y up, (x, y, z) -> (-x, z, y). HumanAct12 clips come as joints that are Y up and
-///          stay as they are, and the index is not applied to them.
+/// World    in: Z up, metres (AMASS); out: Y up, (x, y, z) -> (-x, z, y). HumanAct12 clips come as joints that are Y up
+///          and stay as they are, and the index is not applied to them.
 ///
 ///     const auto joints = humanml3d_source_joints<double>(row, frames, fps, [&](std::span<const Index> numbers) {
 ///       return posed_joints(model, sequence, numbers);      // (numbers.size(), J), J >= 22
 ///     });
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A row of index.csv: a clip is a part of a sequence.
 struct HumanMl3dSource {
@@ -14484,7 +14615,8 @@ struct HumanMl3dSource {
 };
 
 struct HumanMl3dSourceOptions {
-  /// The published program slices [start:-1], which leaves the last frame out where "to the end" is meant. true: it is kept.
+  /// The published program slices [start:-1], which leaves the last frame out where "to the end" is meant. true: it is
+  /// kept.
   bool keep_last_frame = false;
 };
 
@@ -14510,8 +14642,8 @@ inline Index humanml3d_lead(std::string_view source_path) {
   return frames;
 }
 
-/// The frames of a sequence that a row of the index takes: every floor(fps / 20)-th, behind the lead, from start to end.
-/// An end behind the last frame is the last frame, as Python slices are. Empty if the sequence is too short.
+/// The frames of a sequence that a row of the index takes: every floor(fps / 20)-th, behind the lead, from start to
+/// end. An end behind the last frame is the last frame, as Python slices are. Empty if the sequence is too short.
 /// Throws config_error 101 for a rate below 20 frames per second and for frames that are negative (but for end -1).
 inline std::vector<Index> humanml3d_source_frames(const HumanMl3dSource& row, Index frames, double fps,
                                                   const HumanMl3dSourceOptions& options = {}) {
@@ -14590,7 +14722,7 @@ std::vector<Vec3<typename B::scalar>> posed_joints(const BodyModel<B>& model, co
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_JOINT_SETS_HPP  // <motionlang/features/joint_sets.hpp>
@@ -14603,7 +14735,7 @@ std::vector<Vec3<typename B::scalar>> posed_joints(const BodyModel<B>& model, co
 ///     smplh    all 73
 /// Source  TEMOS, rots2joints/smplh.py; spec temos.md 4.3
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// MMM's joints among the 73 points; 59 and 62 are the heels.
 inline constexpr std::array<std::size_t, 21> mmm_of_smplh{0, 3, 9, 12, 15, 16, 18, 20, 17, 19, 21,
@@ -14638,29 +14770,33 @@ std::vector<Vec3<S>> select_joints(std::string_view name, std::span<const Vec3<S
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_HPP  // <motionlang/features/motion_features.hpp>
 #define MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_HPP
-/// The feature vectors that systems are trained on, by name: from a clip to rows of numbers, and from these to joints and
-/// clips.
+/// The feature vectors that systems are trained on, by name: from a clip to rows of numbers, and from these to joints
+/// and clips.
 ///
 ///     const MotionFeatures& f = motion_features("guoh3d");
 ///     const auto rows = f.from_motion(resample(retarget(clip), f.fps));
 ///     const Motion back = motion_of_rows(f, rows);
 ///
 ///     guoh3d              263   20    HumanML3D's, of TMR   a row less than the clip has frames; positions alone
-///     kit                 251   12.5  KIT's, 21 joints of MMM, reflected, 640 units per metre, bones as long as the clip's; else as guoh3d
+///     kit                 251   12.5  KIT's, 21 joints of MMM, reflected, 640 units per metre, bones as long as the
+///                         clip's; else as guoh3d
 ///     rifke                67   12.5  TMR's canonical view, 22 joints; positions alone
-///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot); positions alone
+///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot);
+///                          positions alone
 ///     smplvelp            135   12.5  TEMOS on SMPL         with the exact heading, so that it is there and back
-///     smplvelp-published  135   12.5  TEMOS on SMPL         with the turn of its repository, which is no heading: see SmplVelpOptions
+///     smplvelp-published  135   12.5  TEMOS on SMPL         with the turn of its repository, which is no heading: see
+///                         SmplVelpOptions
 ///     smplrifke           205   20    STMC
-///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a camera
+///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a
+///                         camera
 /// Positions alone: the clip that comes back has rotations that fit them (motion_from_joints.hpp).
-/// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM: specs humanml3d-features.md
-///         1.2 and 10, temos.md 4.1 and 4.3
+/// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM: specs
+///         humanml3d-features.md 1.2 and 10, temos.md 4.1 and 4.3
 
 #ifndef MOTIONLANG_HAS_FEATURES_RIFKE_HPP  // <motionlang/features/rifke.hpp>
 #define MOTIONLANG_HAS_FEATURES_RIFKE_HPP
@@ -14689,7 +14825,7 @@ std::vector<Vec3<S>> select_joints(std::string_view name, std::span<const Vec3<S
 /// World: Z up, metres, radians; velocities and turns per frame (the models use 20 frames per second).
 /// Source   STMC (Petrovich et al. 2024), src/tools/smplrifke_feats.py
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 inline constexpr Index smplrifke_size = 205, smplrifke_rotations = 22, smplrifke_joints = 24;
 
@@ -14891,10 +15027,10 @@ Motion smplrifke_to_motion(std::span<const S> features, const SmplRifkeOptions& 
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One of the published variants, or one of one's own.
 struct RifkeVariant {
@@ -15073,7 +15209,7 @@ std::vector<Vec3<S>> rifke_joints(const RifkeVariant& variant, std::span<const S
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_SMPLVELP_HPP  // <motionlang/features/smplvelp.hpp>
@@ -15088,7 +15224,7 @@ std::vector<Vec3<S>> rifke_joints(const RifkeVariant& variant, std::span<const S
 /// Source  TEMOS (Petrovich et al., ECCV 2022), rots2rfeats/smplvelp.py; TEACH (Athanasiou et al., 3DV 2022),
 ///         globvelandy.py; specs temos.md 4.2, teach.md 1. Normalise with eps 1e-12, SINC with 1e-5 both ways.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct SmplVelpOptions {
   PoseRepresentation rotations = PoseRepresentation::rot6d;
@@ -15107,8 +15243,9 @@ struct SmplVelpMotion {
 };
 
 /// smplvelp: the root's height and velocity, then a rotation of each joint as above: 135 for 22 joints in 6D.
-inline FeatureLayout smplvelp_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
-                                     PoseRepresentation rotations = PoseRepresentation::rot6d) {
+inline FeatureLayout smplvelp_layout(
+    std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
+    PoseRepresentation rotations = PoseRepresentation::rot6d) {
   const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(rotations);
   if (joints < 1) raise<config_error>(101, "smplvelp_layout: no joints");
   return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, [=](Index i) {
@@ -15179,10 +15316,10 @@ SmplVelpMotion<S> smplvelp_inverse(std::span<const S> features, Index joints = 2
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct MotionFeatures {
   std::string_view name;
@@ -15192,8 +15329,8 @@ struct MotionFeatures {
   const Skeleton& (*skeleton)();
   FeatureLayout (*layout)();             // which numbers belong to which body part
   std::span<const FeatureRange> ranges;  // what the numbers mean
-  /// The rows of a clip on SMPL's 24 joints, or on the joints of `skeleton`, that has the rate already. Throws config_error 103 if the
-  /// joints are others, shape_error 205 if it is too short.
+  /// The rows of a clip on SMPL's 24 joints, or on the joints of `skeleton`, that has the rate already. Throws
+  /// config_error 103 if the joints are others, shape_error 205 if it is too short.
   std::vector<double> (*from_motion)(const Motion& motion);
   /// (frames, joints), Y up, from the origin on. Throws shape_error 205.
   std::vector<Vec3<double>> (*joints_of)(std::span<const double> rows);
@@ -15216,8 +15353,8 @@ Motion motion_of_smplvelp(const SmplVelpMotion<S>& from, double fps) {
   return out;
 }
 
-/// Rotations and the way of the root as ACTOR and MDM have them of videos, as a clip on SMPL's 24 joints, on the floor. In the world of
-/// the camera the figure stands on its head: it is turned by 180 degrees about x.
+/// Rotations and the way of the root as ACTOR and MDM have them of videos, as a clip on SMPL's 24 joints, on the floor.
+/// In the world of the camera the figure stands on its head: it is turned by 180 degrees about x.
 template <Scalar S>
 Motion motion_of_actor(const ActorMotion<S>& from, double fps) {
   const auto upright = axis_rotation(0, std::numbers::pi);
@@ -15274,7 +15411,8 @@ inline constexpr double mmm_units_per_metre = 640;
 
 /// MMM's joints of every frame as KIT has them and TEMOS makes them: reflected, Y up.
 inline std::vector<Vec3<double>> mmm_joints_of(const Motion& motion) {
-  const bool own = motion.skeleton.names == kit21_skeleton().names && motion.skeleton.parents == kit21_skeleton().parents;
+  const bool own =
+      motion.skeleton.names == kit21_skeleton().names && motion.skeleton.parents == kit21_skeleton().parents;
   if (!own) require_smpl24(motion);
   auto joints = (own ? motion : retarget(motion, kit21_skeleton())).positions();
   for (Vec3<double>& p : joints) p = mmm_units_per_metre * Vec3<double>{-p.x, p.y, p.z};
@@ -15300,7 +15438,8 @@ inline std::vector<Vec3<double>> mmm_in_metres(std::vector<Vec3<double>> joints)
 inline std::vector<double> kit_rows_of(const Motion& motion) {
   const auto joints = mmm_joints_of(motion);
   const std::span<const Vec3<double>> all(joints);
-  const auto lengths = joints.empty() ? std::vector<double>(mmm_joints) : bone_lengths(kit_chains(), all.first(mmm_joints));
+  const auto lengths =
+      joints.empty() ? std::vector<double>(mmm_joints) : bone_lengths(kit_chains(), all.first(mmm_joints));
   return guoh3d_features(kit_chains(), all, std::span<const double>(lengths));
 }
 inline std::vector<Vec3<double>> joints_of_kit(std::span<const double> rows) {
@@ -15361,7 +15500,9 @@ inline std::vector<double> actor_rows_of_motion(const Motion& motion, const Acto
 namespace detail {
 
 inline std::vector<double> actor_rows_of(const Motion& motion) { return actor_rows_of_motion(motion); }
-inline Motion actor_motion(std::span<const double> rows, double fps) { return motion_of_actor(actor_inverse(rows), fps); }
+inline Motion actor_motion(std::span<const double> rows, double fps) {
+  return motion_of_actor(actor_inverse(rows), fps);
+}
 inline std::vector<Vec3<double>> joints_of_actor(std::span<const double> rows) {
   return first_joints(actor_motion(rows, 20), 22);
 }
@@ -15403,7 +15544,8 @@ inline Motion motion_of_rows(const MotionFeatures& features, std::span<const dou
   const auto odd = std::find_if(rows.begin(), rows.end(), [](double x) { return !std::isfinite(x); });
   if (odd != rows.end()) {
     const Index at = odd - rows.begin();
-    raise<numeric_error>(301, "motion_of_rows: number ", at % features.width, " of frame ", at / features.width, " is not finite");
+    raise<numeric_error>(301, "motion_of_rows: number ", at % features.width, " of frame ", at / features.width,
+                         " is not finite");
   }
   if (features.to_motion != nullptr) {
     Motion out = features.to_motion(rows, rate);
@@ -15422,14 +15564,14 @@ inline const MotionFeatures& motion_features(std::string_view name) {
                       join_text(all_motion_features, ", ", [](const MotionFeatures& f) { return f.name; }));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
 #define MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP
 /// Features to zero mean and unit deviation, and back.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
 /// Statistics are saved with a model but not trained. eps matters only where std is 0.
@@ -15457,14 +15599,14 @@ struct Normalizer {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_SMPLH_JOINTS_HPP  // <motionlang/features/smplh_joints.hpp>
 #define MOTIONLANG_HAS_FEATURES_SMPLH_JOINTS_HPP
 /// From rotations to the joints that TEMOS, TEACH and SINC compare: an SMPL-H body, and the joints of a set.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One sequence on a body of shape 0. name: a set of joint_sets.hpp, or "vertices".
 /// rotations    (frames, 22 or 52, 9), row by row; 22 leave the hands in their mean pose
@@ -15492,7 +15634,7 @@ Tensor<B, 3> smplh_joints(std::string_view name, const Body<B>& body, const Tens
   return Tensor<B, 3>::from(out, {frames, std::ssize(joints) / std::max<Index>(frames, 1), 3});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_STATISTICS_HPP  // <motionlang/features/statistics.hpp>
@@ -15509,7 +15651,7 @@ Tensor<B, 3> smplh_joints(std::string_view name, const Body<B>& body, const Tens
 ///     for (const auto& clip : clips) statistics.add_finite(std::span<const float>(clip), slots.size());
 ///     auto std = group_means(statistics.population_deviation(), slots.groups());
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class FeatureStatistics {
  public:
@@ -15577,17 +15719,17 @@ inline std::vector<double> group_means(std::vector<double> values, std::span<con
   return values;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_TM2T_DATA_HPP  // <motionlang/features/tm2t_data.hpp>
 #define MOTIONLANG_HAS_FEATURES_TM2T_DATA_HPP
-/// What TM2T's tokenizer is trained on: its statistics, the windows of the clips, the frames that become tokens. And how
-/// often its decoder is shown the truth.
+/// What TM2T's tokenizer is trained on: its statistics, the windows of the clips, the frames that become tokens. And
+/// how often its decoder is shown the truth.
 ///
 /// Source  TM2T (Guo et al., ECCV 2022), data/dataset.py, networks/trainers.py; spec tm2t.md 1, 2, 5.1
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The deviations by which features are divided: those of turn, velocity and height of the root and of the contacts are
 /// made smaller, so that these count more.
@@ -15616,8 +15758,9 @@ struct ClipWindow {
   Index clip = 0, start = 0;
   bool operator==(const ClipWindow&) const = default;
 };
-/// As published item 0 is the beginning of the first clip that is as long as a window, and item i > 0 is start i - c - 1 of
-/// the clip with c < i <= c + n, where c counts the windows before it: the last start of each clip is missing. Throws config_error 101 for a window below 1.
+/// As published item 0 is the beginning of the first clip that is as long as a window, and item i > 0 is start i - c -
+/// 1 of the clip with c < i <= c + n, where c counts the windows before it: the last start of each clip is missing.
+/// Throws config_error 101 for a window below 1.
 inline std::vector<ClipWindow> tm2t_windows(std::span<const Index> lengths, Index window = 64) {
   if (window < 1) raise<config_error>(101, "tm2t_windows: windows of ", window);
   std::vector<ClipWindow> out;
@@ -15650,23 +15793,24 @@ struct TeacherForcing {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_ACTOR_AUTOREGRESSIVE_HPP  // <motionlang/vae/actor_autoregressive.hpp>
 #define MOTIONLANG_HAS_VAE_ACTOR_AUTOREGRESSIVE_HPP
-/// A decoder that writes one frame after the other, which ACTOR's is compared with (thesis table 3.4 a). It comes from the joeynmt
-/// project: pre-norm layers with ReLU, separate matrices of attention.
+/// A decoder that writes one frame after the other, which ACTOR's is compared with (thesis table 3.4 a). It comes from
+/// the joeynmt project: pre-norm layers with ReLU, separate matrices of attention.
 
 #ifndef MOTIONLANG_HAS_VAE_ACTOR_GRU_HPP  // <motionlang/vae/actor_gru.hpp>
 #define MOTIONLANG_HAS_VAE_ACTOR_GRU_HPP
 /// The recurrent encoder and decoder that ACTOR is compared with (thesis table 3.4).
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The action of each frame's motion, one-hot, and how far the frame is through it: (frames, classes), or one more column.
+/// The action of each frame's motion, one-hot, and how far the frame is through it: (frames, classes), or one more
+/// column.
 template <Backend B>
 Tensor<B, 2> action_and_time(std::span<const Index> labels, Index classes, const Offsets& lengths, bool time) {
   const auto action = repeat_for_rows(one_hot<B>(labels, classes), lengths);
@@ -15738,10 +15882,10 @@ struct ActorGruDecoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Multi-head attention with a layer for each projection.
 template <Backend B>
@@ -15877,14 +16021,14 @@ struct ActorAutoregressiveDecoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_ACTOR_DECODER_HPP  // <motionlang/vae/actor_decoder.hpp>
 #define MOTIONLANG_HAS_VAE_ACTOR_DECODER_HPP
 /// ACTOR's decoder: a latent, an action and a duration become a motion.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// How action and time enter the decoder; all but the first are ablations (thesis table 3.4 c; spec actor.md 2.8).
 enum class ActorConditioning {
@@ -15922,8 +16066,8 @@ struct ActorDecoder {
     seqTransDecoder = copied_layers<TransformerDecoder<B>>(c, rng);
   }
 
-  /// What the frames of each motion attend to. z (motions, width). Throws shape_error 203 for a label that is no class, 204 unless each
-  /// motion has one.
+  /// What the frames of each motion attend to. z (motions, width). Throws shape_error 203 for a label that is no class,
+  /// 204 unless each motion has one.
   Sequences<B> memory(const Tensor<B, 2>& z, std::span<const Index> labels) const {
     if (std::ssize(labels) != z.size(0))
       raise<shape_error>(204, "ActorDecoder: ", labels.size(), " labels for ", z.size(0), " motions");
@@ -15951,14 +16095,14 @@ struct ActorDecoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_ACTOR_ENCODER_HPP  // <motionlang/vae/actor_encoder.hpp>
 #define MOTIONLANG_HAS_VAE_ACTOR_ENCODER_HPP
 /// ACTOR's encoder, and the one without tokens that it is compared with.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     [muQuery[y], sigmaQuery[y], W frames] + positions -> encoder -> rows 0 and 1 are mu and logvar
 /// Source  ACTOR (Petrovich, Black, Varol, ICCV 2021), section 3.1; spec actor.md 2.4
@@ -16000,8 +16144,8 @@ struct ActorEncoder {
 
 ///     W frames + positions -> encoder -> mean over the frames -> mu and logvar by a linear layer each
 /// Source  ACTOR, thesis table 3.4 b; spec actor.md 2.8, "average_encoder"
-/// The mean counts padding, as published: frames of zeros up to the longest motion of the batch, which attend to the real ones. So
-/// here a short motion does depend on what is encoded with it.
+/// The mean counts padding, as published: frames of zeros up to the longest motion of the batch, which attend to the
+/// real ones. So here a short motion does depend on what is encoded with it.
 template <Backend B>
 struct ActorAverageEncoder {
   Linear<B> mu_layer, sigma_layer, skelEmbedding;
@@ -16026,8 +16170,8 @@ struct ActorAverageEncoder {
 
   Sequences<B> sequence(const Sequences<B>& x) const { return add_positions(skelEmbedding(x), positions.rows()); }
 
-  /// padded_frames  of the batch, if it is padded beyond its longest motion: padding counts. Throws shape_error 203 for more than there are
-  ///                positions
+  /// padded_frames  of the batch, if it is padded beyond its longest motion: padding counts. Throws shape_error 203 for
+  ///                more than there are positions
   LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}, Index padded_frames = 0) const {
     auto dropped = [&](const Sequences<B>& s) { return s.with(dropout(s.rows, dropout_p, context)); };
     const Index longest = std::max(padded_frames, x.offsets.longest());
@@ -16055,14 +16199,14 @@ struct ActorAverageEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_ACTOR_FULLY_CONNECTED_HPP  // <motionlang/vae/actor_fully_connected.hpp>
 #define MOTIONLANG_HAS_VAE_ACTOR_FULLY_CONNECTED_HPP
 /// The fully connected encoder and decoder that ACTOR is compared with (thesis table 3.4): motions of one length only.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     h = gelu(W2 gelu(W1 [all numbers of the motion, one-hot y]));   mu and logvar from h
 /// Numbers are ordered by feature, then frame. Source  spec actor.md 2.8
@@ -16091,7 +16235,8 @@ struct ActorFullyConnectedEncoder {
   }
 };
 
-///     gelu(W3 gelu(W2 gelu(W1 [z, one-hot y]))): the last activation is as published, though features are negative as well
+///     gelu(W3 gelu(W2 gelu(W1 [z, one-hot y]))): the last activation is as published, though features are negative as
+///     well
 template <Backend B>
 struct ActorFullyConnectedDecoder {
   Linear<B> first, second, third;
@@ -16118,15 +16263,15 @@ struct ActorFullyConnectedDecoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_ACTOR_LATENTS_HPP  // <motionlang/vae/actor_latents.hpp>
 #define MOTIONLANG_HAS_VAE_ACTOR_LATENTS_HPP
-/// The latents of generated motions, which may share their noise: what differs between two motions is then the action alone, or the
-/// noise alone.
+/// The latents of generated motions, which may share their noise: what differs between two motions is then the action
+/// alone, or the noise alone.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Which latents share their noise. interpolate: one vector, scaled from -1 to 1 over the samples.
 enum class NoiseSharing { random, same, interpolate };
@@ -16143,7 +16288,8 @@ struct ActorSampling {
   }
 };
 
-/// Latents in the order sample, action: noise (noise_rows, latent) -> (samples actions, latent). Source  spec actor.md 9
+/// Latents in the order sample, action: noise (noise_rows, latent) -> (samples actions, latent). Source  spec actor.md
+/// 9
 /// Throws  config_error 101 for options that mean nothing, shape_error 204 for another number of rows
 template <Backend B>
 Tensor<B, 2> actor_latents(const Tensor<B, 2>& noise, Index actions, const ActorSampling& o = {}) {
@@ -16166,29 +16312,31 @@ Tensor<B, 2> actor_latents(const Tensor<B, 2>& noise, Index actions, const Actor
   return gather(noise, rows) * Tensor<B, 2>::from(scale, {std::ssize(scale), 1});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_ACTOR_LOSSES_HPP  // <motionlang/vae/actor_losses.hpp>
 #define MOTIONLANG_HAS_VAE_ACTOR_LOSSES_HPP
 /// The loss of ACTOR.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// Weights of the loss; rcxyz is 0 for models that were trained without a body. vel and velxyz exist but are not used in published
-/// models.
+/// Weights of the loss; rcxyz is 0 for models that were trained without a body. vel and velxyz exist but are not used
+/// in published models.
 struct ActorLossWeights {
   double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
 };
-/// What rcxyz and velxyz compare: `actor_points` of the motions, and of those that the model wrote. Published models take vertices
-/// without the translation.
+/// What rcxyz and velxyz compare: `actor_points` of the motions, and of those that the model wrote. Published models
+/// take vertices without the translation.
 template <Backend B>
 struct ActorLossPoints {
   Sequences<B> wanted, written;
 };
 
-///     rc, rcxyz     mean square over all frames and their numbers (the padding of the translation's row counts), or over points
-///     kl            KL(N(mu, exp(logvar)) || N(0, 1)), SUMMED over batch and coordinates: its weight grows with the batch
+///     rc, rcxyz     mean square over all frames and their numbers (the padding of the translation's row counts), or
+///                   over points
+///     kl            KL(N(mu, exp(logvar)) || N(0, 1)), SUMMED over batch and coordinates: its weight grows with the
+///                   batch
 ///     vel, velxyz   mean square of the steps from frame to frame
 /// Terms whose weight is not 0. Source  ACTOR, src/models/tools/losses.py; spec actor.md 6.1
 /// Throws  config_error 102 if a term needs points and there are none
@@ -16209,7 +16357,7 @@ LossTerms<B> actor_losses(const LatentGaussian<B>& latent, const Sequences<B>& x
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_MOTION_TOKENIZER_HPP  // <motionlang/vae/motion_tokenizer.hpp>
@@ -16219,10 +16367,11 @@ LossTerms<B> actor_losses(const LatentGaussian<B>& latent, const Sequences<B>& x
 ///     const IdSequences tokens = tokenizer.tokens(normalized);       // a quarter as many as frames
 ///     const Sequences<B> motion = tokenizer.motions(tokens);         // normalised features
 ///
-/// Source  Guo et al., "TM2T: stochastic and tokenized modeling for the reciprocal generation of 3D human motions and texts" (ECCV 2022),
-///         section 3.1; networks/modules.py, networks/trainers.py (VQTokenizerTrainerV3); spec tm2t.md 1, 2
+/// Source  Guo et al., "TM2T: stochastic and tokenized modeling for the reciprocal generation of 3D human motions and
+///         texts" (ECCV 2022), section 3.1; networks/modules.py, networks/trainers.py (VQTokenizerTrainerV3); spec
+///         tm2t.md 1, 2
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The ids of motion tokens: codes, then the marks of beginning and end, and of padding.
 struct MotionVocabulary {
@@ -16249,8 +16398,8 @@ struct VqEncoder {
   Sequences<B> operator()(const Sequences<B>& x) const { return main(x); }
 };
 
-/// Residual blocks, then for each further number of channels twice the length and a convolution; a last one at the end. Where the
-/// latent is not as wide as the first number says, a convolution comes before.
+/// Residual blocks, then for each further number of channels twice the length and a convolution; a last one at the end.
+/// Where the latent is not as wide as the first number says, a convolution comes before.
 /// Differs from the table of the paper: three residual blocks, not two, as published.
 template <Backend B>
 struct VqDecoder {
@@ -16360,8 +16509,8 @@ struct MotionTokenizer {
 };
 
 ///     mean |x^ - x| + quantisation [- lambda mean D(x^)]
-/// With a discriminator (published: from epoch 10 on) its norms go by the statistics of the decoded motions; it takes its own step
-/// before, with `hinge_discriminator_loss` times lambda.
+/// With a discriminator (published: from epoch 10 on) its norms go by the statistics of the decoded motions; it takes
+/// its own step before, with `hinge_discriminator_loss` times lambda.
 template <Backend B>
 LossTerms<B> tokenizer_losses(const typename MotionTokenizer<B>::Result& result, const Sequences<B>& x,
                               VqDiscriminator<B>* discriminator = nullptr, double lambda_adv = 0.5) {
@@ -16373,7 +16522,7 @@ LossTerms<B> tokenizer_losses(const typename MotionTokenizer<B>::Result& result,
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_PARTED_TEXT_ENCODER_HPP  // <motionlang/vae/parted_text_encoder.hpp>
@@ -16382,10 +16531,11 @@ LossTerms<B> tokenizer_losses(const typename MotionTokenizer<B>::Result& result,
 ///
 ///     [mu token, logvar token, part, separation token, part, ...] -> encoder -> mu, logvar
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// Learned tokens, projection and transformer, under the names of the published state dicts (the systems spell the third token
-/// differently). Unlike TEMOS' encoder it has no positions over the whole sequence: parts that need some get their own (`placed`).
+/// Learned tokens, projection and transformer, under the names of the published state dicts (the systems spell the
+/// third token differently). Unlike TEMOS' encoder it has no positions over the whole sequence: parts that need some
+/// get their own (`placed`).
 /// Source  specs teach.md 2.1, sinc.md 2.1
 template <Backend B, class Keys>
 struct PartedTextEncoder {
@@ -16433,7 +16583,7 @@ struct PartedTextEncoder {
   static Tensor<B, 2> row(const Tensor<B, 1>& t) { return reshape<2>(t, {1, t.size(0)}); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_SINC_LOSSES_HPP  // <motionlang/vae/sinc_losses.hpp>
@@ -16442,13 +16592,13 @@ struct PartedTextEncoder {
 
 #ifndef MOTIONLANG_HAS_VAE_TEXT_MOTION_HPP  // <motionlang/vae/text_motion.hpp>
 #define MOTIONLANG_HAS_VAE_TEXT_MOTION_HPP
-/// One latent space for texts and motions: the two branches of a training step, their losses, and motions from texts. TEMOS
-/// and TMR; TEACH and SINC build on it.
+/// One latent space for texts and motions: the two branches of a training step, their losses, and motions from texts.
+/// TEMOS and TMR; TEACH and SINC build on it.
 ///
 ///     text   -> N_T -> z_T -> frames      both decoded with the same decoder to the lengths of the motions
 ///     motion -> N_M -> z_M -> frames
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What one modality of a batch became.
 template <Backend B>
@@ -16493,11 +16643,12 @@ TransformerConfig transformer_of(const Config& c) {
           .dropout = c.dropout};
 }
 
-/// Over what a reconstruction is averaged: the padded batch (TEMOS, TMR, SINC), or each sequence on its own and then all (TEACH).
+/// Over what a reconstruction is averaged: the padded batch (TEMOS, TMR, SINC), or each sequence on its own and then
+/// all (TEACH).
 enum class ReconstructionMean { padded_batch, sequences };
 
-/// Weights and switches of TEMOS' loss; the rows of thesis table 4.3 are `cross_modal_kl`, `gaussian_kl` and `embedding` off, and a
-/// model without motion encoder.
+/// Weights and switches of TEMOS' loss; the rows of thesis table 4.3 are `cross_modal_kl`, `gaussian_kl` and
+/// `embedding` off, and a model without motion encoder.
 struct TemosLossOptions {
   double recons = 1, kl = 1e-5, latent = 1e-5;
   bool cross_modal_kl = true, gaussian_kl = true;
@@ -16524,7 +16675,8 @@ LossTerms<B> reconstruction_losses(const TextMotionBranches<B>& branches, const 
 }
 
 ///     recons_text2F, recons_F2F     smooth_l1 in the mean over the padded batch, or over sequences
-///     kl_text2motion, kl_motion2text, kl_text, kl_motion     KL(T || M), KL(M || T), KL(T || N(0, 1)), KL(M || N(0, 1))
+///     kl_text2motion, kl_motion2text, kl_text, kl_motion     KL(T || M), KL(M || T), KL(T || N(0, 1)), KL(M || N(0,
+///     1))
 ///     latent_manifold               smooth_l1(z_T, z_M)
 /// Those terms that model and options have; the names are the published ones.
 /// Source  TEMOS, section 3.3; spec temos.md 6.1
@@ -16572,7 +16724,7 @@ struct TmrLossOptions {
 template <Backend B>
 LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                         const Tensor<B, 2>* sentences = nullptr, const TmrLossOptions& options = {},
-                         const Tensor<B, 0>* temperature = nullptr) {
+                        const Tensor<B, 0>* temperature = nullptr) {
   const auto parts = temos_losses(branches, motion,
                                   TemosLossOptions{.cross_modal_kl = options.cross_modal_kl,
                                                    .gaussian_kl = options.gaussian_kl,
@@ -16608,9 +16760,11 @@ Tensor<B, 2> sampled_latents(const LatentGaussian<B>& texts, const Philox& rng, 
   return texts.sample(broadcast_to<2>(eps, texts.mu.shape()), sampling.fact);
 }
 
-/// Motions from texts: `samples` for each, features as the model was trained on. `model` has encode_text(tokens) and decode(z, lengths).
+/// Motions from texts: `samples` for each, features as the model was trained on. `model` has encode_text(tokens) and
+/// decode(z, lengths).
 /// tokens  a sequence for each text;   lengths  of the motions, one for each text
-/// Noise   one vector for each sample, the same for all texts, as published: a text gives the same motion alone and among others
+/// Noise   one vector for each sample, the same for all texts, as published: a text gives the same motion alone and
+///         among others
 template <Backend B, class Model>
 std::vector<Sequences<B>> text_to_motion(const Model& model, const Sequences<B>& tokens, const Offsets& lengths,
                                          const Philox& rng, Index samples = 1, const LatentSampling& sampling = {}) {
@@ -16620,8 +16774,8 @@ std::vector<Sequences<B>> text_to_motion(const Model& model, const Sequences<B>&
   return out;
 }
 
-/// Motions between two texts: `steps` latents on the line from that of one to that of the other, all of `length` frames.
-/// The first and the last are those of text_to_motion. Throws what interpolate_rows throws.
+/// Motions between two texts: `steps` latents on the line from that of one to that of the other, all of `length`
+/// frames. The first and the last are those of text_to_motion. Throws what interpolate_rows throws.
 template <Backend B, class Model>
 Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length,
                                const Philox& rng, const LatentSampling& sampling = {}) {
@@ -16634,21 +16788,24 @@ Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts
   return interpolate_texts(model, two_texts, steps, length, Philox{}, {.mean = true});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published weights: divergences weigh 32 times as much as in TEMOS. Source  spec sinc.md 3
 inline TemosLossOptions sinc_loss_options() { return {.kl = 32e-5, .feats = "rfeats"}; }
 
 /// texts    how many latents the text of each motion has; if one each, these are temos_losses
 ///
-///     kl_text2motion_multi, kl_motion2text_multi, kl_text_multi     the mean over the texts of a motion, then over motions
-///     latent_manifold_multi     smooth_l1 of each text against its motion: the sum over all texts / (motions * most texts of one)
+///     kl_text2motion_multi, kl_motion2text_multi, kl_text_multi     the mean over the texts of a motion, then over
+///     motions
+///     latent_manifold_multi     smooth_l1 of each text against its motion: the sum over all texts / (motions * most
+///                               texts of one)
 /// and recons_rfeats2rfeats, recons_text2rfeats, kl_motion as ever.
 /// separate_latents   the names that end in _multi, also where every motion of the batch has one text
-/// Source  spec sinc.md 3; a motion with fewer texts than another has empty latents, which count as 0 in the mean, as published
+/// Source  spec sinc.md 3; a motion with fewer texts than another has empty latents, which count as 0 in the mean, as
+///         published
 template <Backend B>
 LossTerms<B> sinc_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion, const Offsets& texts,
                          bool separate_latents, const TemosLossOptions& options = sinc_loss_options()) {
@@ -16684,17 +16841,17 @@ LossTerms<B> sinc_losses(const TextMotionBranches<B>& branches, const Sequences<
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_SINC_TEXT_ENCODER_HPP  // <motionlang/vae/sinc_text_encoder.hpp>
 #define MOTIONLANG_HAS_VAE_SINC_TEXT_ENCODER_HPP
 /// SINC's text encoder: one motion, several labels at the same time.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// What becomes of several labels: one sentence (text/joined_labels.hpp; the released models); one sequence of separate texts ("SINC-STE");
-/// a latent for each label, all of them memory of the decoder.
+/// What becomes of several labels: one sentence (text/joined_labels.hpp; the released models); one sequence of separate
+/// texts ("SINC-STE"); a latent for each label, all of them memory of the decoder.
 enum class SincMode { single, separate_texts, separate_latents };
 
 /// The labels of a batch of motions, as texts.
@@ -16705,7 +16862,8 @@ struct SincTexts {
   std::optional<Tensor<B, 2>> end{};  // (texts, text_dim): see SincTextEncoder::joined
   Index padded_tokens = 0;            // of the batch, if it is padded beyond its longest text
 
-  /// How many texts each motion has. Throws shape_error 205 unless `motion` counts from 0 without gaps and has one number for each text.
+  /// How many texts each motion has. Throws shape_error 205 unless `motion` counts from 0 without gaps and has one
+  /// number for each text.
   Offsets per_motion() const {
     if (motion.empty()) return Offsets::equal(states.count(), 1);
     if (std::ssize(motion) != states.count())
@@ -16748,9 +16906,10 @@ struct SincTextEncoder {
     return concat_tokens(tokens, positions ? text.placed(words, context) : words);
   }
   /// What enters the first layer, for the texts of each motion together.
-  /// legacy_mask  As published, where the mask is shifted by one behind the first text: of each further text that is shorter than the
-  ///              batch is padded to, the last token is hidden and the last place of its padding seen (`texts.end`: the state of the
-  ///              language model there, distilbert.padding_states(batch, last place)); a motion with fewer texts than another sees one row of zeros for each that it lacks
+  /// legacy_mask  As published, where the mask is shifted by one behind the first text: of each further text that is
+  ///              shorter than the batch is padded to, the last token is hidden and the last place of its padding seen
+  ///              (`texts.end`: the state of the language model there, distilbert.padding_states(batch, last place)); a
+  ///              motion with fewer texts than another sees one row of zeros for each that it lacks
   /// Throws       config_error 101 if `texts.end` is needed and not there
   Sequences<B> joined(const SincTexts<B>& texts, bool legacy_mask) const {
     const Offsets of_motion = texts.per_motion(), &words = texts.states.offsets;
@@ -16783,8 +16942,8 @@ struct SincTextEncoder {
     }
     return {gather(table, pick), Offsets(lengths)};
   }
-  /// A distribution for each motion; for each text in mode separate_latents. Throws shape_error 205 for a motion of several texts in
-  /// mode single.
+  /// A distribution for each motion; for each text in mode separate_latents. Throws shape_error 205 for a motion of
+  /// several texts in mode single.
   LatentGaussian<B> operator()(const SincTexts<B>& texts, SincMode mode, bool legacy_mask = true,
                                const Context& context = {}) const {
     const Offsets of_motion = texts.per_motion();
@@ -16796,14 +16955,14 @@ struct SincTextEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_TEACH_TEXT_ENCODER_HPP  // <motionlang/vae/teach_text_encoder.hpp>
 #define MOTIONLANG_HAS_VAE_TEACH_TEXT_ENCODER_HPP
 /// TEACH's text encoder: what an action becomes depends on the frames before it.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct TeachTextKeys {
   static constexpr const char* separation_token = "seperation_token";  // published so
@@ -16820,8 +16979,8 @@ struct TeachPast {
 ///     [mu, logvar, past, z, separation, text] -> encoder -> mu, logvar          past = encoder(W p + positions)
 /// Past and text have positions of their own; the tokens and z have none.
 /// Source   TEACH (Athanasiou, Petrovich, Black, Varol, 3DV 2022), section 3.2; spec teach.md 2.1
-/// Differs  from the paper, as published: the past goes through the transformer of the text. That which the paper has for it stands
-///          in the checkpoints and is never called
+/// Differs  from the paper, as published: the past goes through the transformer of the text. That which the paper has
+///          for it stands in the checkpoints and is never called
 template <Backend B>
 struct TeachTextEncoder {
   PartedTextEncoder<B, TeachTextKeys> text;
@@ -16863,14 +17022,14 @@ struct TeachTextEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_TEACH_TRAINING_HPP  // <motionlang/vae/teach_training.hpp>
 #define MOTIONLANG_HAS_VAE_TEACH_TRAINING_HPP
 /// A training step of TEACH: two actions that follow each other, each with the branches and losses of TEMOS.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A batch. The features of a pair are canonicalised and normalised as one motion and then cut.
 template <Backend B>
@@ -16901,7 +17060,8 @@ struct TeachLossOptions {
   double velocity = 0;  // of a term that published code has, with 0.5, but cannot run
 };
 
-///     velocity_text2rfeats, velocity_rfeats2rfeats     smooth_l1 of the steps from frame to frame, without height and velocity of the
+///     velocity_text2rfeats, velocity_rfeats2rfeats     smooth_l1 of the steps from frame to frame, without height and
+///     velocity of the
 ///                                                      root (columns 0 to 2), in the mean over sequences
 template <Backend B>
 LossTerms<B> teach_velocity_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion, double weight) {
@@ -16918,7 +17078,8 @@ LossTerms<B> teach_velocity_losses(const TextMotionBranches<B>& branches, const 
   return out;
 }
 
-/// The terms of temos_losses (and velocities, if they have a weight) for the first action, whose names end in _0, and the second, _1.
+/// The terms of temos_losses (and velocities, if they have a weight) for the first action, whose names end in _0, and
+/// the second, _1.
 /// Source  spec teach.md 3
 template <Backend B>
 LossTerms<B> teach_losses(const TeachBranches<B>& branches, const TeachPairs<B>& pairs,
@@ -16944,14 +17105,14 @@ LossTerms<B> teach_losses(const TeachBranches<B>& branches, const TeachPairs<B>&
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_TEMOS_ENCODER_HPP  // <motionlang/vae/temos_encoder.hpp>
 #define MOTIONLANG_HAS_VAE_TEMOS_ENCODER_HPP
 /// The encoders of TEMOS, one class for motions and texts; TEACH and SINC have the same for motions.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Names of the published state dict, and what differs between the modalities.
 struct TemosMotionKeys {
@@ -17018,14 +17179,14 @@ using TemosMotionEncoder = TemosEncoder<B, TemosMotionKeys>;
 template <Backend B>
 using TemosTextEncoder = TemosEncoder<B, TemosTextKeys>;
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_TEMOS_GRU_HPP  // <motionlang/vae/temos_gru.hpp>
 #define MOTIONLANG_HAS_VAE_TEMOS_GRU_HPP
 /// The recurrent encoder and decoder that TEMOS is compared with (thesis table 4.3, first row).
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     h = GRU(W x);   mu and logvar from the last frame's h
 /// Source  spec temos.md 10
@@ -17087,14 +17248,14 @@ struct TemosGruDecoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_TMR_ENCODER_HPP  // <motionlang/vae/tmr_encoder.hpp>
 #define MOTIONLANG_HAS_VAE_TMR_ENCODER_HPP
 /// The encoder of TMR, the same for motions and texts.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     [tokens, W x] + positions -> encoder -> mu, logvar
 /// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.1; spec tmr.md 2.1
@@ -17129,7 +17290,7 @@ struct TmrEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_ANY_DENOISER_HPP  // <motionlang/diffusion/any_denoiser.hpp>
@@ -17150,7 +17311,8 @@ struct TmrEncoder {
 /// network may predict, converted into each other.
 ///
 /// Notation (Ho et al. 2020)   beta_t, alpha_t = 1 - beta_t, abar_t = prod_{s <= t} alpha_s, abarp_t = abar_{t-1} (1
-///                             for t = 0), abarn_t = abar_{t+1} (0 for the last). Index t stands for t + 1 applications of noise.
+///                             for t = 0), abarn_t = abar_{t+1} (0 for the last). Index t stands for t + 1 applications
+///                             of noise.
 /// Precision   tables are built in double, the entry for t is rounded to the tensor's scalar, then one multiplication
 ///             and one addition per term in the order written: what the published code does, and what parity needs.
 
@@ -17158,10 +17320,11 @@ struct TmrEncoder {
 #define MOTIONLANG_HAS_DIFFUSION_RESPACING_HPP
 /// Which steps of a long process a short sampling run keeps.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One section of nearly equal size per count; in each, `count` steps evenly from its first to its last, rounded half
-/// to even; of 0, none. Source  improved diffusion (Nichol and Dhariwal 2021), `space_timesteps`. Throws config_error 105.
+/// to even; of 0, none. Source  improved diffusion (Nichol and Dhariwal 2021), `space_timesteps`. Throws config_error
+/// 105.
 inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
   std::vector<Index> kept;
   const auto sections = static_cast<Index>(counts.size());
@@ -17214,14 +17377,14 @@ inline std::vector<Index> respace(Index steps, std::string_view specification) {
   return respace(steps, counts);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_SCHEDULE_HPP  // <motionlang/diffusion/schedule.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_SCHEDULE_HPP
 /// Noise schedules: how much noise step t adds.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A forward process q(x_t | x_{t-1}) = N(sqrt(1 - beta_t) x_{t-1}, beta_t I), t = 0 ... steps-1.
 /// Minimum   steps, beta(t)
@@ -17303,10 +17466,10 @@ struct BetaList {
 static_assert(Schedule<LinearSchedule> && Schedule<ScaledLinearSchedule> && Schedule<CosineSchedule> &&
               Schedule<ChenCosineSchedule> && Schedule<BetaList>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What a network says about x_t.
 enum class Prediction { x0, eps, score, x_prev };
@@ -17505,10 +17668,10 @@ Tensor<B, R> convert_prediction(const GaussianDiffusion& d, Prediction from, Pre
   return x0;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What of the other sequences of its batch a result depends on: a batch of such a denoiser cannot be divided.
 ///     longest_text   the length of the longest text (MDM-SMPL with texts of several lengths)
@@ -17530,8 +17693,8 @@ struct DenoiserTraits {
 
 /// A network that cleans noisy sequences given a text for each.
 ///     x (frames of all sequences, features), t (one step number per sequence), text (one per sequence) -> as x
-/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), but for last
-///          digits in bf16x3 (core/precision.hpp)
+/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), but for
+///          last digits in bf16x3 (core/precision.hpp)
 /// Models   MdmSmplDenoiser, MdmDenoiser, MotionDiffuseDenoiser, and yours
 template <class D, class B>
 concept Denoiser = Module<D> &&
@@ -17549,9 +17712,10 @@ concept EncodesText = Denoiser<D, B> &&
   { d(x, t, d.encode(text)) } -> std::same_as<Sequences<B>>;
 };
 
-/// What a denoiser makes of frames with several texts each: of sequence i of x with the texts uses.begin(i) ... uses.end(i) - 1, such as a text
-/// and none, for guidance. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
-/// A denoiser that computes once what the texts of a sequence have in common takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
+/// What a denoiser makes of frames with several texts each: of sequence i of x with the texts uses.begin(i) ...
+/// uses.end(i) - 1, such as a text and none, for guidance. t: a step for each text. Throws shape_error 204 for other
+/// numbers of sequences, texts or steps. A denoiser that computes once what the texts of a sequence have in common
+/// takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
 ///     d(x, uses, t, text) == d(repeat_sequences(x, uses), t, text)
 template <Backend B, Denoiser<B> D, class Text>
 Sequences<B> denoise_with_texts(const D& denoiser, const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
@@ -17571,10 +17735,10 @@ auto encoded_text(const D& denoiser, TextFeatures<B> text) {
     return text;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class MdmArch { trans_enc, trans_dec, gru };
 enum class MdmCondition { text, action, none };
@@ -17723,14 +17887,14 @@ struct MdmDenoiser {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_MDM_SMPL_HPP  // <motionlang/diffusion/mdm_smpl.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_MDM_SMPL_HPP
 /// MDM-SMPL: the denoiser of the STMC paper.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes (27 M parameters).
 struct MdmSmplConfig {
@@ -17827,8 +17991,8 @@ struct MdmSmplDenoiser {
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) const {
     return sequence(x, t, encode(text));
   }
-  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout: what they have in common is computed once. t: a
-  /// step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
+  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout: what they have in common is
+  /// computed once. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
   Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
                           const EncodedText& text) const {
     check_counts(uses.rows(), t, text);
@@ -17870,14 +18034,14 @@ struct MdmSmplDenoiser {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_MOTIONDIFFUSE_HPP  // <motionlang/diffusion/motiondiffuse.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_MOTIONDIFFUSE_HPP
 /// MotionDiffuse: linear attention, conditioning by scale and shift, a transformer over CLIP's token states.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sizes of the HumanML3D release.
 struct MotionDiffuseConfig {
@@ -18083,7 +18247,8 @@ struct MotionDiffuseDenoiser {
             static_cast<S>(std::sin(angle));
       }
     }
-    return time_out(time_in(Tensor<B, 2>::from(std::span<const S>(values), {static_cast<Index>(t.size()), 2 * half}), Activation::silu));
+    return time_out(time_in(Tensor<B, 2>::from(std::span<const S>(values), {static_cast<Index>(t.size()), 2 * half}),
+                            Activation::silu));
   }
   Sequences<B> embed_frames(const Sequences<B>& x) const {
     PoolVector<Index> position;
@@ -18110,10 +18275,10 @@ struct MotionDiffuseDenoiser {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Exactly one of the members is set. The names of its parameters stand behind that of the member.
 template <Backend B>
@@ -18160,14 +18325,14 @@ struct AnyDenoiser {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_GUIDANCE_HPP  // <motionlang/diffusion/guidance.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_GUIDANCE_HPP
 /// Classifier-free guidance.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     guided = null + w (cond - null)
 /// Source  Ho and Salimans (2022), eq. 6 in the form that all motion models use. Applied to whatever the network
@@ -18182,7 +18347,7 @@ Tensor<B, R> guide(const Tensor<B, R>& cond, const Tensor<B, R>& null, const Ten
   return null + (cond - null) * w;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_MDM_ACTIONS_HPP  // <motionlang/diffusion/mdm_actions.hpp>
@@ -18190,7 +18355,8 @@ Tensor<B, R> guide(const Tensor<B, R>& cond, const Tensor<B, R>& null, const Ten
 /// MDM for actions: motions for classes, which stand where MDM for texts has a text.
 ///
 ///     const MdmActions<B> mdm{.denoiser = ..., .diffusion = GaussianDiffusion(CosineSchedule{.steps = 1000})};
-///     const auto motions = mdm.generate(actions, Philox{.seed = 7});            // frames of rotations and way, as ACTOR has them
+///     const auto motions = mdm.generate(actions, Philox{.seed = 7});            // frames of rotations and way, as
+///     ACTOR has them
 ///
 /// An unconstrained model (HumanAct12 without its classes) has one class, which it does not look at.
 /// Source  Tevet et al., "Human motion diffusion model" (ICLR 2023), section 4.2; spec mdm.md 3, 3.1
@@ -18204,7 +18370,7 @@ Tensor<B, R> guide(const Tensor<B, R>& cond, const Tensor<B, R>& null, const Ten
 ///     noise(draw)   -> standard normal numbers of that shape; draw 0 is the first after the initial tensor
 ///     fix(x0, t)    -> the clean estimate that is used (inpainting, stitching); identity if not given
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct StepOptions {
   Prediction prediction = Prediction::x0;
@@ -18219,8 +18385,8 @@ inline GaussianDiffusion with_steps(const GaussianDiffusion& process, Index step
   return process.respaced(respace(process.steps(), std::vector<Index>{steps}));
 }
 
-/// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a batch it
-/// sees the same noise. draw: 0 for the initial tensor, 1, 2, ... for the steps.
+/// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a
+/// batch it sees the same noise. draw: 0 for the initial tensor, 1, 2, ... for the steps.
 template <Backend B>
 Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape) {
   using S = typename B::scalar;
@@ -18412,10 +18578,10 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
   return x;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct MdmActionOptions {
   Index steps = 0;                   // evenly kept of the model's; 0: all
@@ -18430,7 +18596,8 @@ struct MdmActions {
   GaussianDiffusion diffusion;
   double guidance = 1;  // the published models were trained without empty actions, and have none
 
-  /// A motion of the denoiser's `crop_frames` for each action. The noise of a motion depends on the generator and on its place.
+  /// A motion of the denoiser's `crop_frames` for each action. The noise of a motion depends on the generator and on
+  /// its place.
   /// Throws  shape_error 203 for an action that is no class; config_error 102 for a denoiser of texts; `cancelled`
   Sequences<B> generate(std::span<const Index> actions, const Philox& rng, const MdmActionOptions& options = {}) const {
     using S = typename B::scalar;
@@ -18454,7 +18621,8 @@ struct MdmActions {
     const auto network = [&](const Tensor<B, 2>& x, Index t) {
       const std::vector<Index> at(static_cast<std::size_t>(n), process.network_t(t));
       const auto of = [&](const TextFeatures<B>& f) { return denoiser(Sequences<B>(x, offsets), at, f).rows; };
-      return weight == 1 ? of(wanted) : guide(of(wanted), of(nothing), weight);  // two calls: the GRU runs over its batch
+      // two calls: the GRU runs over its batch
+      return weight == 1 ? of(wanted) : guide(of(wanted), of(nothing), weight);
     };
     const auto noise = [&](Index draw) {
       return reshape<2>(sequence_noise<B>(rng, draw, {n, frames, c.nfeats}), {n * frames, c.nfeats});
@@ -18469,12 +18637,13 @@ struct MdmActions {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_BAG_OF_WORDS_HPP  // <motionlang/text/bag_of_words.hpp>
 #define MOTIONLANG_HAS_TEXT_BAG_OF_WORDS_HPP
-/// One unit vector for each text from the words in it: which texts say nearly the same, where there is no network that knows.
+/// One unit vector for each text from the words in it: which texts say nearly the same, where there is no network that
+/// knows.
 ///
 ///     v_w = count of w in the text * (ln((1 + texts) / (1 + texts with w)) + 1/100),   then length 1
 /// so that words which stand in every text ("a", "person") weigh next to nothing. Order and synonyms are not seen.
@@ -18486,34 +18655,36 @@ struct MdmActions {
 #define MOTIONLANG_HAS_TEXT_TEXT_ENCODER_HPP
 /// The concept of a text encoder.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Turns texts into vectors: one sequence of tokens for each, a single row if it pools.
-/// Laws     a text gives the same features alone and among others (but for last digits in bf16x3); "" is a text like any other
+/// Laws     a text gives the same features alone and among others (but for last digits in bf16x3); "" is a text like
+///          any other
 /// Models   CaptionEncoder, and yours
 template <class E, class B>
 concept TextEncoder = requires(const E& e, std::span<const std::string> texts) {
   { e.template encode<B>(texts) } -> std::same_as<TextFeatures<B>>;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_WORD_PIECE_HPP  // <motionlang/text/word_piece.hpp>
 #define MOTIONLANG_HAS_TEXT_WORD_PIECE_HPP
 /// A small word-piece tokenizer whose vocabulary is learnt from the captions of a training set.
 ///
-/// For plain captions: ASCII letters are lowered, everything that is neither letter nor digit separates words. The tokenizers of
-/// BERT and CLIP, with their Unicode rules, are other headers.
+/// For plain captions: ASCII letters are lowered, everything that is neither letter nor digit separates words. The
+/// tokenizers of BERT and CLIP, with their Unicode rules, are other headers.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
 /// Splits a word from the left into the longest known pieces and appends their ids; `unknown` alone if that fails.
 /// find(text, first) is the id of a piece that begins the word (first) or continues it, -1 if there is none.
 template <class Find>
-void append_longest_pieces(std::vector<Index>& ids, std::string_view word, std::size_t longest, Index unknown, Find find) {
+void append_longest_pieces(std::vector<Index>& ids, std::string_view word, std::size_t longest, Index unknown,
+                           Find find) {
   const std::size_t before = ids.size();
   for (std::size_t at = 0; at < word.size();) {
     std::size_t length = std::min(word.size() - at, longest);
@@ -18537,8 +18708,8 @@ class WordPiece {
   static constexpr Index begin_id = 0, end_id = 1, unknown_id = 2;
 
   WordPiece() = default;
-  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice; `source` stands in
-  /// messages.
+  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice; `source`
+  /// stands in messages.
   explicit WordPiece(std::vector<std::string> vocabulary, std::string_view source = "WordPiece")
       : pieces_(std::move(vocabulary)) {
     if (pieces_.size() < 3 || pieces_[0] != "[CLS]" || pieces_[1] != "[SEP]" || pieces_[2] != "[UNK]") {
@@ -18552,8 +18723,8 @@ class WordPiece {
     }
   }
 
-  /// Learns a vocabulary: all letters, then the merges with the largest count(ab) / (count(a) count(b)) that occur at least
-  /// `least` times, until `size` pieces; ties go to the alphabetically first.
+  /// Learns a vocabulary: all letters, then the merges with the largest count(ab) / (count(a) count(b)) that occur at
+  /// least `least` times, until `size` pieces; ties go to the alphabetically first.
   /// Source  the WordPiece criterion as described for BERT (Schuster and Nakajima 2012)
   static WordPiece learn(std::span<const std::string> texts, Index size, Index least = 2) {
     std::map<std::string, Index> counts;
@@ -18608,8 +18779,8 @@ class WordPiece {
   const std::vector<std::string>& vocabulary() const { return pieces_; }
   Index size() const { return static_cast<Index>(pieces_.size()); }
 
-  /// [CLS] pieces [SEP], at most `longest` ids; every word is split greedily into the longest known pieces, a word that cannot be
-  /// split is [UNK]. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
+  /// [CLS] pieces [SEP], at most `longest` ids; every word is split greedily into the longest known pieces, a word that
+  /// cannot be split is [UNK]. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
   std::vector<Index> encode(std::string_view text, Index longest = 64) const {
     if (longest < 2) raise<config_error>(101, "WordPiece: at most ", longest, " ids, the frame has 2");
     std::vector<Index> ids{begin_id};
@@ -18646,10 +18817,10 @@ class WordPiece {
   std::size_t longest_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class BagOfWords {
  public:
@@ -18703,20 +18874,20 @@ class BagOfWords {
   std::map<std::string, Word> words_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_BERT_HPP  // <motionlang/text/bert.hpp>
 #define MOTIONLANG_HAS_TEXT_BERT_HPP
-/// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. One network; the members differ in the names of their tensors, in whether
-/// there are token types, and in how positions count.
+/// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. One network; the members differ in the names of their tensors,
+/// in whether there are token types, and in how positions count.
 ///
 ///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);   // io/text_network_file.hpp
 ///     const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
 ///
-/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others (but for last digits in
-/// bf16x3). Loading a file packs the weights for the kernels; a network that was made otherwise is made ready with `prepare`. On an
-/// Autodiff backend it is trained.
+/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others (but for last
+/// digits in bf16x3). Loading a file packs the weights for the kernels; a network that was made otherwise is made ready
+/// with `prepare`. On an Autodiff backend it is trained.
 
 #ifndef MOTIONLANG_HAS_TEXT_TOKEN_OFFSETS_HPP  // <motionlang/text/token_offsets.hpp>
 #define MOTIONLANG_HAS_TEXT_TOKEN_OFFSETS_HPP
@@ -18726,7 +18897,7 @@ class BagOfWords {
 #define MOTIONLANG_HAS_TEXT_TOKENIZER_HPP
 /// The concept of a tokenizer, batches of ids, and the strings that stand for an id wherever they occur in a text.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Turns a text into the ids that a network takes, framed by the marks for begin and end.
 /// Laws     every id is at least 0 and below size(); any bytes are a text, what is not UTF-8 counts as U+FFFD
@@ -18744,8 +18915,8 @@ struct TokenBatch {
   Index count() const { return static_cast<Index>(lengths.size()); }
   Index longest() const { return lengths.empty() ? 0 : *std::max_element(lengths.begin(), lengths.end()); }
 
-  /// (texts, width), filled up with `pad` on the right; width 0: that of the longest text. Throws shape_error 204 if a text is
-  /// longer.
+  /// (texts, width), filled up with `pad` on the right; width 0: that of the longest text. Throws shape_error 204 if a
+  /// text is longer.
   std::vector<Index> padded(Index pad, Index width = 0) const {
     if (width == 0) width = longest();
     if (width < longest()) raise<shape_error>(204, "padded: width ", width, ", a text of ", longest(), " ids");
@@ -18768,8 +18939,8 @@ TokenBatch tokenize(const T& tokenizer, std::span<const std::string> texts) {
   return out;
 }
 
-/// A string that becomes its id before words are looked for. Whether it takes the white space beside it along is no question
-/// here, since all our tokenizers drop white space.
+/// A string that becomes its id before words are looked for. Whether it takes the white space beside it along is no
+/// question here, since all our tokenizers drop white space.
 struct AddedToken {
   std::string content;
   Index id = 0;
@@ -18862,9 +19033,10 @@ inline std::size_t frame_size(std::span<const FramePart> frame) {
       std::count_if(frame.begin(), frame.end(), [](const FramePart& p) { return p.kind == FramePart::token; }));
 }
 
-/// The ids of a text in its frame, no more than `longest`: what is beyond is cut off, or throws config_error 101 unless `truncate`.
-inline std::vector<Index> framed_text(std::string_view tokenizer, std::span<const FramePart> frame, std::vector<Index> ids,
-                                      Index longest, bool truncate) {
+/// The ids of a text in its frame, no more than `longest`: what is beyond is cut off, or throws config_error 101 unless
+/// `truncate`.
+inline std::vector<Index> framed_text(std::string_view tokenizer, std::span<const FramePart> frame,
+                                      std::vector<Index> ids, Index longest, bool truncate) {
   const std::size_t around = frame_size(frame), room = static_cast<std::size_t>(longest) - around;
   if (ids.size() > room) {
     if (!truncate) raise<config_error>(101, tokenizer, ": a text of ", ids.size() + around, " ids, at most ", longest);
@@ -18883,10 +19055,10 @@ inline TokenPair framed_pair(std::string_view tokenizer, std::span<const FramePa
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Throws shape_error 207 if the lengths are not those of the ids.
 inline Offsets token_offsets(const TokenBatch& batch) {
@@ -18896,10 +19068,10 @@ inline Offsets token_offsets(const TokenBatch& batch) {
   return offsets;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct BertConfig {
   Index vocabulary = 30522, width = 768, heads = 12, d_ff = 3072, layers = 6, positions = 512;
@@ -18940,9 +19112,10 @@ struct MpnetKeys {
                         attended_dropout = true;
 };
 
-/// The bucket of a relative position r = key - query, of 32: 0 ... 15 for keys up to the query, 16 ... 31 for later ones; up to a
-/// distance of 8 every distance has its own. Source  MPNet (Song et al. 2020), after T5 (Raffel et al. 2020), section 2.1; the borders
-/// 8 * 16^(i / 8) as whole numbers (spec text-encoders.md, section 4).
+/// The bucket of a relative position r = key - query, of 32: 0 ... 15 for keys up to the query, 16 ... 31 for later
+/// ones; up to a
+/// distance of 8 every distance has its own. Source  MPNet (Song et al. 2020), after T5 (Raffel et al. 2020), section
+/// 2.1; the borders 8 * 16^(i / 8) as whole numbers (spec text-encoders.md, section 4).
 constexpr Index mpnet_bucket(Index r) {
   constexpr Index borders[] = {12, 16, 23, 32, 46, 64, 91};
   const Index distance = r < 0 ? -r : r, later = r > 0 ? 16 : 0;
@@ -19003,8 +19176,8 @@ struct BertLayer {
   }
 };
 
-/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); spec text-encoders.md, sections 2 to 4. Without pooler and
-///         heads.
+/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); spec text-encoders.md, sections 2 to 4.
+///         Without pooler and heads.
 template <Backend B, class Keys>
 struct BertNetwork {
   Embedding<B> words, positions;
@@ -19040,8 +19213,8 @@ struct BertNetwork {
   /// Ids of the longest text that there are positions for.
   Index longest() const { return positions.weight.size(0) - first_position(); }
 
-  /// The states of the last layer, one row for every id. Throws config_error 101 for a text that is too long, shape_error 203 for
-  /// an unknown id.
+  /// The states of the last layer, one row for every id. Throws config_error 101 for a text that is too long,
+  /// shape_error 203 for an unknown id.
   TextFeatures<B> operator()(const TokenBatch& batch, const Context& context = {}) const {
     const Offsets offsets = token_offsets(batch);
     check_length(offsets.longest());
@@ -19055,8 +19228,9 @@ struct BertNetwork {
     }))};
   }
 
-  /// What a padded batch has at place `place` behind the end of each text, (texts, width): a piece of padding, which attends to the text
-  /// and is not attended to. Published SINC models with separate texts see it. Throws config_error 101 if there is no such position.
+  /// What a padded batch has at place `place` behind the end of each text, (texts, width): a piece of padding, which
+  /// attends to the text and is not attended to. Published SINC models with separate texts see it. Throws config_error
+  /// 101 if there is no such position.
   Tensor<B, 2> padding_states(const TokenBatch& batch, Index place) const requires(!Keys::relative_scores) {
     const Offsets offsets = token_offsets(batch), one = Offsets::equal(offsets.count(), 1);
     check_length(std::max(offsets.longest(), place + 1));
@@ -19115,28 +19289,28 @@ using Bert = BertNetwork<B, BertKeys>;
 template <Backend B>
 using Mpnet = BertNetwork<B, MpnetKeys>;
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_BERT_TOKENIZER_HPP  // <motionlang/text/bert_tokenizer.hpp>
 #define MOTIONLANG_HAS_TEXT_BERT_TOKENIZER_HPP
-/// The WordPiece tokenizer of BERT, DistilBERT and MiniLM, and its MPNet variant: ids as the fast tokenizers of Hugging Face give
-/// them. Vocabularies are read by io/tokenizer_files.hpp.
+/// The WordPiece tokenizer of BERT, DistilBERT and MiniLM, and its MPNet variant: ids as the fast tokenizers of Hugging
+/// Face give them. Vocabularies are read by io/tokenizer_files.hpp.
 ///
 ///     const BertTokenizer bert(read_vocabulary("vocab.txt"));
 ///     bert.encode("a person walks.");   // [CLS] a person walks . [SEP]
 ///
 /// Source   Devlin et al. (2019), the published tokenizer; spec text-encoders.md 7 and 8
-/// Differs  the tables are those of Unicode 15, in the fast tokenizers of Unicode 8: newer punctuation and newer combining marks
-///          are known here
+/// Differs  the tables are those of Unicode 15, in the fast tokenizers of Unicode 8: newer punctuation and newer
+///          combining marks are known here
 
 #ifndef MOTIONLANG_HAS_TEXT_UNICODE_HPP  // <motionlang/text/unicode.hpp>
 #define MOTIONLANG_HAS_TEXT_UNICODE_HPP
-/// What tokenizers need of Unicode: classes of characters, words, lower case, canonical decomposition and composition (NFD, NFC).
-/// No locale, no collation, no other normal forms.
+/// What tokenizers need of Unicode: classes of characters, words, lower case, canonical decomposition and composition
+/// (NFD, NFC). No locale, no collation, no other normal forms.
 ///
-/// Source  Unicode Standard 15.0, sections 3.11, 3.12 (normal forms, Hangul) and 3.13 (final sigma); the tables are generated
-///         by tests/tools/make_unicode_tables.py
+/// Source  Unicode Standard 15.0, sections 3.11, 3.12 (normal forms, Hangul) and 3.13 (final sigma); the tables are
+///         generated by tests/tools/make_unicode_tables.py
 
 #ifndef MOTIONLANG_HAS_TEXT_DETAIL_UNICODE_TABLES_HPP  // <motionlang/text/detail/unicode_tables.hpp>
 #define MOTIONLANG_HAS_TEXT_DETAIL_UNICODE_TABLES_HPP
@@ -19145,7 +19319,8 @@ using Mpnet = BertNetwork<B, MpnetKeys>;
 /// Generated by tests/tools/make_unicode_tables.py: do not edit.
 
 // clang-format off
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 inline constexpr char unicode_version[] = "15.0.0";
 
@@ -19912,11 +20087,12 @@ inline constexpr std::uint16_t narrow_forms[] = {
     0xFFDF,0xA2,0xA3,0xAC,0,0xA6,0xA5,0x20A9,0xFFE7,0x2502,0x2190,0x2191,0x2192,0x2193,0x25A0,0x25CB,0xFFEF,
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 // clang-format on
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Bits of `char_class`.
 namespace CharClass {
@@ -20095,8 +20271,8 @@ inline std::u32string nfc(std::u32string_view text) {
   return out;
 }
 
-/// Full lower case without a language: U+0130 becomes i, U+0307, and where `final_sigma` is set a capital sigma at the end of a
-/// word U+03C2.
+/// Full lower case without a language: U+0130 becomes i, U+0307, and where `final_sigma` is set a capital sigma at the
+/// end of a word U+03C2.
 inline std::u32string lower_case(std::u32string_view text, bool final_sigma = true) {
   std::u32string out;
   out.reserve(text.size());
@@ -20119,10 +20295,10 @@ inline std::u32string lower_case(std::u32string_view text, bool final_sigma = tr
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct BertTokenizerOptions {
   bool clean_text = true;  // drops control characters, any white space is a blank
@@ -20161,8 +20337,8 @@ class BertTokenizer {
  public:
   /// vocabulary   the piece of every id
   /// added        instead of options.special, as a tokenizer.json lists them
-  /// Throws       config_error 107, naming `source`: a piece stands twice, is empty or not UTF-8, or begin, end or unknown is
-  ///              no piece; 101 if options.longest leaves no room for a text
+  /// Throws       config_error 107, naming `source`: a piece stands twice, is empty or not UTF-8, or begin, end or
+  ///              unknown is no piece; 101 if options.longest leaves no room for a text
   explicit BertTokenizer(std::vector<std::string> vocabulary, BertTokenizerOptions options = {},
                          std::string_view source = "BertTokenizer", std::optional<std::vector<AddedToken>> added = {})
       : options_(std::move(options)), pieces_(std::make_shared<const std::vector<std::string>>(std::move(vocabulary))) {
@@ -20230,7 +20406,8 @@ class BertTokenizer {
     return ids;
   }
 
-  /// The words that ids spell, separated by blanks; special tokens are left out. Throws shape_error 203 for an id that is none.
+  /// The words that ids spell, separated by blanks; special tokens are left out. Throws shape_error 203 for an id that
+  /// is none.
   std::string decode(std::span<const Index> ids) const {
     std::string out;
     for (const Index id : ids) {
@@ -20386,15 +20563,15 @@ class BertTokenizer {
 
 static_assert(Tokenizer<BertTokenizer>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP  // <motionlang/text/caption_encoder.hpp>
 #define MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP
-/// A small text encoder of our own: word pieces, a transformer, one vector per caption. Below 2 MB, so that it can come with a
-/// motion model and be trained together with it.
+/// A small text encoder of our own: word pieces, a transformer, one vector per caption. Below 2 MB, so that it can come
+/// with a motion model and be trained together with it.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct CaptionEncoderConfig {
   Index width = 128;
@@ -20453,7 +20630,7 @@ struct CaptionEncoder {
   const { return TextFeatures<C>::pooled((*this)(texts)); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_CLIP_TEXT_HPP  // <motionlang/text/clip_text.hpp>
@@ -20464,7 +20641,7 @@ struct CaptionEncoder {
 ///     const auto text = network(network.until_end(tokenize(tokenizer, texts)));     // nothing behind the end token
 ///     const auto vectors = network.project(pool(text, Pooling::end));               // what MDM and STMC take
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct ClipTextConfig {
   Index vocabulary = 49408, width = 512, heads = 8, d_ff = 2048, layers = 12, context = 77, out = 512;
@@ -20505,7 +20682,8 @@ struct ClipBlock {
   }
 };
 
-/// Source  Radford et al. (2021), section 2.4; parameter names of OpenAI's state dict; spec text-encoders.md, section 5.
+/// Source  Radford et al. (2021), section 2.4; parameter names of OpenAI's state dict; spec text-encoders.md, section
+///         5.
 template <Backend B>
 struct ClipText {
   Embedding<B> token_embedding;
@@ -20532,8 +20710,9 @@ struct ClipText {
 
   Index longest() const { return positional_embedding.size(0); }
 
-  /// The normalised states of the last layer, one row for every id, and where the end tokens are: the first of the largest id. A row
-  /// depends on the ids before it only. Throws config_error 101 for a text longer than the context, shape_error 203 for an unknown id.
+  /// The normalised states of the last layer, one row for every id, and where the end tokens are: the first of the
+  /// largest id. A row depends on the ids before it only. Throws config_error 101 for a text longer than the context,
+  /// shape_error 203 for an unknown id.
   TextFeatures<B> operator()(const TokenBatch& batch) const {
     const Offsets offsets = token_offsets(batch);
     if (offsets.longest() > longest())
@@ -20544,10 +20723,11 @@ struct ClipText {
       for (Index i = 0; i < length; ++i) position_ids.push_back(i);
     }
     const Sequences<B> texts(token_embedding(batch.ids) + gather(positional_embedding, position_ids), offsets);
-    return {texts.with(detail::in_groups(texts, texts.offsets, {}, [&](Sequences<B> some) {
-              for (const auto& block : blocks) some.rows = block(some.rows, some.offsets);
-              return ln_final(some.rows);
-            })),
+    return {texts.with(detail::in_groups(texts, texts.offsets, {},
+                                         [&](Sequences<B> some) {
+                                           for (const auto& block : blocks) some.rows = block(some.rows, some.offsets);
+                                           return ln_final(some.rows);
+                                         })),
             end_positions(batch)};
   }
 
@@ -20587,7 +20767,7 @@ void prepare(ClipText<B>& network) {
   for (auto& block : network.blocks) prepare(block);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_CLIP_TOKENIZER_HPP  // <motionlang/text/clip_tokenizer.hpp>
@@ -20606,11 +20786,12 @@ void prepare(ClipText<B>& network) {
 
 #ifndef MOTIONLANG_HAS_TEXT_TEXT_REPAIR_HPP  // <motionlang/text/text_repair.hpp>
 #define MOTIONLANG_HAS_TEXT_TEXT_REPAIR_HPP
-/// What the CLIP tokenizer does to a text before it looks for words: the deterministic steps of ftfy's repair, and HTML entities.
+/// What the CLIP tokenizer does to a text before it looks for words: the deterministic steps of ftfy's repair, and HTML
+/// entities.
 ///
 /// Source   spec text-encoders.md 9.1; ftfy (Speer 2019); html.unescape of Python, the rules of HTML5
-/// Differs  from ftfy: text that was decoded in the wrong encoding ("mojibake") stays as it is; the steps are repeated at most
-///          100 times
+/// Differs  from ftfy: text that was decoded in the wrong encoding ("mojibake") stays as it is; the steps are repeated
+///          at most 100 times
 
 #ifndef MOTIONLANG_HAS_TEXT_DETAIL_HTML_ENTITIES_HPP  // <motionlang/text/detail/html_entities.hpp>
 #define MOTIONLANG_HAS_TEXT_DETAIL_HTML_ENTITIES_HPP
@@ -20618,7 +20799,8 @@ void prepare(ClipText<B>& network) {
 /// Generated by tests/tools/make_unicode_tables.py: do not edit.
 
 // clang-format off
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// Records: name, blank, code points in hexadecimal joined by +, comma. ? behind a name: its semicolon may be missing.
 /// ^ before a name: not of HTML5, a lower-case name in capitals that stands for the capital.
@@ -21026,11 +21208,12 @@ inline constexpr char html_entities[] =
     "^ZEETRF 2128,zeta 3b6,^ZETA 396,zfr 1d537,^ZFR 1d537,zhcy 436,^ZHCY 416,zigrarr 21dd,^ZIGRARR 21dd,zopf 1d56b,"
     "^ZOPF 1d56b,zscr 1d4cf,^ZSCR 1d4cf,zwj 200d,^ZWJ 200d,zwnj 200c,^ZWNJ 200c,";
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 // clang-format on
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -21251,7 +21434,8 @@ inline std::u32string repaired_once(std::u32string_view text) {
 
 }  // namespace detail
 
-/// Replaces HTML entities as browsers do: named ones also without their semicolon where HTML allows that, the longest name first.
+/// Replaces HTML entities as browsers do: named ones also without their semicolon where HTML allows that, the longest
+/// name first.
 inline std::string html_unescape(std::string_view text) {
   return detail::replace_references(text, [](std::string_view t, std::size_t at) -> std::optional<detail::Reference> {
     if (auto numeric = detail::numeric_reference(t, at)) return numeric;
@@ -21271,8 +21455,8 @@ inline std::string html_unescape(std::string_view text) {
   });
 }
 
-/// Repairs a text: entities, C1 controls, ligatures, wide forms, curly quotes, line ends, terminal escapes, control characters,
-/// NFC. Bytes that are not UTF-8 become U+FFFD.
+/// Repairs a text: entities, C1 controls, ligatures, wide forms, curly quotes, line ends, terminal escapes, control
+/// characters, NFC. Bytes that are not UTF-8 become U+FFFD.
 inline std::string repair_text(std::string_view text) {
   const auto plain = [](char c) { return (c >= ' ' && c <= '~' && c != '&') || c == '\n' || c == '\t'; };
   if (std::all_of(text.begin(), text.end(), plain)) return std::string(text);
@@ -21294,10 +21478,10 @@ inline std::string repair_text(std::string_view text) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What happens to a text before its words are looked for.
 enum class ClipCleaning {
@@ -21317,7 +21501,8 @@ using BytePairMerges = std::vector<std::pair<std::string, std::string>>;
 
 namespace detail {
 
-/// The symbol of a byte in vocabularies: printable bytes stand for themselves, the others for U+0100 ... in their order.
+/// The symbol of a byte in vocabularies: printable bytes stand for themselves, the others for U+0100 ... in their
+/// order.
 struct ByteSymbols {
   std::array<std::string, 256> symbol;      // of a byte, UTF-8
   std::array<unsigned char, 256> in_order;  // the bytes as the first ids have them: printable ones first
@@ -21346,7 +21531,8 @@ struct ByteSymbols {
 /// Byte pair encoding of single words: merges pairs of neighbours in the order of their rank. A constant table.
 class BytePairs {
  public:
-  /// Throws config_error 107, naming `source`, if a byte has no symbol and `unknown` < 0, or a merge names or makes no piece.
+  /// Throws config_error 107, naming `source`, if a byte has no symbol and `unknown` < 0, or a merge names or makes no
+  /// piece.
   BytePairs(const std::vector<std::string>& pieces, const BytePairMerges& merges, const std::string& word_end,
             Index unknown, std::string_view source) {
     std::unordered_map<std::string_view, Index> ids;
@@ -21465,9 +21651,9 @@ class ClipTokenizer {
   explicit ClipTokenizer(const BytePairMerges& merges, ClipTokenizerOptions options = {},
                          std::string_view source = "ClipTokenizer")
       : ClipTokenizer(openai_pieces(merges, options), merges, options, source) {}
-  /// Any ids. `added` instead of begin and end, as a tokenizer.json lists them: they are looked for before the words are.
-  /// Throws config_error 107, naming `source`, if begin or end is no piece, a piece stands twice or a merge needs a piece that
-  /// there is not; 101 if options.longest leaves no room for the frame
+  /// Any ids. `added` instead of begin and end, as a tokenizer.json lists them: they are looked for before the words
+  /// are. Throws config_error 107, naming `source`, if begin or end is no piece, a piece stands twice or a merge needs
+  /// a piece that there is not; 101 if options.longest leaves no room for the frame
   ClipTokenizer(std::vector<std::string> pieces, const BytePairMerges& merges, ClipTokenizerOptions options = {},
                 std::string_view source = "ClipTokenizer", const std::vector<AddedToken>& added = {})
       : options_(std::move(options)) {
@@ -21521,7 +21707,8 @@ class ClipTokenizer {
     single_ = std::move(single), pair_ = std::move(pair);
   }
 
-  /// The framed ids of a text, at most options().longest: a text that is longer loses its last words, or throws config_error 101.
+  /// The framed ids of a text, at most options().longest: a text that is longer loses its last words, or throws
+  /// config_error 101.
   std::vector<Index> encode(std::string_view text) const {
     return detail::framed_text("ClipTokenizer", single_, encode_words(text), options_.longest, options_.truncate);
   }
@@ -21546,8 +21733,8 @@ class ClipTokenizer {
     return ids;
   }
 
-  /// The text that ids spell, in lower case with a blank behind every word; begin and end are left out. Throws shape_error 203
-  /// for an id that is none.
+  /// The text that ids spell, in lower case with a blank behind every word; begin and end are left out. Throws
+  /// shape_error 203 for an id that is none.
   std::string decode(std::span<const Index> ids) const {
     std::string out;
     for (const Index id : ids) {
@@ -21614,7 +21801,8 @@ class ClipTokenizer {
     return pieces;
   }
 
-  /// What a word may begin with, in the order in which it is tried. Without case, as the original compares, the long s is an s.
+  /// What a word may begin with, in the order in which it is tried. Without case, as the original compares, the long s
+  /// is an s.
   std::size_t literal_at(std::string_view text) const {
     if (text.front() != '<' && text.front() != '\'') return 0;
     for (const std::string_view literal :
@@ -21636,8 +21824,9 @@ class ClipTokenizer {
     return at;
   }
 
-  /// Words: the literals, runs of letters, single numbers, runs of what is neither nor white space. U+0345 is lost in the original:
-  /// it is no letter, but without case it is the iota, which is one, so that neither kind of run takes it.
+  /// Words: the literals, runs of letters, single numbers, runs of what is neither nor white space. U+0345 is lost in
+  /// the original: it is no letter, but without case it is the iota, which is one, so that neither kind of run takes
+  /// it.
   void append_words(std::vector<Index>& ids, std::string_view text, detail::WordCache* cache) const {
     const auto kind_of = [&](char32_t c) {
       if (c == 0x345 && options_.cleaning == ClipCleaning::original) return CharClass::white_space;
@@ -21683,7 +21872,7 @@ class ClipTokenizer {
 
 static_assert(Tokenizer<ClipTokenizer>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_GLOVE_HPP  // <motionlang/text/glove.hpp>
@@ -21693,15 +21882,15 @@ static_assert(Tokenizer<ClipTokenizer>);
 ///     const GloVe words = read_glove("glove/our_vab");                                       // io/glove_file.hpp
 ///     const TextFeatures<B> text = words.encode<B>(texts);                  // texts: "a/DET man/NOUN walk/VERB"
 ///
-/// A row is the vector of a word and, behind it, a one among the 15 tags. Texts are lists of word/tag, the second field of the caption
-/// files of HumanML3D. A caption without tags is read by approximation, see `caption_tokens`.
+/// A row is the vector of a word and, behind it, a one among the 15 tags. Texts are lists of word/tag, the second field
+/// of the caption files of HumanML3D. A caption without tags is read by approximation, see `caption_tokens`.
 /// Source  Guo et al. (CVPR 2022), word_vectorizer.py; spec text-encoders.md, section 6
 
 #ifndef MOTIONLANG_HAS_TEXT_TAGGED_WORD_HPP  // <motionlang/text/tagged_word.hpp>
 #define MOTIONLANG_HAS_TEXT_TAGGED_WORD_HPP
 /// A word of a caption with its part of speech, as the caption files of HumanML3D list them.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A word as its lemma, with its part of speech: "walk" and "VERB". No tag: none was written.
 struct TaggedWord {
@@ -21709,10 +21898,10 @@ struct TaggedWord {
   bool operator==(const TaggedWord&) const = default;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class SpeechTag { verb, noun, det, adp, num, aux, pron, adj, adv, loc, body, obj, act, desc, other };
 inline constexpr Index speech_tags = 15;
@@ -21748,8 +21937,8 @@ inline std::optional<SpeechTag> motion_tag(std::string_view word) {
 /// Vectors of words, with "sos", "eos" and "unk" among them.
 class GloVe {
  public:
-  /// vectors has a row of `width` numbers for each word. Throws shape_error 205 if it has not, config_error 103 if sos, eos or unk is
-  /// missing or a word stands twice.
+  /// vectors has a row of `width` numbers for each word. Throws shape_error 205 if it has not, config_error 103 if sos,
+  /// eos or unk is missing or a word stands twice.
   GloVe(const std::vector<std::string>& words, std::vector<float> vectors, Index width)
       : vectors_(std::move(vectors)), width_(width) {
     if (width < 1 || vectors_.size() != words.size() * static_cast<std::size_t>(width))
@@ -21802,8 +21991,9 @@ class GloVe {
     return out;
   }
 
-  /// "word/tag word/tag" where every word has a slash; other texts are captions, in which a slash is a mark like any other
-  /// ("walks and/or runs"). Throws config_error 107 for a word with no tag or several beside one with a tag of the table.
+  /// "word/tag word/tag" where every word has a slash; other texts are captions, in which a slash is a mark like any
+  /// other ("walks and/or runs"). Throws config_error 107 for a word with no tag or several beside one with a tag of
+  /// the table.
   std::vector<TaggedWord> tokens(std::string_view text) const {
     std::vector<TaggedWord> out;
     std::string_view wrong;
@@ -21824,8 +22014,9 @@ class GloVe {
     if (tagged) raise<config_error>(107, "GloVe: '", wrong, "' is not word/tag");
     return caption_tokens(text);
   }
-  /// An approximation to what was done with spaCy: hyphens are deleted, words are lowered, those with digits are passed over; -s, -es,
-  /// -ed and -ing are taken away where the word is unknown and the rest is known. Tags come from the lists of `motion_tag` only.
+  /// An approximation to what was done with spaCy: hyphens are deleted, words are lowered, those with digits are passed
+  /// over; -s, -es, -ed and -ing are taken away where the word is unknown and the rest is known. Tags come from the
+  /// lists of `motion_tag` only.
   std::vector<TaggedWord> caption_tokens(std::string_view text) const {
     std::string joined(text);
     std::erase(joined, '-');
@@ -21874,7 +22065,7 @@ class GloVe {
   std::unordered_map<std::string, std::size_t> row_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_JOINED_LABELS_HPP  // <motionlang/text/joined_labels.hpp>
@@ -21883,13 +22074,13 @@ class GloVe {
 ///
 ///     join_labels(labels, Conjunction::same_time)   // "walk and wave at the same time"
 ///
-/// `while_` and `during` put the second verb into its -ing form, for which a tagger of parts of speech is needed: a callable
-/// sentence -> words with their tags. Without one the words stay as they are.
+/// `while_` and `during` put the second verb into its -ing form, for which a tagger of parts of speech is needed: a
+/// callable sentence -> words with their tags. Without one the words stay as they are.
 ///
 /// Source   SINC (Athanasiou et al., ICCV 2023), rule_based_concat, gerund_augment; spec sinc.md 4
 /// Differs  the paper's evaluation says "while", its code "and ... at the same time"
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// In the order in which training draws them.
 enum class Conjunction { while_, simultaneously, comma, same_time, during };
@@ -21935,7 +22126,7 @@ std::string join_labels(std::span<const std::string> labels, Conjunction conjunc
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_HPP  // <motionlang/text/mirror_caption.hpp>
@@ -21948,9 +22139,10 @@ std::string join_labels(std::span<const std::string> labels, Conjunction conjunc
 /// Whole words, capitals kept, all at once. "left" as a verb is exchanged, too: words do not tell.
 ///
 /// Source   spec humanml3d-features.md 8; HumanML3D ships finished texts, no program
-/// Differs  from the texts of the published KIT annotations, which exchange inside of words: "upright" is "upleft" there
+/// Differs  from the texts of the published KIT annotations, which exchange inside of words: "upright" is "upleft"
+///          there
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -22034,29 +22226,30 @@ inline std::string mirror_caption(std::string_view caption) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_TOKENIZED_ENCODER_HPP  // <motionlang/text/tokenized_encoder.hpp>
 #define MOTIONLANG_HAS_TEXT_TOKENIZED_ENCODER_HPP
 /// A tokenizer and a network make a text encoder.
 ///
-///     const TokenizedEncoder clip(ClipTokenizer(...), load_clip_text<B>(weights), {.pooling = Pooling::end});         // MDM, STMC
-///     const TokenizedEncoder tokens(BertTokenizer(...), load_text_network<DistilBert<B>>(config, weights));           // TEMOS, TMR
-///     const TokenizedEncoder sentences(BertTokenizer(...), load_text_network<Mpnet<B>>(config, weights),
+///     const TokenizedEncoder clip(ClipTokenizer(...), load_clip_text<B>(weights), {.pooling = Pooling::end});
+///     // MDM, STMC
+///     const TokenizedEncoder tokens(BertTokenizer(...), load_text_network<DistilBert<B>>(config, weights));
+///     // TEMOS, TMR const TokenizedEncoder sentences(BertTokenizer(...), load_text_network<Mpnet<B>>(config, weights),
 ///                                      {.pooling = Pooling::mean, .normalize = true});
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct TextOptions {
   Pooling pooling = Pooling::none;
   bool normalize = false;  // pooled vectors get the length 1
-  Index width = 0;         // fill all texts up to so many ids, as MotionDiffuse wants (77); 0: no padding, as the mean wants
-  Index padding = 0;       // the id to fill up with
+  Index width = 0;    // fill all texts up to so many ids, as MotionDiffuse wants (77); 0: no padding, as the mean wants
+  Index padding = 0;  // the id to fill up with
 };
 
-/// The network takes a TokenBatch and gives TextFeatures<B>. Two things are optional: `until_end(batch)`, what suffices for the vector
-/// of the end token, and `project(rows)`, through which that vector goes.
+/// The network takes a TokenBatch and gives TextFeatures<B>. Two things are optional: `until_end(batch)`, what suffices
+/// for the vector of the end token, and `project(rows)`, through which that vector goes.
 template <Tokenizer T, class Network>
 struct TokenizedEncoder {
   T tokenizer;
@@ -22089,18 +22282,19 @@ struct TokenizedEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_WORD_PIECE_TOKENS_HPP  // <motionlang/text/word_piece_tokens.hpp>
 #define MOTIONLANG_HAS_TEXT_WORD_PIECE_TOKENS_HPP
-/// Word pieces as token vectors: a small vocabulary and a table that is trained together with what reads it. Stands where TEMOS and
-/// TMR have the last states of DistilBERT, when there is none: their own transformer makes texts of the pieces.
+/// Word pieces as token vectors: a small vocabulary and a table that is trained together with what reads it. Stands
+/// where TEMOS and TMR have the last states of DistilBERT, when there is none: their own transformer makes texts of the
+/// pieces.
 ///
 ///     WordPieceTokens<B> tokens(WordPiece::learn(captions, 800), 128, rng);
 ///     const auto latent = tmr.encode_text(tokens(captions).tokens);
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct WordPieceTokens {
@@ -22127,20 +22321,20 @@ struct WordPieceTokens {
   const { return (*this)(texts); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_ALIGNMENT_HPP  // <motionlang/compose/alignment.hpp>
 #define MOTIONLANG_HAS_COMPOSE_ALIGNMENT_HPP
-/// TEACH's way to put generated parts one behind the other: the next part is turned and moved onto the last frame of the
-/// one before it, the frames between them are interpolated.
+/// TEACH's way to put generated parts one behind the other: the next part is turned and moved onto the last frame of
+/// the one before it, the frames between them are interpolated.
 ///
 /// Source    TEACH (Athanasiou et al., 3DV 2022), tools/interpolation.py; spec teach.md 5.1
 /// Notation  last frame of what is there -> e, first frame of the next part -> b
 /// World     Z up. The turn is the difference of the z of two rotation vectors, which is that of the headings only for
 ///           bodies that do not lean; published so.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Pose and place of one frame.
 template <Scalar S>
@@ -22215,11 +22409,11 @@ SmplVelpMotion<S> slerp_window(const PoseInWorld<S>& e, const PoseInWorld<S>& b,
   return out;
 }
 
-/// Parts that stand one behind the other, each aligned to the end of the one before it; the first `window` frames of all parts but the
-/// first are interpolated.
+/// Parts that stand one behind the other, each aligned to the end of the one before it; the first `window` frames of
+/// all parts but the first are interpolated.
 /// lengths  frames of the parts, all of the motion together
-/// Throws   shape_error 205 if the motion has another number of frames or a part no frame behind its window; config_error 101 for a
-///          negative window
+/// Throws   shape_error 205 if the motion has another number of frames or a part no frame behind its window;
+///          config_error 101 for a negative window
 template <Scalar S>
 void join_parts(SmplVelpMotion<S>& motion, std::span<const Index> lengths, Index window = 0,
                 Alignment alignment = Alignment::full) {
@@ -22249,7 +22443,7 @@ void join_parts(SmplVelpMotion<S>& motion, std::span<const Index> lengths, Index
   if (end != frames) raise<shape_error>(205, "join_parts: parts of ", end, " frames, motion of ", frames);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_BABEL_SEGMENT_HPP  // <motionlang/compose/babel_segment.hpp>
@@ -22257,7 +22451,7 @@ void join_parts(SmplVelpMotion<S>& motion, std::span<const Index> lengths, Index
 /// Stretches of a motion with a text, as BABEL has them. What TEACH and SINC make of them: teach_pairs.hpp,
 /// simultaneous_segments.hpp. Read by io/babel.hpp.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Frames [start, end) with their text.
 struct BabelSegment {
@@ -22275,14 +22469,15 @@ inline bool is_babel_excluded(std::string_view label) {
   return std::find(babel_excluded_labels.begin(), babel_excluded_labels.end(), label) != babel_excluded_labels.end();
 }
 
-/// The segments that SINC takes, in their order: without empty ones and excluded labels. One without text stays here (it
+/// The segments that SINC takes, in their order: without empty ones and excluded labels. One without text stays here
+/// (it
 /// counts as simultaneous with others) and is nothing to train on. Source  spec sinc.md 5.1
 inline std::vector<BabelSegment> sinc_segments(std::vector<BabelSegment> segments) {
   std::erase_if(segments, [](const BabelSegment& s) { return s.end <= s.start || is_babel_excluded(s.text); });
   return segments;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_BASELINES_HPP  // <motionlang/compose/baselines.hpp>
@@ -22305,7 +22500,7 @@ inline std::vector<BabelSegment> sinc_segments(std::vector<BabelSegment> segment
 /// Times are frames (Index) where motion is made, and seconds (double) where files are written and edited; the two are
 /// different types, so they cannot be mixed.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Where an interval was read, for messages. It says nothing about the interval: all places are equal.
 struct TextPlace {
@@ -22386,10 +22581,10 @@ inline TimelineInSeconds to_seconds(const Timeline& timeline, double fps) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A stretch without cuts inside, and the intervals that cover it, in file order.
 template <class T>
@@ -22448,10 +22643,10 @@ void fill_gaps(BasicTimeline<T>& timeline) {
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -22493,20 +22688,20 @@ inline TimelineInSeconds one_text(const TimelineInSeconds& timeline) {
   return {{std::move(joined)}};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_BODY_PART_ANSWERS_HPP  // <motionlang/compose/body_part_answers.hpp>
 #define MOTIONLANG_HAS_COMPOSE_BODY_PART_ANSWERS_HPP
-/// What a language model answered when it was asked which body parts an action moves, as the parts of SINC; and a table of
-/// such answers. Read from a file by io/body_part_table.hpp; without a table, body_part_lexicon.hpp guesses.
+/// What a language model answered when it was asked which body parts an action moves, as the parts of SINC; and a table
+/// of such answers. Read from a file by io/body_part_table.hpp; without a table, body_part_lexicon.hpp guesses.
 ///
 ///     parse_body_part_answer("Answer: right leg\nleft leg\nbuttocks")   // global, left leg, right leg
 ///
 /// Source   SINC (Athanasiou et al., ICCV 2023), text_list_to_bp; spec sinc.md 6
 /// Differs  from the code: each line is stripped, so that "- waist" is one; "left shoulder" is understood
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -22525,8 +22720,8 @@ inline std::string plain_answer(std::string_view answer) {
 
 }  // namespace detail
 
-/// One part per line; those of the face, wrists and hands say nothing; shoulders are arms, buttocks and waist the pelvis,
-/// the neck is the torso. Throws config_error 103 for a name that is none, and if no part is named.
+/// One part per line; those of the face, wrists and hands say nothing; shoulders are arms, buttocks and waist the
+/// pelvis, the neck is the torso. Throws config_error 103 for a name that is none, and if no part is named.
 inline SincParts parse_body_part_answer(std::string_view answer) {
   std::set<std::string, std::less<>> named;
   const std::string plain = detail::plain_answer(answer);
@@ -22577,7 +22772,7 @@ class BodyPartTable {
   std::unordered_map<std::string, SincParts> parts_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_BODY_PART_LEXICON_HPP  // <motionlang/compose/body_part_lexicon.hpp>
@@ -22591,7 +22786,7 @@ class BodyPartTable {
 /// Rule   every known word adds its parts; words of one arm mean the right one unless "left arm", "left hand", ... is
 ///        written; both arms with "both", with "left and right", or with a plural; nothing known: all parts
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -22651,8 +22846,10 @@ inline constexpr std::array lexicon = {
     WordMeaning{.stem = "sneak", .legs = true},    WordMeaning{.stem = "tiptoe", .legs = true},
     WordMeaning{.stem = "turn", .legs = true},     WordMeaning{.stem = "spin", .legs = true},
     WordMeaning{.stem = "stand", .legs = true},    WordMeaning{.stem = "lung", .legs = true},
-    WordMeaning{.stem = "sit", .legs = true, .spine = true},    WordMeaning{.stem = "squat", .legs = true, .spine = true},
-    WordMeaning{.stem = "crouch", .legs = true, .spine = true}, WordMeaning{.stem = "kneel", .legs = true, .spine = true},
+    WordMeaning{.stem = "sit", .legs = true, .spine = true},
+    WordMeaning{.stem = "squat", .legs = true, .spine = true},
+    WordMeaning{.stem = "crouch", .legs = true, .spine = true},
+    WordMeaning{.stem = "kneel", .legs = true, .spine = true},
     // head and torso
     WordMeaning{.stem = "nod", .head = true},      WordMeaning{.stem = "look", .head = true},
     WordMeaning{.stem = "gaz", .head = true},      WordMeaning{.stem = "peer", .head = true},
@@ -22745,7 +22942,7 @@ void guess_missing_parts(BasicTimeline<T>& timeline) {
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_COLLAGE_HPP  // <motionlang/compose/collage.hpp>
@@ -22777,7 +22974,7 @@ void guess_missing_parts(BasicTimeline<T>& timeline) {
 #define MOTIONLANG_HAS_COMPOSE_OPTIONS_HPP
 /// What a caller can choose when timelines are planned.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What to do where no text is active: let the model move freely, or throw timeline_error 505.
 enum class Gaps { fill, refuse };
@@ -22785,8 +22982,8 @@ enum class Gaps { fill, refuse };
 /// 506, or leave the transition out (the result is the same without it).
 enum class HiddenTexts { refuse, ignore };
 
-/// Frames that go through the denoiser together unless told otherwise: more than 12 s on five tracks have, with and without
-/// their texts. The published network holds some 90 MB for them.
+/// Frames that go through the denoiser together unless told otherwise: more than 12 s on five tracks have, with and
+/// without their texts. The published network holds some 90 MB for them.
 inline constexpr Index usual_rows_at_once = 4096;
 
 struct PlanOptions {
@@ -22798,7 +22995,7 @@ struct PlanOptions {
   Index longest_crop = 0;  // frames that the denoiser accepts; 0: any
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP  // <motionlang/compose/sinc_assignment.hpp>
@@ -22813,7 +23010,7 @@ struct PlanOptions {
 ///             whoever holds them: the text with fewer parts wins, among equals the later one.
 /// Ties     between base texts: the first in the file, or random as published when a generator is given
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Number of the interval that owns each body part.
 using PartOwners = std::array<Index, body_part_count>;
@@ -22869,7 +23066,7 @@ PartOwners assign_parts(const BasicTimeline<T>& timeline, std::span<const Index>
   return owners;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_TRANSITION_HPP  // <motionlang/compose/transition.hpp>
@@ -22880,7 +23077,7 @@ PartOwners assign_parts(const BasicTimeline<T>& timeline, std::span<const Index>
 /// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap, the longer half to the
 ///          right
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A half-open range of frames.
 struct FrameRange {
@@ -22908,10 +23105,10 @@ struct Overlap {
   FrameRange window(Index cut, Index frames) const { return extend({cut, cut}, frames); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A stretch of the timeline that the denoiser sees as one sequence. Crops without frames (overlap 0) are kept, so that
 /// numbers agree with the reference; they take part in nothing.
@@ -23046,8 +23243,9 @@ inline void check_crops(const TimelinePlan& plan, Index longest) {
     if (longest == 0 || c.range.size() <= longest) continue;
     raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", c.range.size(),
                           " frames with its overlap; the denoiser accepts ", longest,
-                          c.is_transition() ? "" : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]) +
-                                                       ". Divide it into shorter ones");
+                          c.is_transition() ? ""
+                                            : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]) +
+                                                  ". Divide it into shorter ones");
   }
 }
 
@@ -23157,10 +23355,10 @@ inline NetWeights net_weights(const TimelinePlan& plan) {
   return net;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -23207,8 +23405,8 @@ template <Backend B>
 class Stitcher {
  public:
   Stitcher() = default;
-  /// `crops`: offsets of the crops in batch order; `stride`: rows per motion. Throws config_error 102 for a layout that does not give
-  /// each number to one body part.
+  /// `crops`: offsets of the crops in batch order; `stride`: rows per motion. Throws config_error 102 for a layout that
+  /// does not give each number to one body part.
   Stitcher(const BatchPlan& plan, const FeatureLayout& layout, const Offsets& crops, Index stride)
       : rows_(static_cast<Index>(plan.timelines.size()) * stride), features_(layout.size) {
     layout.validate();
@@ -23283,10 +23481,10 @@ Tensor<B, 2> interpolate_transitions(const BatchPlan& plan, const FeatureLayout&
   return Tensor<B, 2>::from(out, motion.shape());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What one step computed, for those who want to see it. Rows are those of the crops, in batch order.
 template <Backend B>
@@ -23295,18 +23493,19 @@ struct CollageStep {
 };
 
 /// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
-/// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow with the
-///         timelines. Sequences of the same frames and the same text go through it once: both calls of guidance of a crop whose
-///         text is "", and the unconditional calls of texts that begin and end together; what a denoiser can compute for the frames of a
-///         crop whatever its text is computed once as well. The longest come first, so that threads end together; crops without frames
-///         are left out. Texts, offsets and index lists are prepared here, not in the loop.
+/// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow
+///         with the timelines. Sequences of the same frames and the same text go through it once: both calls of
+///         guidance of a crop whose text is "", and the unconditional calls of texts that begin and end together; what
+///         a denoiser can compute for the frames of a crop whatever its text is computed once as well. The longest come
+///         first, so that threads end together; crops without frames are left out. Texts, offsets and index lists are
+///         prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
   /// text: features of every interval of every timeline, in order; null: of "" (one). The denoiser must outlive the
   /// collage. rows_at_once: frames of a batch, more only if one crop has more; 0: any number. No result depends on it.
-  /// Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for the denoiser,
-  /// config_error 101 for a negative rows_at_once.
+  /// Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for the
+  /// denoiser, config_error 101 for a negative rows_at_once.
   Collage(const D& denoiser, BatchPlan plan, const FeatureLayout& layout, const TextFeatures<B>& text,
           const TextFeatures<B>& null, double guidance, Index rows_at_once = usual_rows_at_once)
       : denoiser_(&denoiser),
@@ -23387,7 +23586,8 @@ class Collage {
     Index intervals = 0;
     for (const TimelinePlan& p : plan_.timelines) intervals += static_cast<Index>(p.timeline.intervals.size());
     if (texts == intervals && nulls == 1) return;
-    raise<shape_error>(204, "Collage: ", texts, " texts for ", intervals, " intervals; ", nulls, " unconditional texts");
+    raise<shape_error>(204, "Collage: ", texts, " texts for ", intervals, " intervals; ", nulls,
+                       " unconditional texts");
   }
 
   void prepare_step() {
@@ -23432,7 +23632,8 @@ class Collage {
     std::map<std::string_view, Index> known{{"", null}};
     Index first = 0;
     for (const TimelinePlan& p : plan_.timelines) {
-      for (const Crop& c : p.crops) out.push_back(c.is_transition() ? null : known.emplace(p.text(c), first + c.interval).first->second);
+      for (const Crop& c : p.crops)
+        out.push_back(c.is_transition() ? null : known.emplace(p.text(c), first + c.interval).first->second);
       first += static_cast<Index>(p.timeline.intervals.size());
     }
     return out;
@@ -23490,7 +23691,8 @@ class Collage {
       }
     }
   }
-  /// Where a sequence depends on the others: as published, all crops in their order, and then the same without their texts.
+  /// Where a sequence depends on the others: as published, all crops in their order, and then the same without their
+  /// texts.
   void build_two_calls(std::span<const std::pair<Job, Job>> crops) {
     const Index rows = crops_.offsets.rows();
     for (Index call = 0; call < (guidance_ == 1 ? 1 : 2); ++call) {
@@ -23536,20 +23738,22 @@ Tensor<B, 2> clean_motion(const Collage<B, D>& collage, const GaussianDiffusion&
   return collage.step(x, diffusion.network_t(t), to_clean).x0;
 }
 
-/// The whole reverse process with any clean_motion(x, t). noise(0) is the initial x, noise(1), noise(2), ... belong to the steps; all of shape
-/// (rows, features).
+/// The whole reverse process with any clean_motion(x, t). noise(0) is the initial x, noise(1), noise(2), ... belong to
+/// the steps; all of shape (rows, features).
 /// -> clean motions (rows, features), normalised; rows behind a timeline's end mean nothing. `watch(t, step)` sees
 /// every step. Throws `cancelled` if progress says so.
 template <Backend B, class Clean, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_clean_motions(const GaussianDiffusion& diffusion, const Clean& clean_motion, Noise&& noise,
-                                  const SamplingOptions& options = {}, Progress progress = {}, const Watch& watch = {}) {
+                                  const SamplingOptions& options = {}, Progress progress = {},
+                                  const Watch& watch = {}) {
   auto step_noise = [&](Index draw) { return noise(draw + 1); };
   const StepOptions step{.noise_scale = options.noise_scale, .clip = options.clip};
   if (options.sampler == SamplingOptions::Sampler::ddim) {
-    return sample_ddim<B, 2>(diffusion, noise(0), clean_motion, step_noise, options.eta, step, detail::KeepX0{}, progress,
-                             watch);
+    return sample_ddim<B, 2>(diffusion, noise(0), clean_motion, step_noise, options.eta, step, detail::KeepX0{},
+                             progress, watch);
   }
-  return sample_ancestral<B, 2>(diffusion, noise(0), clean_motion, step_noise, step, detail::KeepX0{}, progress, -1, watch);
+  return sample_ancestral<B, 2>(diffusion, noise(0), clean_motion, step_noise, step, detail::KeepX0{}, progress, -1,
+                                watch);
 }
 template <Backend B, Denoiser<B> D, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_collage(const Collage<B, D>& collage, const GaussianDiffusion& diffusion, Prediction prediction,
@@ -23571,12 +23775,13 @@ inline BatchPlan independent_plan(const BatchPlan& plan, Index frames = 0) {
   return batch_plans(std::move(alone));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP  // <motionlang/compose/cut_texts.hpp>
 #define MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP
-/// Texts cut where a denoiser does them best in parts: where they lend body parts or get them back, and where they are too long.
+/// Texts cut where a denoiser does them best in parts: where they lend body parts or get them back, and where they are
+/// too long.
 ///
 ///     const auto motion = stmc.generate(cut_texts(timeline, stmc.fps), rng);
 ///
@@ -23587,17 +23792,17 @@ inline BatchPlan independent_plan(const BatchPlan& plan, Index frames = 0) {
 /// Texts cut where what they own changes.
 ///
 /// A text that goes on while another borrows its arms is one crop as published, so the denoiser sees raised arms in the
-/// middle of "walk forward" and keeps them up before and after. Cut at these times, it walks with its own arms, then without
-/// them, then with its own again; the transitions are where they were.
+/// middle of "walk forward" and keeps them up before and after. Cut at these times, it walks with its own arms, then
+/// without them, then with its own again; the transitions are where they were.
 ///
 ///     const auto motion = stmc.generate(cut_at_handovers(timeline, 10), rng);
 ///
 /// Differs  from STMC (Petrovich et al. 2024), section 3.3, where each text is one crop
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// Cuts every text at the times at which it gets or loses body parts, unless a stretch would be shorter than `least` frames.
-/// Throws config_error 101 if too many texts lie over each other.
+/// Cuts every text at the times at which it gets or loses body parts, unless a stretch would be shorter than `least`
+/// frames. Throws config_error 101 if too many texts lie over each other.
 inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
   const auto pieces = elementary_pieces(timeline);
   std::vector<PartOwners> owners;
@@ -23627,19 +23832,19 @@ inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP  // <motionlang/compose/long_texts.hpp>
 #define MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP
 /// Long texts in parts.
 ///
-/// Denoisers learn from clips of ten seconds at most. A text of a minute as one crop makes somebody who stands, or turns in the air;
-/// in parts that follow each other it is done all the time.
+/// Denoisers learn from clips of ten seconds at most. A text of a minute as one crop makes somebody who stands, or
+/// turns in the air; in parts that follow each other it is done all the time.
 ///
 ///     const auto motion = stmc.generate(divide_long_texts(timeline, 160), rng);
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Of one text: a day in parts of 8 s makes 10,800.
 inline constexpr Index most_parts = 100000;
@@ -23677,13 +23882,13 @@ inline Timeline divide_long_texts(const Timeline& timeline, Index longest) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// Seconds of a text that a denoiser does as a whole. HumanML3D's clips and ours end at 9.8 s, and the longest crops are what a model has
-/// seen least of: ours walks as far in 8 s as in 10.
+/// Seconds of a text that a denoiser does as a whole. HumanML3D's clips and ours end at 9.8 s, and the longest crops
+/// are what a model has seen least of: ours walks as far in 8 s as in 10.
 inline constexpr double longest_whole_text = 8;
 /// Seconds below which a part would be too short for the denoiser to do what the text says.
 inline constexpr double shortest_part = 0.5;
@@ -23693,22 +23898,23 @@ inline Timeline cut_texts(const Timeline& timeline, double fps) {
   return divide_long_texts(cut_at_handovers(timeline, frame_at(shortest_part, fps)), frame_at(longest_whole_text, fps));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_EDITS_HPP  // <motionlang/compose/edits.hpp>
 #define MOTIONLANG_HAS_COMPOSE_EDITS_HPP
 /// What an edit of a timeline can change in its motion, step by step. No tensors here.
 ///
-/// A step of STMC makes every frame from the crops that are added and subtracted there, and a crop reads all of its frames. So an
-/// edit changes in the first step the frames that are made of other crops than before, in the second one all frames of every
-/// crop that reads one of these, and so on: it goes one crop further with every step. It stops where nothing spans a cut
-/// (overlap 0), and at the end of the run. As the noise belongs to the frame, all other frames are those of before, bit for bit.
+/// A step of STMC makes every frame from the crops that are added and subtracted there, and a crop reads all of its
+/// frames. So an edit changes in the first step the frames that are made of other crops than before, in the second one
+/// all frames of every crop that reads one of these, and so on: it goes one crop further with every step. It stops
+/// where nothing spans a cut (overlap 0), and at the end of the run. As the noise belongs to the frame, all other
+/// frames are those of before, bit for bit.
 ///
 /// Source   follows from STMC (Petrovich et al. 2024), algorithm 1; not in the paper
 /// Caution  holds for denoisers whose sequences do not depend on their batch mates (see MdmSmplDenoiser)
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -23739,7 +23945,8 @@ inline std::vector<std::vector<FrameTerm>> frame_terms(const TimelinePlan& plan,
 /// The frames that differ between two runs with the same noise, of which the first is recorded, after each step.
 class EditSpread {
  public:
-  /// The plans of both runs, and how many rows every timeline has in them. The timelines of a batch are compared by their place in it.
+  /// The plans of both runs, and how many rows every timeline has in them. The timelines of a batch are compared by
+  /// their place in it.
   /// reads   frames that the denoiser reads from the start of a crop; 0: those of the crop
   /// within  frames further than this from the edit are said not to differ, although they would
   EditSpread(const BatchPlan& before, Index rows_before, BatchPlan after, Index rows, Index reads = 0,
@@ -23749,8 +23956,10 @@ class EditSpread {
       std::vector<char> edited(static_cast<std::size_t>(rows), 1);  // where nothing is recorded
       if (m < before.timelines.size()) {
         const Index longest = std::max(rows, rows_before);
-        const auto was = detail::frame_terms(before.timelines[m], longest), is = detail::frame_terms(plan_.timelines[m], longest);
-        for (std::size_t f = 0; f < edited.size(); ++f) edited[f] = std::cmp_greater_equal(f, rows_before) || was[f] != is[f];
+        const auto was = detail::frame_terms(before.timelines[m], longest),
+                   is = detail::frame_terms(plan_.timelines[m], longest);
+        for (std::size_t f = 0; f < edited.size(); ++f)
+          edited[f] = std::cmp_greater_equal(f, rows_before) || was[f] != is[f];
       }
       reachable_.push_back(within ? near(edited, *within) : std::vector<char>(edited.size(), 1));
       differs_.push_back(std::move(edited));
@@ -23785,7 +23994,8 @@ class EditSpread {
       std::vector<char> now = differs_[m];
       for_each_slice(plan, [&](const Slice& s) {
         const FrameRange& crop = plan.crops[static_cast<std::size_t>(s.crop)].range;
-        if (crop.size() == 0 || !any(m, {crop.start, reads_ > 0 ? std::min(crop.start + reads_, rows_) : crop.end})) return;
+        if (crop.size() == 0 || !any(m, {crop.start, reads_ > 0 ? std::min(crop.start + reads_, rows_) : crop.end}))
+          return;
         for (auto f = static_cast<std::size_t>(s.to.start); f < static_cast<std::size_t>(s.to.end); ++f) {
           now[f] |= reachable_[m][f];
           limited_ |= now[f] == 0;
@@ -23802,7 +24012,8 @@ class EditSpread {
     for (std::size_t m = 0; m < differs_.size(); ++m) {
       TimelinePlan& plan = out.timelines[m];
       std::vector<char> used(plan.crops.size());
-      for_each_slice(plan, [&](const Slice& s) { used[static_cast<std::size_t>(s.crop)] |= static_cast<char>(any(m, s.to)); });
+      for_each_slice(
+          plan, [&](const Slice& s) { used[static_cast<std::size_t>(s.crop)] |= static_cast<char>(any(m, s.to)); });
       const auto unused = [&](const Slice& s) { return used[static_cast<std::size_t>(s.crop)] == 0; };
       std::erase_if(plan.add, unused), std::erase_if(plan.subtract, unused);
       for (std::size_t c = 0; c < used.size(); ++c) {
@@ -23845,19 +24056,20 @@ class EditSpread {
   std::vector<std::vector<char>> differs_, reachable_;  // of every row of every timeline
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_IN_TURN_HPP  // <motionlang/compose/in_turn.hpp>
 #define MOTIONLANG_HAS_COMPOSE_IN_TURN_HPP
 /// Sentences of several actions, one after the other, as texts that follow each other in a timeline.
 ///
-/// Denoisers learn from clips of a few seconds, most of which show one thing: of "walk forward then sit down" they do one half.
+/// Denoisers learn from clips of a few seconds, most of which show one thing: of "walk forward then sit down" they do
+/// one half.
 ///
 ///     actions_in_turn("walk forward, then sit down")                 // {"walk forward", "sit down"}
 ///     const auto motion = stmc.generate(in_turn(timeline), rng);
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -23898,9 +24110,9 @@ inline std::size_t words_of_turn(const std::vector<SentenceWord>& words, std::si
 
 }  // namespace detail
 
-/// The actions that a sentence says one after the other: it is cut at "then", "afterwards", "after that", "after which" and "followed
-/// by" (with the "and" before them), at semicolons and at full stops. "and" alone joins what is done at once. A sentence of one action
-/// is given back as it is.
+/// The actions that a sentence says one after the other: it is cut at "then", "afterwards", "after that", "after which"
+/// and "followed by" (with the "and" before them), at semicolons and at full stops. "and" alone joins what is done at
+/// once. A sentence of one action is given back as it is.
 inline std::vector<std::string> actions_in_turn(std::string_view sentence) {
   const auto words = detail::sentence_words(sentence);
   std::vector<std::string> actions;
@@ -23923,8 +24135,8 @@ inline std::vector<std::string> actions_in_turn(std::string_view sentence) {
   return actions.size() > 1 ? actions : std::vector<std::string>{std::string(sentence)};
 }
 
-/// Every text of several actions becomes as many texts, one after the other, which share its frames evenly. Throws config_error 101 if
-/// it has fewer frames than actions.
+/// Every text of several actions becomes as many texts, one after the other, which share its frames evenly. Throws
+/// config_error 101 if it has fewer frames than actions.
 inline Timeline in_turn(const Timeline& timeline) {
   Timeline out;
   for (const Interval& whole : timeline.intervals) {
@@ -23941,7 +24153,7 @@ inline Timeline in_turn(const Timeline& timeline) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_MTT_TIMELINES_HPP  // <motionlang/compose/mtt_timelines.hpp>
@@ -23954,8 +24166,10 @@ inline Timeline in_turn(const Timeline& timeline) {
 ///
 /// Each timeline has three intervals: two back to back on one track, one on a second track beside them, with other body
 /// parts than those it meets.
-/// Source  STMC (Petrovich et al., CVPR workshops 2024), section 4.1; mtt/sampling_timelines.py; spec stmc-evaluation.md 1
-/// Differs from the thesis: durations have a deviation of 1.2 s, not 1.0, and end at 9.2 s; parts are other ones only where
+/// Source  STMC (Petrovich et al., CVPR workshops 2024), section 4.1; mtt/sampling_timelines.py; spec
+///         stmc-evaluation.md 1
+/// Differs from the thesis: durations have a deviation of 1.2 s, not 1.0, and end at 9.2 s; parts are other ones only
+/// where
 ///         the window of the third interval was chosen, which is where it lies
 
 #ifndef MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_HPP  // <motionlang/compose/timeline_text.hpp>
@@ -23971,10 +24185,10 @@ inline Timeline in_turn(const Timeline& timeline) {
 /// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
 ///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
 ///          intervals are no matter of the text: see PlanOptions.
-/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is wrong with the
-///          whole of a timeline is found when it is planned, and named by line and column of an interval
+/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is
+///          wrong with the whole of a timeline is found when it is planned, and named by line and column of an interval
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct TimelineTextOptions {
   double fps = 20;  // frame = trunc(fps * seconds)
@@ -24146,8 +24360,8 @@ inline Timeline parse_timeline(std::string_view text, const TimelineTextOptions&
   return std::move(all.front());
 }
 
-/// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than three
-/// fields. The published programs ask for one such line only (`as_published`), and then blame the others.
+/// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than
+/// three fields. The published programs ask for one such line only (`as_published`), and then blame the others.
 inline bool is_text_list(std::string_view text, const TimelineTextOptions& options = {}) {
   Index lines = 0, short_lines = 0;
   detail::for_each_line(text, [&](std::string_view line, Index number) {
@@ -24203,10 +24417,10 @@ inline std::string write_timeline(const TimelineInSeconds& timeline) {
   return write_timelines(std::span(&timeline, 1));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A text and the body parts that it moves.
 struct MttText {
@@ -24312,19 +24526,20 @@ inline std::vector<TimelineInSeconds> mtt_timelines(std::span<const MttText> tex
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_SIMULTANEOUS_SEGMENTS_HPP  // <motionlang/compose/simultaneous_segments.hpp>
 #define MOTIONLANG_HAS_COMPOSE_SIMULTANEOUS_SEGMENTS_HPP
-/// Stretches in which several actions happen at once, out of overlapping segments of one motion: what SINC is trained on.
+/// Stretches in which several actions happen at once, out of overlapping segments of one motion: what SINC is trained
+/// on.
 ///
 ///     simultaneous_segments(std::vector<BabelSegment>{{0, 60, "walk"}, {30, 90, "wave"}})   // [30, 60) {walk, wave}
 ///
 /// Source   SINC (Athanasiou et al., ICCV 2023), spatial_compositions; spec sinc.md 5.2
 /// Differs  from the code, whose order of labels is that of a hash table: here they are sorted
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct SimultaneousSegment {
   Index start = 0, end = 0;
@@ -24361,7 +24576,7 @@ inline std::vector<SimultaneousSegment> simultaneous_segments(std::span<const Ba
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_SINC_COMPOSITION_HPP  // <motionlang/compose/sinc_composition.hpp>
@@ -24375,7 +24590,7 @@ inline std::vector<SimultaneousSegment> simultaneous_segments(std::span<const Ba
 ///         2. Legs and pelvis stay together: with the second if it has any of them, else with the first.
 ///         3. What the second does not have comes from the first. The path over the ground is of the one with the legs.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Where the longer motion is cut: at its end, as in training, or at both ends, as published compositions of generated
 /// motions are.
@@ -24448,7 +24663,7 @@ inline Motion compose_motions(const Motion& a, SincParts parts_a, const Motion& 
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_SINC_ITEMS_HPP  // <motionlang/compose/sinc_items.hpp>
@@ -24461,7 +24676,7 @@ inline Motion compose_motions(const Motion& a, SincParts parts_a, const Motion& 
 ///
 /// Source   SINC (Athanasiou et al., ICCV 2023), load_keyid; spec sinc.md 5.3, 5.4
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Where an item comes from, the first word of its key: "seg", "seq", "spatial_pairs", "separate_pairs".
 enum class SincSource { segment, sequence, simultaneous, pair };
@@ -24561,7 +24776,7 @@ class SincItems {
   std::vector<Index> not_simultaneous_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_TEACH_PAIRS_HPP  // <motionlang/compose/teach_pairs.hpp>
@@ -24575,10 +24790,10 @@ class SincItems {
 ///
 /// Source    TEACH (Athanasiou et al., 3DV 2022), separate_actions; spec teach.md 4.3
 /// Notation  segment S -> (start, end); X before S: X begins and ends earlier and touches S; X after S likewise
-/// Differs   from the paper: two overlapping actions are not parted in the middle of their overlap but half of it after the
-///           end of the first one, as the code does
+/// Differs   from the paper: two overlapping actions are not parted in the middle of their overlap but half of it after
+///           the end of the first one, as the code does
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Frames of a pair: the parts lie end to end. Published: the last frame of each, and of the second action the frame
 /// behind its last.
@@ -24669,8 +24884,8 @@ inline bool is_teach_length(const PairFrames& frames, const TeachLengths& limits
   return fits(frames.first.size()) && fits(frames.transition_size() + frames.second.size());
 }
 
-/// Pairs as one segment with both texts ("walk, sit down"): what the baseline "Joint" is trained on. Of several with the same
-/// times the first.
+/// Pairs as one segment with both texts ("walk, sit down"): what the baseline "Joint" is trained on. Of several with
+/// the same times the first.
 inline std::vector<BabelSegment> joined_pairs(std::span<const ActionPair> pairs) {
   std::vector<BabelSegment> out;
   for (const ActionPair& p : pairs) {
@@ -24687,12 +24902,13 @@ inline std::vector<BabelSegment> joined_pairs(std::span<const ActionPair> pairs)
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_ACCURACY_HPP  // <motionlang/metrics/accuracy.hpp>
 #define MOTIONLANG_HAS_METRICS_ACCURACY_HPP
-/// How often a classifier names the action of a motion, as ACTOR reports it, and a labeller its body parts, as SINC does.
+/// How often a classifier names the action of a motion, as ACTOR reports it, and a labeller its body parts, as SINC
+/// does.
 ///
 /// Source  ACTOR src/evaluate/action2motion/accuracy.py; SINC (ICCV 2023), table 1; specs actor.md 7.4, sinc.md 6.5
 
@@ -24704,7 +24920,7 @@ inline std::vector<BabelSegment> joined_pairs(std::span<const ActionPair> pairs)
 ///     const Rows texts(text_latents.span(), 256), motions(motion_latents.span(), 256);
 ///     const std::vector<double> similarity = cosine_similarities(texts, motions);      // (texts, motions)
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A view of (rows, width) numbers.
 template <Scalar S>
@@ -24858,10 +25074,10 @@ std::vector<double> cosine_similarities(const Rows<S>& x, const Rows<T>& y, doub
 /// A cosine as a score from 0 to 1, as TMR and STMC print it; unrelated texts and motions have about 0.5.
 inline double similarity_score(double cosine) { return (cosine + 1) / 2; }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Counts (classes, classes): rows are labels, columns predictions, the largest logit (of equals the first).
 /// logits  (samples, classes)
@@ -24881,7 +25097,8 @@ std::vector<Index> confusion_matrix(const Rows<S>& logits, std::span<const Index
   return out;
 }
 
-/// Share of the samples on the diagonal, 0 to 1. Throws shape_error 205 unless it is a square, numeric_error 302 of no samples.
+/// Share of the samples on the diagonal, 0 to 1. Throws shape_error 205 unless it is a square, numeric_error 302 of no
+/// samples.
 inline double accuracy(std::span<const Index> confusion) {
   const auto classes = static_cast<Index>(std::lround(std::sqrt(static_cast<double>(confusion.size()))));
   if (classes * classes != std::ssize(confusion))
@@ -24895,8 +25112,8 @@ inline double accuracy(std::span<const Index> confusion) {
   return static_cast<double>(right) / static_cast<double>(all);
 }
 
-/// Of labels with several yes or no answers each (body parts of actions): for each answer the share of the items that have
-/// it right, 0 to 1. SINC's figure is the mean of them.
+/// Of labels with several yes or no answers each (body parts of actions): for each answer the share of the items that
+/// have it right, 0 to 1. SINC's figure is the mean of them.
 /// predicted  (items, answers), 0 or 1
 /// wanted     (items, answers), 0, 1, or 0.5 where either is right, which does not count
 /// Throws     shape_error 204; numeric_error 302 if an answer does not count in any item, or for another number
@@ -24920,7 +25137,7 @@ std::vector<double> answer_accuracies(const Rows<S>& predicted, const Rows<T>& w
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_APE_AVE_HPP  // <motionlang/metrics/ape_ave.hpp>
@@ -24930,21 +25147,23 @@ std::vector<double> answer_accuracies(const Rows<S>& predicted, const Rows<T>& w
 ///
 ///     ApeAveMetric<double> metric(temos_rifke(), 0.001);                      // joints in mm, errors in m
 ///     for (...) metric.add(generated, recorded);                              // joints of a pair, (frames, J) each
-///     const ApeAve errors = metric.result();                                  // errors.ape.root, errors.ave.mean_joints()
+///     const ApeAve errors = metric.result();                                  // errors.ape.root,
+///     errors.ave.mean_joints()
 ///
 /// Both motions are brought to the start: root at the origin, heading 0, on the floor. With x = root (3 coordinates),
 /// trajectory (2), each joint seen from the body ("local", "pose") and each joint in the world:
 ///     APE_x = sum_clips sum_t |x_t - x*_t| / sum_clips L
 ///     AVE_x = mean_clips |v - v*|,   v = sum_t (x_t - mean x)^2 / (L - 1) of each coordinate
-/// Source  TEMOS (Petrovich, Black, Varol, ECCV 2022), section 4.1 and appendix; TEMOS temos/model/metrics/compute*.py, TEACH
-///         teach/model/metrics/compute.py and compute_td.py, SINC sinc/model/metrics/compute_sinc.py; specs temos.md 8,
-///         teach.md 6, sinc.md 9
+/// Source  TEMOS (Petrovich, Black, Varol, ECCV 2022), section 4.1 and appendix; TEMOS temos/model/metrics/compute*.py,
+///         TEACH teach/model/metrics/compute.py and compute_td.py, SINC sinc/model/metrics/compute_sinc.py; specs
+///         temos.md 8, teach.md 6, sinc.md 9
 /// Units   those of the joints times `unit`; AVE in their square
 /// Differs from the paper: APE is an average over frames of the whole set, not over clips; the variance has no square
 ///         root. As published, the body's heading is that of knees and elbows in TEMOS and TEACH (temos_rifke) and is
-///         swapped in SINC (sinc_rifke), and the floor is that of the whole clip, which is cut to the common length after
+///         swapped in SINC (sinc_rifke), and the floor is that of the whole clip, which is cut to the common length
+///         after
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A motion brought to the start. Frames one after the other.
 template <Scalar S>
@@ -25103,8 +25322,8 @@ class ApeAveMetric {
       raise<shape_error>(203, "ApeAveMetric: ", frames, " of ", a.frames(), " and ", b.frames(), " frames");
     collect(errors_of(a, b, frames), frames);
   }
-  /// Of several samples the one with the smallest (largest) sum of root errors. As published, all its sums are divided by
-  /// the frames of the first sample. Throws also numeric_error 302 of no samples.
+  /// Of several samples the one with the smallest (largest) sum of root errors. As published, all its sums are divided
+  /// by the frames of the first sample. Throws also numeric_error 302 of no samples.
   void add_best(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, false); }
   void add_worst(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, true); }
 
@@ -25156,8 +25375,8 @@ class ApeAveMetric {
   Index frames_ = 0, clips_ = 0;
 };
 
-/// The jump at a frame: the mean over joints of |X[frame] - X[frame - 1]|. TEACH takes the first frame of the second action
-/// of pairs, generated without interpolation, and averages over pairs.
+/// The jump at a frame: the mean over joints of |X[frame] - X[frame - 1]|. TEACH takes the first frame of the second
+/// action of pairs, generated without interpolation, and averages over pairs.
 /// joints  (frames, J)
 /// Throws  shape_error 205, 203 unless 1 <= frame < frames
 template <Scalar S>
@@ -25174,7 +25393,7 @@ double transition_distance(std::span<const Vec3<S>> joints, Index per_frame, Ind
   return sum / static_cast<double>(per_frame);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_BERT_SCORE_HPP  // <motionlang/metrics/bert_score.hpp>
@@ -25192,10 +25411,10 @@ double transition_distance(std::span<const Vec3<S>> joints, Index per_frame, Ind
 ///     of several references the largest P, R and F, each for itself; then (x - b) / (1 - b) with a baseline b
 /// Source  Zhang et al., "BERTScore: evaluating text generation with BERT" (ICLR 2020), sections 3 and 4; the package
 ///         bert-score; spec evaluation-guo.md 6.5
-/// The package counts pairs with padding as similarity 0, which shows only where all similarities of a token are negative: beside padding
-/// (BertPadding) their largest is 0.
+/// The package counts pairs with padding as similarity 0, which shows only where all similarities of a token are
+/// negative: beside padding (BertPadding) their largest is 0.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Weights of tokens. Those of every sentence, as its start and end, have 0.
 class BertWeights {
@@ -25233,8 +25452,8 @@ struct BertScore {
 /// roberta-large, layer 17, English.
 inline constexpr BertScore tm2t_bert_baseline{0.83150584, 0.8314941, 0.83122575};
 
-/// Against one reference, without baseline. All are 0 if a sentence has nothing but its start and end, two tokens; a side
-/// whose tokens have no weight is 0.
+/// Against one reference, without baseline. All are 0 if a sentence has nothing but its start and end, two tokens; a
+/// side whose tokens have no weight is 0.
 /// Throws shape_error 204 unless every token has its row and all rows the same width
 template <Scalar S>
 BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& reference, const BertWeights& weights,
@@ -25279,22 +25498,23 @@ BertScore bert_score(const BertSentence<S>& candidate, std::span<const BertSente
           rescaled(out.f, baseline.f)};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_CAPTIONS_HPP  // <motionlang/metrics/captions.hpp>
 #define MOTIONLANG_HAS_METRICS_CAPTIONS_HPP
-/// Descriptions of motions against reference descriptions: BLEU, ROUGE-L and CIDEr, word by word. BERTScore, which needs a
-/// language model, is in bert_score.hpp.
+/// Descriptions of motions against reference descriptions: BLEU, ROUGE-L and CIDEr, word by word. BERTScore, which
+/// needs a language model, is in bert_score.hpp.
 ///
-///     const std::vector<CaptionPair> all{{"a man walk forward", three_references({"a man walk", "someone walk"})}, ...};
+///     const std::vector<CaptionPair> all{{"a man walk forward", three_references({"a man walk", "someone walk"})},
+///     ...};
 ///     bleu(corpus_counts(all))[3], rouge_l(all), cider(all)                     // published tables: times 100
 ///
 /// A candidate is the words of the model, joined by blanks; references are the lemmas of the annotation, three for each
 /// motion. Nothing is lower-cased and no punctuation is taken away.
 /// Source  nlg-eval (pycocoevalcap), as TM2T (Guo et al., ECCV 2022) calls it; spec evaluation-guo.md 6
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct CaptionPair {
   std::string candidate;
@@ -25357,7 +25577,8 @@ inline void require_captions(const char* function, std::span<const CaptionPair> 
 
 }  // namespace detail
 
-// ---- BLEU -------------------------------------------------------------------------------------------------------------
+// ---- BLEU
+// -------------------------------------------------------------------------------------------------------------
 
 /// What BLEU is calculated from; those of several sentences add up. Entry k - 1 is of runs of k words.
 struct BleuCounts {
@@ -25423,7 +25644,8 @@ inline std::array<double, 4> bleu(const BleuCounts& counts) {
   return out;
 }
 
-// ---- ROUGE-L ----------------------------------------------------------------------------------------------------------
+// ---- ROUGE-L
+// ----------------------------------------------------------------------------------------------------------
 
 /// With l = the longest common subsequence of the candidate c and a reference r:
 ///     P = max_r l / |c|,   R = max_r l / |r|,   score = (1 + beta^2) P R / (R + beta^2 P); 0 if P or R is
@@ -25460,7 +25682,8 @@ inline double rouge_l(std::span<const CaptionPair> pairs, double beta = 1.2) {
   return sum / static_cast<double>(pairs.size());
 }
 
-// ---- CIDEr ------------------------------------------------------------------------------------------------------------
+// ---- CIDEr
+// ------------------------------------------------------------------------------------------------------------
 
 namespace detail {
 
@@ -25541,7 +25764,7 @@ inline double cider(std::span<const CaptionPair> pairs, double sigma = 6) {
   return std::accumulate(scores.begin(), scores.end(), 0.0) / static_cast<double>(scores.size());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_DIVERSITY_HPP  // <motionlang/metrics/diversity.hpp>
@@ -25560,15 +25783,15 @@ inline double cider(std::span<const CaptionPair> pairs, double sigma = 6) {
 ///         src/evaluate/action2motion/diversity.py, text-to-motion utils/metrics.py; specs actor.md 7.4,
 ///         evaluation-guo.md 4
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Row first[i] is compared with row second[i].
 struct IndexPairs {
   std::vector<Index> first, second;
 };
 
-/// ACTOR's diversity: `count` pairs out of n, both uniform and possibly equal; all first ones are drawn before the second.
-/// Throws config_error 101 if there is nothing to draw from.
+/// ACTOR's diversity: `count` pairs out of n, both uniform and possibly equal; all first ones are drawn before the
+/// second. Throws config_error 101 if there is nothing to draw from.
 inline IndexPairs random_pairs(Index n, Index count, NumpyRandom& rng) {
   IndexPairs out;
   for (std::vector<Index>* list : {&out.first, &out.second}) {
@@ -25586,10 +25809,10 @@ inline IndexPairs disjoint_draws(Index n, Index count, NumpyRandom& rng) {
   return out;
 }
 
-/// ACTOR's multimodality: `quota` pairs of each class. A first one is drawn from all and left if its class has its pairs;
-/// then second ones until the class is the same, which may be the first one itself.
-/// Throws config_error 101, shape_error 203 for a label that is no class; numeric_error 302 if a class is absent, for which
-/// the published loop would not end
+/// ACTOR's multimodality: `quota` pairs of each class. A first one is drawn from all and left if its class has its
+/// pairs; then second ones until the class is the same, which may be the first one itself.
+/// Throws config_error 101, shape_error 203 for a label that is no class; numeric_error 302 if a class is absent, for
+/// which the published loop would not end
 inline IndexPairs pairs_within_classes(std::span<const Index> labels, Index classes, Index quota, NumpyRandom& rng) {
   if (classes < 1 || quota < 1) raise<config_error>(101, "pairs_within_classes: ", quota, " of ", classes, " classes");
   std::vector<Index> wanted(static_cast<std::size_t>(classes), 0);
@@ -25640,22 +25863,23 @@ double multimodality(const Rows<S>& rows, Index repeats, const IndexPairs& pairs
   return sum * static_cast<double>(repeats) / static_cast<double>(rows.size());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_FRECHET_HPP  // <motionlang/metrics/frechet.hpp>
 #define MOTIONLANG_HAS_METRICS_FRECHET_HPP
-/// Fréchet distance of two sets of vectors, each taken for a normal distribution: the FID of ACTOR, Guo et al. and STMC.
+/// Fréchet distance of two sets of vectors, each taken for a normal distribution: the FID of ACTOR, Guo et al. and
+/// STMC.
 ///
 ///     FID = |m1 - m2|^2 + tr C1 + tr C2 - 2 tr (C1 C2)^(1/2)
 ///     tr (C1 C2)^(1/2) = sum_i sqrt(max(0, lambda_i)),   lambda = eigenvalues of F C2 F^T,   C1 = F^T F
-/// Source  Heusel et al., "GANs trained by a two time-scale update rule ..." (NeurIPS 2017), equation 6; references: ACTOR
-///         src/evaluate/action2motion/fid.py, text-to-motion utils/metrics.py, STMC mtt/metrics.py; specs actor.md 7.4,
-///         evaluation-guo.md 4, stmc-evaluation.md 4
+/// Source  Heusel et al., "GANs trained by a two time-scale update rule ..." (NeurIPS 2017), equation 6; references:
+///         ACTOR src/evaluate/action2motion/fid.py, text-to-motion utils/metrics.py, STMC mtt/metrics.py; specs
+///         actor.md 7.4, evaluation-guo.md 4, stmc-evaluation.md 4
 /// Units   none: that of the features, squared
 /// Differs from the code: it takes a general matrix square root, whose imaginary part it drops, and adds 1e-6 to the
-///         diagonals if that fails. The symmetric form needs no such repair, also with fewer samples than features; both
-///         agree to about 1e-6 (1e-3 in STMC, whose reference has rank 59 of 256)
+///         diagonals if that fails. The symmetric form needs no such repair, also with fewer samples than features;
+///         both agree to about 1e-6 (1e-3 in STMC, whose reference has rank 59 of 256)
 
 #ifndef MOTIONLANG_HAS_METRICS_DETAIL_SYMMETRIC_HPP  // <motionlang/metrics/detail/symmetric.hpp>
 #define MOTIONLANG_HAS_METRICS_DETAIL_SYMMETRIC_HPP
@@ -25664,9 +25888,11 @@ double multimodality(const Rows<S>& rows, Index repeats, const IndexPairs& pairs
 /// Source  Golub and Van Loan, "Matrix Computations", 4.2.8 (Cholesky with pivots), 8.3.1 (tridiagonal form), 8.3.3
 ///         (implicit QL steps, with Wilkinson's shift)
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
-/// F with A = F^T F for a positive semidefinite A (n, n): (rank, n). Directions in which A is 0 up to rounding are left out.
+/// F with A = F^T F for a positive semidefinite A (n, n): (rank, n). Directions in which A is 0 up to rounding are left
+/// out.
 inline std::vector<double> semidefinite_factor(std::vector<double> a, std::size_t n) {
   double largest = 0;
   for (std::size_t i = 0; i < n; ++i) largest = std::max(largest, a[i * n + i]);
@@ -25767,10 +25993,11 @@ inline std::vector<double> symmetric_eigenvalues(const std::vector<double>& a, s
   return d;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Mean (d) and covariance (d, d), divided by n - 1.
 struct GaussianStatistics {
@@ -25854,16 +26081,18 @@ double frechet_distance(const Rows<S>& a, const Rows<T>& b) {
   return frechet_distance(gaussian_statistics(a), gaussian_statistics(b));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_GRU_CLASSIFIER_HPP  // <motionlang/metrics/gru_classifier.hpp>
 #define MOTIONLANG_HAS_METRICS_GRU_CLASSIFIER_HPP
-/// Action2Motion's classifier of joint positions: a recurrent network. Its accuracy and its features judge generated motions.
+/// Action2Motion's classifier of joint positions: a recurrent network. Its accuracy and its features judge generated
+/// motions.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// What a classifier of motions says about each sequence: numbers for statistics of motions, and a score for each class.
+/// What a classifier of motions says about each sequence: numbers for statistics of motions, and a score for each
+/// class.
 template <Backend B>
 struct Recognition {
   Tensor<B, 2> features, logits;
@@ -25877,8 +26106,8 @@ struct GruClassifierConfig {
 };
 
 ///     features = tanh(W1 h),  logits = W2 features,   h: the network's output at the last frame
-/// Source  Guo et al., "Action2Motion" (2020), as ACTOR evaluates with it; spec actor.md 7.2. Keys of the official file (below
-///         "model"): recurrent.weight_ih_l0, ..., linear1, linear2.
+/// Source  Guo et al., "Action2Motion" (2020), as ACTOR evaluates with it; spec actor.md 7.2. Keys of the official file
+///         (below "model"): recurrent.weight_ih_l0, ..., linear1, linear2.
 template <Backend B>
 struct GruClassifier {
   static constexpr Index feature_count = 30;
@@ -25897,8 +26126,9 @@ struct GruClassifier {
         linear1(c.hidden_size, feature_count, rng),
         linear2(feature_count, c.num_classes, rng) {}
 
-  /// x: frames of joint positions, joint by joint. The official code draws h0 (layers, sequences, hidden) from N(0, 1) at every call,
-  /// in use too; here the caller draws it (`initial_state`), and without one the network starts from zeros.
+  /// x: frames of joint positions, joint by joint. The official code draws h0 (layers, sequences, hidden) from N(0, 1)
+  /// at every call, in use too; here the caller draws it (`initial_state`), and without one the network starts from
+  /// zeros.
   Recognition<B> operator()(const Sequences<B>& x, const Tensor<B, 3>* h0 = nullptr) const {
     const auto h = last_row(recurrent(x, h0));
     const auto features = linear1(h, Activation::tanh);
@@ -25909,26 +26139,29 @@ struct GruClassifier {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_GUO_EVALUATOR_HPP  // <motionlang/metrics/guo_evaluator.hpp>
 #define MOTIONLANG_HAS_METRICS_GUO_EVALUATOR_HPP
-/// The networks of Guo et al. that judge generated motions: a text and a motion that belong together lie close to each other.
+/// The networks of Guo et al. that judge generated motions: a text and a motion that belong together lie close to each
+/// other.
 ///
 ///     const auto text = evaluator.embed_texts(words.encode<B>(texts).tokens);       // text/glove.hpp
-///     const auto motion = evaluator.embed_motions(normalized);                      // (motions, 512), in the order of the motions
+///     const auto motion = evaluator.embed_motions(normalized);                      // (motions, 512), in the order of
+///     the motions
 ///     metric.add(Rows(text.span(), 512), Rows(motion.span(), 512));                 // metrics/matching.hpp
 ///
-/// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), section 5.2; text-to-motion
-///         networks/modules.py, networks/evaluator_wrapper.py; spec evaluation-guo.md 2
+/// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), section 5.2;
+///         text-to-motion networks/modules.py, networks/evaluator_wrapper.py; spec evaluation-guo.md 2
 /// Differs from the wrapper in that rows keep the order of the caller; the wrapper's come out longest motion first.
 
 #ifndef MOTIONLANG_HAS_METRICS_GUO_MOVEMENT_HPP  // <motionlang/metrics/guo_movement.hpp>
 #define MOTIONLANG_HAS_METRICS_GUO_MOVEMENT_HPP
-/// Four frames become one movement: the convolutions before Guo's motion encoder, and the autoencoder in which they are trained.
+/// Four frames become one movement: the convolutions before Guo's motion encoder, and the autoencoder in which they are
+/// trained.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -25944,7 +26177,8 @@ Linear<B> xavier_linear(Index in, Index out, Rng auto& rng) {
 }  // namespace detail
 
 /// Two convolutions that halve the length, and a projection: n frames become floor(n / 4) movements.
-/// Source  text-to-motion networks/modules.py MovementConvEncoder; spec evaluation-guo.md 2.1. Dropout comes before the nonlinearity.
+/// Source  text-to-motion networks/modules.py MovementConvEncoder; spec evaluation-guo.md 2.1. Dropout comes before the
+///         nonlinearity.
 template <Backend B>
 struct MovementEncoder {
   ConvStack<B> main;
@@ -26022,10 +26256,10 @@ LossTerms<B> movement_losses(const typename MovementAutoencoder<B>::Result& resu
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// From the ends of a BiGruEncoder to the common space:  W3 leaky_relu(LN(W0 x)).
 template <Backend B>
@@ -26118,9 +26352,9 @@ struct GuoEvaluator {
   Tensor<B, 2> embed_texts(const Sequences<B>& words) const { return text_encoder(words); }
   Tensor<B, 2> embed_motions(const Sequences<B>& motions) const { return motion_encoder(movements(motions)); }
 
-  /// Normalised features to floor(frames / 4) movements each. As published every motion is filled up with zeros before the
-  /// convolutions, which look behind its end: to 196 frames, but two behind the last movement make all the difference.
-  /// No gradient reaches the convolutions: they are trained beforehand. Throws shape_error 203, 204, 205.
+  /// Normalised features to floor(frames / 4) movements each. As published every motion is filled up with zeros before
+  /// the convolutions, which look behind its end: to 196 frames, but two behind the last movement make all the
+  /// difference. No gradient reaches the convolutions: they are trained beforehand. Throws shape_error 203, 204, 205.
   Sequences<B> movements(const Sequences<B>& motions, Index longest = 196) const {
     const Index width = motions.width() - 4;
     std::vector<Index> lengths;
@@ -26133,7 +26367,7 @@ struct GuoEvaluator {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_INSPECT_MOTION_HPP  // <motionlang/metrics/inspect_motion.hpp>
@@ -26151,7 +26385,7 @@ struct GuoEvaluator {
 /// with 9.81 m/s2, and in steps that would sink faster than anything falls. Slow motion without a flight is no finding:
 /// a person may walk as slowly.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class Fault : int {
   empty,
@@ -26220,23 +26454,24 @@ struct InspectionLimits {
   double shortest = 1.0, tallest = 2.3;  // m: a person
   double doll = 0.3, giant = 5;          // m: between these a figure may be drawn so, unless it has a person's legs,
   double least_legs = 0.45, most_legs = 0.72;  // of the height up to the head; recordings have 0.55 to 0.67
-  double upright = 0.8;      // mean direction of trunk and legs along another axis than +Y; 1: exactly
-  double standing = 0.3;     // m that feet may be off 0 along an axis that is taken for the true one
-  double swapped = 0.4;      // mean cosine between the right that names tell and the left that toes and knees tell
-  double wrong_rate = 1.6;   // the stated rate over the one at which bodies fall as they do, or the other way round
+  double upright = 0.8;     // mean direction of trunk and legs along another axis than +Y; 1: exactly
+  double standing = 0.3;    // m that feet may be off 0 along an axis that is taken for the true one
+  double swapped = 0.4;     // mean cosine between the right that names tell and the left that toes and knees tell
+  double wrong_rate = 1.6;  // the stated rate over the one at which bodies fall as they do, or the other way round
   double least_rise = 0.015, least_flight = 0.06;  // m that the centre of mass rises, in a step and in a jump
-  double parabola = 0.04;    // of that rise: how far off a parabola in the mean
-  double off_floor = 0.08;   // m that the lower foot is above where it stands, in a flight
-  double spike = 0.08;       // m that a joint is off the middle of its neighbours in time
-  double jump = 0.15;        // m between two frames, and
-  double jump_speed = 8;     // m/s: a fast punch or kick
-  double jump_seconds = 0.1;  // a jump may be spread over so many
-  double isolated = 5;       // spikes and jumps: so many times what the joint does in the frames around
-  double violent = 1000;     // m/s2 that no joint takes in any surroundings; recordings have up to 700
-  double slide = 0.2;        // m/s of feet in contact, median over the contacts; recordings have 0.01 to 0.1
-  double low = 0.03;         // m above where a foot joint is when it stands: still on the floor
-  double carried = 0.4;      // of the length of the legs that the pelvis is above a foot that carries it: not of who swims or crawls
-  double on_the_spot = 0.5;  // m across which the root moves in a clip in place
+  double parabola = 0.04;                          // of that rise: how far off a parabola in the mean
+  double off_floor = 0.08;                         // m that the lower foot is above where it stands, in a flight
+  double spike = 0.08;                             // m that a joint is off the middle of its neighbours in time
+  double jump = 0.15;                              // m between two frames, and
+  double jump_speed = 8;                           // m/s: a fast punch or kick
+  double jump_seconds = 0.1;                       // a jump may be spread over so many
+  double isolated = 5;    // spikes and jumps: so many times what the joint does in the frames around
+  double violent = 1000;  // m/s2 that no joint takes in any surroundings; recordings have up to 700
+  double slide = 0.2;     // m/s of feet in contact, median over the contacts; recordings have 0.01 to 0.1
+  double low = 0.03;      // m above where a foot joint is when it stands: still on the floor
+  // Part of the length of the legs that the pelvis is above a foot that carries it: not for those who swim or crawl.
+  double carried = 0.4;
+  double on_the_spot = 0.5;           // m across which the root moves in a clip in place
   double below = 0.08, above = 0.10;  // m that feet may be below or above y = 0
 };
 
@@ -26261,9 +26496,9 @@ inline constexpr std::array<UnitFactor, 10> unit_factors{{
 }};
 
 /// Units of a root by those of its bones, over metres: centimetres, millimetres, inches, feet and so on.
-inline constexpr std::array<double, 16> root_factors{
-    100,  0.01,     1000,  0.001,     10,     0.1,        2.54,        1 / 2.54,
-    25.4, 1 / 25.4, 30.48, 1 / 30.48, 0.0254, 1 / 0.0254, 2.54 / 0.45, 0.45 / 2.54};
+inline constexpr std::array<double, 16> root_factors{100,    0.01,       1000,        0.001,      10,    0.1,
+                                                     2.54,   1 / 2.54,   25.4,        1 / 25.4,   30.48, 1 / 30.48,
+                                                     0.0254, 1 / 0.0254, 2.54 / 0.45, 0.45 / 2.54};
 
 inline double hundredths(double x) { return std::round(x * 100) / 100; }
 
@@ -26371,8 +26606,8 @@ class MotionInspector {
   void place_joints() {
     const auto& ends = motion_.skeleton.ends;
     auto end = [&](int joint) { return ends.empty() ? Vec{} : ends[static_cast<std::size_t>(joint)]; };
-    const bool toes = body_ && !body_->toe.known() && norm(end(body_->ankle.left)) > 0 &&
-                      norm(end(body_->ankle.right)) > 0;
+    const bool toes =
+        body_ && !body_->toe.known() && norm(end(body_->ankle.left)) > 0 && norm(end(body_->ankle.right)) > 0;
     columns_ = motion_.skeleton.size() + (toes ? 2 : 0);
     positions_.reserve(static_cast<std::size_t>(frames() * columns_));
     JointTransforms<double> t;
@@ -26400,7 +26635,8 @@ class MotionInspector {
   double leg_length() const {
     return 0.5 * (chain(body_->ankle.left, body_->hip.left) + chain(body_->ankle.right, body_->hip.right));
   }
-  /// A person is about 1.2 times as tall as the bones from an ankle to the hip and from the pelvis to the head are long.
+  /// A person is about 1.2 times as tall as the bones from an ankle to the hip and from the pelvis to the head are
+  /// long.
   void check_scale() {
     const double legs = leg_length();
     const double height = 1.2 * (legs + chain(body_->head, body_->pelvis));
@@ -26481,8 +26717,8 @@ class MotionInspector {
     }
   }
 
-  /// Left is where up x forward points. Toes point forward while a foot stands flat, and knees bend forward; both, where
-  /// there is anything to see of them, must speak against the names.
+  /// Left is where up x forward points. Toes point forward while a foot stands flat, and knees bend forward; both,
+  /// where there is anything to see of them, must speak against the names.
   void check_sides() {
     struct Witness {
       double legs = 0, arms = 0, weight = 0;
@@ -26580,7 +26816,7 @@ class MotionInspector {
   /// How fast a body seems to fall goes with the square of the frame rate.
   void check_falls() {
     constexpr double gravity = 9.81;
-    constexpr std::size_t fewest = 3;  // steps
+    constexpr std::size_t fewest = 3;                            // steps
     if (out_.has(Fault::scale) && out_.cure.scale == 1) return;  // of a doll nobody knows how it falls
     const Arcs seen = arcs();
     const bool flies = !seen.flights.empty();
@@ -26771,9 +27007,9 @@ class MotionInspector {
 
 }  // namespace detail
 
-/// All findings of a clip. Skeletons that no table of skeleton_tables.hpp fits are checked for values, frame rate, spikes
-/// and jumps only. Throws config_error 106 for a malformed skeleton, 101 for a frame rate that is none, shape_error 205
-/// if the arrays do not fit.
+/// All findings of a clip. Skeletons that no table of skeleton_tables.hpp fits are checked for values, frame rate,
+/// spikes and jumps only. Throws config_error 106 for a malformed skeleton, 101 for a frame rate that is none,
+/// shape_error 205 if the arrays do not fit.
 inline Inspection inspect_motion(const Motion& motion, const InspectionLimits& limits = {}) {
   motion.skeleton.validate();
   if (motion.local.size() != motion.root.size() * static_cast<std::size_t>(motion.skeleton.size())) {
@@ -26818,7 +27054,7 @@ inline Motion mended(const Motion& motion, const Cure& cure) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_MATCHING_HPP  // <motionlang/metrics/matching.hpp>
@@ -26830,15 +27066,15 @@ inline Motion mended(const Motion& motion, const Cure& cure) {
 ///     for (...) metric.add(texts, motions);                         // rows of one batch of 32, paired
 ///     metric.r_precision(3), metric.matching_score();
 ///
-/// For each query of a batch, all answers of the batch are put in order of distance; the right one is a hit at k if it is
-/// among the first k. Hits and distances of the right ones are summed over batches and divided by all queries.
+/// For each query of a batch, all answers of the batch are put in order of distance; the right one is a hit at k if it
+/// is among the first k. Hits and distances of the right ones are summed over batches and divided by all queries.
 /// Source  Guo et al. (CVPR 2022), section 5.2; references: text-to-motion final_evaluations.py, TM2T
 ///         final_evaluations_m2t.py, utils/metrics.py; spec evaluation-guo.md 4
 /// Differs from the paper: the 31 distractors are the rest of a shuffled batch, and may have the same caption. In
-///         motion-to-text TM2T's code ranks texts for each motion, its paper motions for each text: what is queried is the
-///         first argument
+///         motion-to-text TM2T's code ranks texts for each motion, its paper motions for each text: what is queried is
+///         the first argument
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// For each row of a table the columns in ascending order; equals keep theirs. Throws nothing.
 inline std::vector<Index> nearest_first(const Rows<double>& table) {
@@ -26859,7 +27095,8 @@ class MatchingMetric {
  public:
   static constexpr int depths = 3;
 
-  /// A batch; row i of both belongs together. Throws shape_error 204, numeric_error 301 for a NaN, which no answer would be nearer than.
+  /// A batch; row i of both belongs together. Throws shape_error 204, numeric_error 301 for a NaN, which no answer
+  /// would be nearer than.
   template <Scalar S, Scalar T>
   void add(const Rows<S>& queries, const Rows<T>& answers) {
     detail::require_same_count("MatchingMetric: queries against answers", queries.size(), answers.size());
@@ -26904,15 +27141,16 @@ class MatchingMetric {
   Index queries_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_MOTION_QUALITY_HPP  // <motionlang/metrics/motion_quality.hpp>
 #define MOTIONLANG_HAS_METRICS_MOTION_QUALITY_HPP
-/// How physical a clip looks, without a reference: foot skating, acceleration, jitter, penetration of the floor, constancy
-/// of bones. Published figures use many definitions; the ones used here are written down with each function. Y up, metres.
+/// How physical a clip looks, without a reference: foot skating, acceleration, jitter, penetration of the floor,
+/// constancy of bones. Published figures use many definitions; the ones used here are written down with each function.
+/// Y up, metres.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Joint positions of a clip, (frames, joints), and how fast they follow each other.
 struct JointTracks {
@@ -27055,7 +27293,7 @@ inline MotionQuality motion_quality(const Motion& motion, std::span<const Contac
   return {foot_skate(tracks, feet, floor), jitter(tracks), penetration(tracks, floor)};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_MTT_HPP  // <motionlang/metrics/mtt.hpp>
@@ -27072,11 +27310,12 @@ inline MotionQuality motion_quality(const Motion& motion, std::span<const Contac
 /// Two flavours: `as_coded` gives the published tables, `as_written` what the thesis describes. They do not compare.
 /// Source  STMC (Petrovich et al., CVPR workshops 2024), section 4.2; mtt/stmc_metrics.py, mtt/metrics.py,
 ///         mtt/motion_representation_local.py; spec stmc-evaluation.md 2 to 5
-/// Differs as coded from the thesis: the crops for FID begin at five fixed frames (47, 117, 67, 103, 9), because the number
+/// Differs as coded from the thesis: the crops for FID begin at five fixed frames (47, 117, 67, 103, 9), because the
+/// number
 ///         of features is taken for the length, and are shorter where the motion ends; the reference are whole clips;
 ///         transitions subtract the x coordinate of each joint in place of the root, and leave the last one out
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class MttFlavour { as_coded, as_written };
 
@@ -27103,7 +27342,8 @@ std::vector<S> mtt_features(const ChainSkeleton& skeleton, std::span<const Vec3<
   return guoh3d_features(skeleton, std::span<const Vec3<S>>(y_up), std::span<const S>(lengths), options);
 }
 
-/// Joints with the turns left out, so that every pose is seen in its own heading and the root goes by its own velocities.
+/// Joints with the turns left out, so that every pose is seen in its own heading and the root goes by its own
+/// velocities.
 /// features  (frames, 12 J - 1), not normalised
 /// result    (frames, J), Z up
 /// Throws    shape_error 205
@@ -27117,8 +27357,8 @@ std::vector<Vec3<S>> mtt_local_joints(std::span<const S> features, Index joints 
   return out;
 }
 
-/// Frames at which a text begins or ends, in order; the beginning and the end of the whole are left out. As coded, frames
-/// that the features do not have go first, which costs the last real one.
+/// Frames at which a text begins or ends, in order; the beginning and the end of the whole are left out. As coded,
+/// frames that the features do not have go first, which costs the last real one.
 inline std::vector<Index> transition_points(const Timeline& timeline, Index feature_frames, MttFlavour flavour) {
   std::set<Index> points;
   for (const Interval& i : timeline.intervals) {
@@ -27350,7 +27590,7 @@ MttScores mtt_ground_truth(const MttReference<S>& reference, Index joints = 22) 
           .transition = detail::mean_of("transitions", transitions)};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_RETRIEVAL_HPP  // <motionlang/metrics/retrieval.hpp>
@@ -27360,15 +27600,15 @@ MttScores mtt_ground_truth(const MttReference<S>& reference, Index joints = 22) 
 ///     const auto m = retrieve(RetrievalProtocol::normal, texts, motions, {});        // Rows of latents, paired
 ///     for (const auto& [name, value] : named(m)) std::printf("%s %.2f\n", name.c_str(), value);   // t2m/R01 ...
 ///
-/// The rank of a query is the number of answers that are closer than the right one. Answers at exactly the same distance
-/// share their places: each has the mean of them.
+/// The rank of a query is the number of answers that are closer than the right one. Answers at exactly the same
+/// distance share their places: each has the mean of them.
 ///     R@k  = 100 |{i : r_i < k}| / n   [percent],      MedR = median(r) + 1
 /// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.1; reference: Mathux/TMR src/model/metrics.py and
 ///         retrieval.py; spec tmr.md 7
 /// Differs from the paper: it does not say that ties share their places, which matters where captions are repeated: two
 ///         equal best answers have rank 1/2 each and both count for R@1
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What is searched for what. Tables have texts as rows and motions as columns.
 enum class RetrievalDirection { text_to_motion, motion_to_text };
@@ -27388,7 +27628,8 @@ std::vector<std::uint8_t> texts_alike(const Rows<S>& sentences, double threshold
 
 /// Ranks from 0 on of every query.
 /// similarities  (n, n), texts by motions; pair i belongs together
-/// alike         of `texts_alike`: the closest of the answers with such a text counts as the right one. Empty: only the own
+/// alike         of `texts_alike`: the closest of the answers with such a text counts as the right one. Empty: only the
+///               own
 /// Throws        shape_error 205, 204; numeric_error 301 for a NaN
 template <Scalar S>
 std::vector<double> retrieval_ranks(const Rows<S>& similarities, RetrievalDirection direction,
@@ -27459,7 +27700,8 @@ RetrievalTable retrieval_table(const Rows<S>& similarities, std::span<const std:
           retrieval_metrics(retrieval_ranks(similarities, motion_to_text, alike))};
 }
 
-/// "t2m/R01", "t2m/R02", "t2m/R03", "t2m/R05", "t2m/R10", "t2m/MedR", "t2m/len", then the same of "m2t": the keys of TMR's files.
+/// "t2m/R01", "t2m/R02", "t2m/R03", "t2m/R05", "t2m/R10", "t2m/MedR", "t2m/len", then the same of "m2t": the keys of
+/// TMR's files.
 inline std::vector<std::pair<std::string, double>> named(const RetrievalTable& table) {
   std::vector<std::pair<std::string, double>> out;
   for (const auto& [direction, m] : {std::pair{"t2m/", table.text_to_motion}, {"m2t/", table.motion_to_text}}) {
@@ -27587,7 +27829,8 @@ RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const 
 
 /// A choice of texts that are far from each other, for protocol `nsim`. Begins with the least similar pair and adds the
 /// text whose similarities to the chosen ones have the smallest sum; of equals, the one with the first id.
-/// The program that chose TMR's lists is not published: the paper says that it approximates a quadratic knapsack problem.
+/// The program that chose TMR's lists is not published: the paper says that it approximates a quadratic knapsack
+/// problem.
 /// sentences  (n, d) unit rows
 /// result     positions in the order in which they were chosen
 /// Throws     shape_error 204; config_error 101 unless 2 <= count <= n
@@ -27628,10 +27871,11 @@ std::vector<Index> dissimilar_subset(const Rows<E>& sentences, std::span<const s
   return out;
 }
 
-// ---- moments: where in a long motion a text happens -------------------------------------------------------------------
+// ---- moments: where in a long motion a text happens
+// -------------------------------------------------------------------
 //
-// Source  Petrovich's thesis (2024), section 5.3.6; spec tmr.md 7.6. There is no published code: that windows are cut off
-//         at the ends of the motion and follow each other by `stride` frames is a choice made here.
+// Source  Petrovich's thesis (2024), section 5.3.6; spec tmr.md 7.6. There is no published code: that windows are cut
+//         off at the ends of the motion and follow each other by `stride` frames is a choice made here.
 
 /// Windows of `width` frames, the k-th with its middle at frame k * stride, cut off at the ends of the motion.
 /// Throws config_error 101 unless width and stride are positive.
@@ -27673,22 +27917,23 @@ inline double localisation_accuracy(std::span<const FrameSlice> found, std::span
   return static_cast<double>(right) / static_cast<double>(found.size());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_STGCN_HPP  // <motionlang/metrics/stgcn.hpp>
 #define MOTIONLANG_HAS_METRICS_STGCN_HPP
-/// ST-GCN: a classifier of motions by convolutions over a skeleton's graph and over time. Judges ACTOR's motions on UESTC, and shows
-/// what generated motions are worth as training data.
+/// ST-GCN: a classifier of motions by convolutions over a skeleton's graph and over time. Judges ACTOR's motions on
+/// UESTC, and shows what generated motions are worth as training data.
 ///
-/// Source  Yan, Xiong, Lin: "Spatial temporal graph convolutional networks for skeleton-based action recognition" (AAAI 2018); ACTOR,
-///         src/recognition/models/stgcn.py, whose keys are the field names; spec actor.md 7.3
+/// Source  Yan, Xiong, Lin: "Spatial temporal graph convolutional networks for skeleton-based action recognition" (AAAI
+///         2018); ACTOR, src/recognition/models/stgcn.py, whose keys are the field names; spec actor.md 7.3
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// The tree with loops, every column divided by its degree, in three parts: 0 the loops, 2 the edges (row, column) that lead away from
-/// the centre, 1 the others. (3, joints, joints), row by row.
-/// Differs  from the paper: distances from the centre beyond 1 count as infinite and so as equal; such edges are in part 1
+/// The tree with loops, every column divided by its degree, in three parts: 0 the loops, 2 the edges (row, column) that
+/// lead away from the centre, 1 the others. (3, joints, joints), row by row.
+/// Differs  from the paper: distances from the centre beyond 1 count as infinite and so as equal; such edges are in
+///          part 1
 /// Throws   config_error 101 if the centre is no joint
 inline std::vector<double> stgcn_adjacency(std::span<const int> parents, Index centre) {
   const auto n = std::ssize(parents);
@@ -27759,7 +28004,8 @@ struct StGcnBlock {
     shortcut_norm.emplace(out);
   }
 
-  /// edges (3, joints, joints): A M. `Self` is constant in use and not in training, where norms take the batch's statistics.
+  /// edges (3, joints, joints): A M. `Self` is constant in use and not in training, where norms take the batch's
+  /// statistics.
   template <class Self>
   static Sequences<B> run(Self& self, const Sequences<B>& x, const Tensor<B, 3>& edges) {
     const Index joints = edges.size(1), out = self.tcn.out(), rows = x.offsets.rows(), each = rows / joints * out;
@@ -27794,8 +28040,8 @@ struct StGcnConfig {
   std::vector<Index> channels{64, 64, 64, 64, 128, 128, 128, 256, 256, 256};
   std::vector<Index> strides{1, 1, 1, 1, 2, 1, 1, 2, 1, 1};
 
-  /// SMPL's tree without the global rotation of joint 0 (layout "smpl_noglobal"): the legs and the spine are not connected, and the
-  /// centre is the left hip.
+  /// SMPL's tree without the global rotation of joint 0 (layout "smpl_noglobal"): the legs and the spine are not
+  /// connected, and the centre is the left hip.
   static std::vector<int> without_root(std::span<const int> parents) {
     std::vector<int> out;
     for (std::size_t j = 1; j < parents.size(); ++j) out.push_back(parents[j] > 0 ? parents[j] - 1 : -1);
@@ -27865,14 +28111,14 @@ struct StGcn {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_SUMMARY_HPP  // <motionlang/metrics/summary.hpp>
 #define MOTIONLANG_HAS_METRICS_SUMMARY_HPP
 /// One figure with its spread out of repeated evaluations, as the tables of ACTOR and of Guo et al. print them.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// mean +- half_width
 struct MeanInterval {
@@ -27893,16 +28139,18 @@ inline MeanInterval mean_and_variance(const char* function, std::span<const doub
 }  // namespace detail
 
 /// mean +- 1.96 std / sqrt(n), the std of the population: Guo et al., over 20 replications.
-/// Source  text-to-motion final_evaluations.py get_metric_statistics; spec evaluation-guo.md 4. Throws numeric_error 302.
+/// Source  text-to-motion final_evaluations.py get_metric_statistics; spec evaluation-guo.md 4. Throws numeric_error
+///         302.
 inline MeanInterval replication_interval(std::span<const double> values) {
   const auto [mean, variance] = detail::mean_and_variance("replication_interval", values);
   return {mean, 1.96 * std::sqrt(variance / static_cast<double>(values.size()))};
 }
 
-/// mean +- 1.96 variance, rounded: to 2 places, the mean of an accuracy, in percent, to 1. The name tells which: whether
-/// it contains "accuracy", as in ACTOR's files of results ("accuracy_gen", "fid_gt2").
+/// mean +- 1.96 variance, rounded: to 2 places, the mean of an accuracy, in percent, to 1. The name tells which:
+/// whether it contains "accuracy", as in ACTOR's files of results ("accuracy_gen", "fid_gt2").
 /// Source  ACTOR src/evaluate/tables/easy_table.py; spec actor.md 7.1. Throws numeric_error 302.
-/// Differs from the paper: it speaks of a 95 % confidence interval, which would need std / sqrt(n) in place of the variance
+/// Differs from the paper: it speaks of a 95 % confidence interval, which would need std / sqrt(n) in place of the
+/// variance
 inline MeanInterval actor_summary(std::string_view metric, std::span<const double> values) {
   const bool percent = metric.find("accuracy") != metric.npos;
   std::vector<double> scaled(values.begin(), values.end());
@@ -27913,7 +28161,7 @@ inline MeanInterval actor_summary(std::string_view metric, std::span<const doubl
   return {numpy_round(mean, percent ? 1 : 2), numpy_round(1.96 * variance, 2)};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_TEMOS_SCORE_HPP  // <motionlang/metrics/temos_score.hpp>
@@ -27922,11 +28170,11 @@ inline MeanInterval actor_summary(std::string_view metric, std::span<const doubl
 ///
 /// Source  SINC (Athanasiou et al., ICCV 2023), section 5.1; sample_eval_latent.py; spec sinc.md 9
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// d_i = 2 (1 - cos(g_i, r_i)): the squared distance of the unit vectors, 0 to 4.
-/// generated, reference  (items, latent): means of a TEMOS model that was trained on single actions. Features of both are
-///                       canonicalised; lengths may differ
+/// generated, reference  (items, latent): means of a TEMOS model that was trained on single actions. Features of both
+///                       are canonicalised; lengths may differ
 /// Throws                shape_error 204
 template <Scalar S, Scalar T>
 std::vector<double> temos_distances(const Rows<S>& generated, const Rows<T>& reference) {
@@ -27948,21 +28196,23 @@ double temos_score(const Rows<S>& generated, const Rows<T>& reference) {
   return 1 - sum / static_cast<double>(distances.size()) / 4;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_ACTOR_HPP  // <motionlang/systems/actor.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_ACTOR_HPP
-/// ACTOR: motions of any duration for an action. Assembly; the parts are in vae/, nn/sequence_vae.hpp and features/actor_points.hpp.
+/// ACTOR: motions of any duration for an action. Assembly; the parts are in vae/, nn/sequence_vae.hpp and
+/// features/actor_points.hpp.
 ///
 ///     const std::vector<Index> actions{3, 7}, durations{60, 90};
 ///     const auto motions = generate(actor, actions, durations, rng, {.samples = 5});   // motions[2 sample + action]
 ///     const auto cleaned = denoise(actor, motions, labels);
 ///     const auto line = interpolate_actions(actor, 3, 7, 5, 60, rng);
 ///
-/// Source  Petrovich, Black, Varol: "Action-conditioned 3D human motion synthesis with transformer VAE" (ICCV 2021); spec actor.md
+/// Source  Petrovich, Black, Varol: "Action-conditioned 3D human motion synthesis with transformer VAE" (ICCV 2021);
+///         spec actor.md
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The rows of thesis table 3.4, which mix.
 enum class ActorEncoderKind { tokens, average, gru, fully_connected };
@@ -28102,8 +28352,8 @@ Sequences<B> interpolate_motions(const Actor<B>& actor, const Sequences<B>& two_
 
 /// Motions between two actions: one latent, whose memory in the decoder goes in `steps` steps from one action to the
 /// other. All have `length` frames; the first and the last are those of generate.
-/// Throws  config_error 102 for a decoder that is no transformer: its frames read the number of the action. What generate
-///         and interpolate_rows throw
+/// Throws  config_error 102 for a decoder that is no transformer: its frames read the number of the action. What
+///         generate and interpolate_rows throw
 template <Backend B, class G>
 Sequences<B> interpolate_actions(const Actor<B>& actor, Index from, Index to, Index steps, Index length, G& rng) {
   if (!actor.decoder)
@@ -28119,22 +28369,24 @@ Sequences<B> interpolate_actions(const Actor<B>& actor, Index from, Index to, In
                           Offsets::equal(steps, length));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_SINC_HPP  // <motionlang/systems/sinc.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_SINC_HPP
-/// SINC: several actions at the same time. Assembly; the parts are in vae/, nn/sequence_vae.hpp and compose/sinc_composition.hpp.
+/// SINC: several actions at the same time. Assembly; the parts are in vae/, nn/sequence_vae.hpp and
+/// compose/sinc_composition.hpp.
 ///
 ///     const std::string text = join_labels(labels, Conjunction::same_time);            // text/joined_labels.hpp
 ///     const Sequences<B> states = distilbert(tokenize(tokenizer, std::vector{text})).tokens;      // text/bert.hpp
 ///     const auto motions = text_to_motion(sinc, states, Offsets{90}, Philox{.seed = 7});
-///     const auto motion = sinc_motion(normalizer, motions[0][0]);       // rotations and translation, 30 frames per second
+///     const auto motion = sinc_motion(normalizer, motions[0][0]);       // rotations and translation, 30 frames per
+///     second
 ///
-/// Source  Athanasiou, Petrovich, Black, Varol: "SINC: Spatial composition of 3D human motions for simultaneous action generation"
-///         (ICCV 2023); spec sinc.md
+/// Source  Athanasiou, Petrovich, Black, Varol: "SINC: Spatial composition of 3D human motions for simultaneous action
+///         generation" (ICCV 2023); spec sinc.md
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes. (The published configuration says six heads under a name that nobody reads; there are four.)
 struct SincConfig {
@@ -28152,8 +28404,8 @@ struct SincConfig {
 /// eps of SINC's Normalizer, both ways. (TEACH: 1e-12.)
 inline constexpr double sinc_eps = 1e-5;
 
-/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*), and in old ones eval_model.*
-/// and metrics.*.
+/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*), and in
+/// old ones eval_model.* and metrics.*.
 template <Backend B>
 struct Sinc {
   SincTextEncoder<B> textencoder;
@@ -28226,13 +28478,15 @@ struct Sinc {
   }
 };
 
-/// Normalised features of one motion, (frames, 135), to rotations of 22 joints and translation: metres, Z up, 30 frames per second.
+/// Normalised features of one motion, (frames, 135), to rotations of 22 joints and translation: metres, Z up, 30 frames
+/// per second.
 template <Backend B>
 SmplVelpMotion<typename B::scalar> sinc_motion(const Normalizer<B>& normalizer, const Tensor<B, 2>& features) {
   return smplvelp_inverse(normalizer.denormalize(features).span());
 }
 
-/// The baseline that composes two motions, each generated from one label, by the body parts of the labels (published as "gpt").
+/// The baseline that composes two motions, each generated from one label, by the body parts of the labels (published as
+/// "gpt").
 /// Source  SINC, section 3.2; spec sinc.md 8
 template <Backend B>
 SmplVelpMotion<typename B::scalar> sinc_composed(const Normalizer<B>& normalizer, const Tensor<B, 2>& first,
@@ -28242,21 +28496,21 @@ SmplVelpMotion<typename B::scalar> sinc_composed(const Normalizer<B>& normalizer
                          SincTrim::both_ends);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_HPP  // <motionlang/systems/stmc.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_STMC_HPP
 /// STMC: spatio-temporal motion collage. A timeline of texts on several tracks in, one motion out.
 ///
-/// Source  Petrovich, Litany, Iqbal, Black, Varol, Peng, Rempe: "Multi-track timeline control for text-driven 3D human motion
-///         generation" (2024). Works at test time with any denoiser of explicit poses; no training.
+/// Source  Petrovich, Litany, Iqbal, Black, Varol, Peng, Rempe: "Multi-track timeline control for text-driven 3D human
+///         motion generation" (2024). Works at test time with any denoiser of explicit poses; no training.
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_CLASS_HPP  // <motionlang/systems/detail/stmc_class.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_CLASS_HPP
 /// What a caller sees of STMC: the model and its options. The bodies are in <motionlang/systems/stmc.hpp>.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct BatchPlan;
 
@@ -28275,7 +28529,7 @@ struct StmcOptions {
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
   Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Changes the memory only
-  Progress progress{};  // called after every step; may cancel
+  Progress progress{};                      // called after every step; may cancel
 };
 
 /// The denoiser and encoder may be any models of `Denoiser<B>` and `TextEncoder<B>`.
@@ -28300,8 +28554,8 @@ struct Stmc {
                               &Stmc::motion_normalizer, "text_normalizer", &Stmc::text_normalizer);
   }
 
-  /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends only on
-  /// the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
+  /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends
+  /// only on the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
   std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng,
                                      const StmcOptions& options = {}) const;
   Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const;
@@ -28312,12 +28566,12 @@ struct Stmc {
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options = {}) const;
 
-  /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape (rows of the
-  /// collage, features); whole(collage, x, t) is what a plain run takes. In the SINC modes the collage is that of the texts alone,
-  /// and what is estimated is not yet the motion.
+  /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape
+  /// (rows of the collage, features); whole(collage, x, t) is what a plain run takes. In the SINC modes the collage is
+  /// that of the texts alone, and what is estimated is not yet the motion.
   template <class Noise, class Estimate>
-  std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise, const StmcOptions& options,
-                                          Estimate&& estimate) const;
+  std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
+                                          const StmcOptions& options, Estimate&& estimate) const;
   /// The same from a plan made with `plan_options`, by other rules for texts that want a part at the same time, say.
   template <class Noise, class Estimate>
   std::vector<Tensor<B, 2>> generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
@@ -28326,10 +28580,12 @@ struct Stmc {
   /// How timelines are planned for this model.
   PlanOptions plan_options(const StmcOptions& options) const;
 
-  /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same noise.
+  /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same
+  /// noise.
   Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
 
-  /// The process with so many steps evenly kept, all when 0; the model's own number unless given. Throws config_error 105.
+  /// The process with so many steps evenly kept, all when 0; the model's own number unless given. Throws config_error
+  /// 105.
   GaussianDiffusion process(std::optional<Index> wanted) const;
 
  private:
@@ -28341,15 +28597,15 @@ struct Stmc {
   Tensor<B, 2> stitch_independent(const BatchPlan& plan, const Tensor<B, 2>& x0, Index stride) const;
 };
 
-/// Generated features (frames, 205) as a motion of the 24-joint skeleton, Y up, metres. Bone lengths are the skeleton's: the
-/// rotations are used, not the predicted positions. Published generation starts facing pi.
+/// Generated features (frames, 205) as a motion of the 24-joint skeleton, Y up, metres. Bone lengths are the
+/// skeleton's: the rotations are used, not the predicted positions. Published generation starts facing pi.
 template <Backend B>
 Motion stmc_motion(const Tensor<B, 2>& features, double fps = 20);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate(std::span<const Timeline> timelines, const Philox& rng,
@@ -28378,8 +28634,9 @@ template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 template <class Noise>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options) const {
-  return generate_from(timelines, noise, options,
-                       [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
+  return generate_from(
+      timelines, noise, options,
+      [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
@@ -28504,7 +28761,7 @@ void prepare(Stmc<B, D, E>& stmc) {
   if constexpr (Module<E>) prepare(stmc.text_encoder);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_EDIT_HPP  // <motionlang/systems/stmc_edit.hpp>
@@ -28516,17 +28773,18 @@ void prepare(Stmc<B, D, E>& stmc) {
 ///     timelines[0].intervals[2].text = "run";
 ///     StmcReuse reuse;
 ///     motion = regenerate(stmc, record, timelines, {}, &reuse);           // the bits of generate(timelines, ...)
-///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);  // other motion than that, but only near the edit
+///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);  // other motion than that, but only near
+///     the edit
 ///
-/// What the mathematics allows (compose/edits.hpp): an edit goes one crop further with every step. Texts that follow each other
-/// with an overlap are one chain of crops, so after as many steps as the chain has crops beside the edit nothing is reused any
-/// more: with 100 steps a few per cent of the work, with 10 steps and a long timeline much of it. Free are timelines of the batch that
-/// were not edited, and with overlap 0 all texts behind a cut that nothing spans. For the rest there is an approximation, named
-/// `within`: frames further than that from the edit keep their clean estimates of every step, as if painted over, and
-/// the frames between are made to fit to them.
+/// What the mathematics allows (compose/edits.hpp): an edit goes one crop further with every step. Texts that follow
+/// each other with an overlap are one chain of crops, so after as many steps as the chain has crops beside the edit
+/// nothing is reused any more: with 100 steps a few per cent of the work, with 10 steps and a long timeline much of it.
+/// Free are timelines of the batch that were not edited, and with overlap 0 all texts behind a cut that nothing spans.
+/// For the rest there is an approximation, named `within`: frames further than that from the edit keep their clean
+/// estimates of every step, as if painted over, and the frames between are made to fit to them.
 /// Memory   a record has (steps, frames, 205) numbers: 20 MB for 12 s and 100 steps, 2 MB with 10
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A run as it is needed after an edit.
 template <Backend B>
@@ -28549,8 +28807,8 @@ struct StmcReuse {
   Index frames = 0, kept = 0;      // of the result; those that have the numbers of before
   Index work = 0, whole_work = 0;  // rows through the network in all steps; in a run that takes nothing over
   Index steps = 0;                 // of the run
-  Index everywhere = 0;            // the step (from 1) after which no frame of an edited timeline is that of before; 0: none is
-  bool exact = true;               // the result is that of a run that takes nothing over, bit for bit
+  Index everywhere = 0;  // the step (from 1) after which no frame of an edited timeline is that of before; 0: none is
+  bool exact = true;     // the result is that of a run that takes nothing over, bit for bit
 };
 
 namespace detail {
@@ -28570,7 +28828,8 @@ class Regeneration {
     if (step == 0 || spread_.advance()) {
       if (spread_.frames() > 0) needed_ = collage.with_plan(spread_.needed());
       find_rows(collage);
-      if (reuse_.everywhere == 0 && spread_.frames() > 0 && spread_.everywhere()) reuse_.everywhere = static_cast<Index>(step) + 1;
+      if (reuse_.everywhere == 0 && spread_.frames() > 0 && spread_.everywhere())
+        reuse_.everywhere = static_cast<Index>(step) + 1;
     }
     const bool nothing = spread_.frames() == 0;
     reuse_.work += nothing ? 0 : needed_.batch_rows();
@@ -28611,17 +28870,20 @@ class Regeneration {
 template <Backend B, Denoiser<B> D>
 void require_own_results(const Collage<B, D>& collage) {
   if (!collage.can_divide())
-    raise<config_error>(102, "edits: what this denoiser makes of a crop depends on the other crops, nothing can be kept");
+    raise<config_error>(102,
+                        "edits: what this denoiser makes of a crop depends on the other crops, nothing can be kept");
 }
 
 }  // namespace detail
 
-/// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, config_error 102 for another
-/// mode than StmcMode::stmc (in the SINC modes every text is sampled alone) and where crops depend on each other (BatchMates).
+/// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, config_error 102
+/// for another mode than StmcMode::stmc (in the SINC modes every text is sampled alone) and where crops depend on each
+/// other (BatchMates).
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines, const Philox& rng,
-                                            const StmcOptions& options, StmcRecord<B>& record) {
-  if (options.mode != StmcMode::stmc) raise<config_error>(102, "generate_recorded: only StmcMode::stmc can be recorded");
+std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                                            const Philox& rng, const StmcOptions& options, StmcRecord<B>& record) {
+  if (options.mode != StmcMode::stmc)
+    raise<config_error>(102, "generate_recorded: only StmcMode::stmc can be recorded");
   StmcRecord<B> made{.timelines = {timelines.begin(), timelines.end()}, .rng = rng, .options = options};
   made.options.progress = {};
   const auto note = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
@@ -28636,11 +28898,13 @@ std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span
   return motions;
 }
 
-/// The motions of other timelines with seed and options of the record, made from the record as far as possible; the record then is
-/// that of this run. Throws as generate does, config_error 102 if the record has another number of steps.
+/// The motions of other timelines with seed and options of the record, made from the record as far as possible; the
+/// record then is that of this run. Throws as generate does, config_error 102 if the record has another number of
+/// steps.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& record, std::span<const Timeline> timelines,
-                                     const RegenerateOptions& how = {}, StmcReuse* reuse = nullptr) {
+std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& record,
+                                     std::span<const Timeline> timelines, const RegenerateOptions& how = {},
+                                     StmcReuse* reuse = nullptr) {
   StmcOptions options = record.options;
   options.progress = how.progress;
   const auto steps = stmc.process(options.steps).steps();
@@ -28653,12 +28917,15 @@ std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& r
     if (!run) {
       detail::require_own_results(collage);
       const BatchPlan before = plan_timelines(record.timelines, stmc.plan_options(options));
-      run.emplace(record, EditSpread(before, record.rows, collage.plan(), collage.stride(), reads, how.within), collage);
+      run.emplace(record, EditSpread(before, record.rows, collage.plan(), collage.stride(), reads, how.within),
+                  collage);
     }
     return (*run)(collage, whole, x, t);
   };
   Index rows = 0;
-  const auto noise = [&](Index draw, const Shape& shape) { return rows = shape[1], stmc.noise(record.rng, draw, shape); };
+  const auto noise = [&](Index draw, const Shape& shape) {
+    return rows = shape[1], stmc.noise(record.rng, draw, shape);
+  };
   auto motions = stmc.generate_from(timelines, noise, options, estimate);
   const StmcReuse found = run->reuse();
   if (reuse != nullptr) *reuse = found;
@@ -28667,7 +28934,7 @@ std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& r
   return motions;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_KEEP_HPP  // <motionlang/systems/stmc_keep.hpp>
@@ -28676,16 +28943,16 @@ std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& r
 ///
 ///     KeptMotion<B> clip{features};                            // (frames, 205), not normalised
 ///     clip.parts = {{{0, 20}}, {{100, 120}}};                  // its first and last second: what is between is made
-///     clip.parts = {{{0, 120}, BodyParts{}.with(legs)}};       // or its way and its steps: texts move the rest of the body
-///     auto motions = generate_around(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, std::span(&clip, 1));
+///     clip.parts = {{{0, 120}, BodyParts{}.with(legs)}};       // or its way and its steps: texts move the rest of the
+///     body auto motions = generate_around(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, std::span(&clip, 1));
 ///
 /// Rule    after every step the clean estimate is overwritten where something is kept; x_t stays as it is
 /// Source  MDM (Tevet et al. 2023), section 3 "Editing", sample/edit.py; spec diffusion.md 6.4
-/// Note    features tell the way over the ground by its velocity: frames that are kept at the end move as they did, from wherever
-///         the frames before them have led. Models that do not look at what is kept jump where it begins and ends:
-///         `without_jump` (kinematics/blend.hpp), as in the program
+/// Note    features tell the way over the ground by its velocity: frames that are kept at the end move as they did,
+///         from wherever the frames before them have led. Models that do not look at what is kept jump where it begins
+///         and ends: `without_jump` (kinematics/blend.hpp), as in the program
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Frames and body parts that are kept. The way over the ground belongs to the legs.
 struct KeptPart {
@@ -28723,7 +28990,8 @@ class KeptRows {
   KeptRows(std::span<const KeptMotion<B>> kept, const BatchPlan& plan, Index stride, const FeatureLayout& layout,
            const Normalizer<B>& normalizer) {
     if (kept.size() != plan.timelines.size())
-      raise<config_error>(102, "generate_around: ", kept.size(), " motions to keep for ", plan.timelines.size(), " timelines");
+      raise<config_error>(102, "generate_around: ", kept.size(), " motions to keep for ", plan.timelines.size(),
+                          " timelines");
     const Shape shape{std::ssize(kept) * stride, layout.size};
     std::vector<S> open(static_cast<std::size_t>(shape.count()), S{1}), values(open.size(), S{0});
     for (std::size_t m = 0; m < kept.size(); ++m) {
@@ -28752,12 +29020,14 @@ class KeptRows {
  private:
   static void require_fitting(const KeptMotion<B>& kept, const FeatureLayout& layout, Index frames) {
     if (kept.features.size(1) != layout.size)
-      raise<shape_error>(205, "generate_around: features ", kept.features.shape(), ", the model's '", layout.name, "' are ", layout.size);
+      raise<shape_error>(205, "generate_around: features ", kept.features.shape(), ", the model's '", layout.name,
+                         "' are ", layout.size);
     const Index known = kept.features.size(0);
     for (const KeptPart& part : kept.parts) {
       const IndexRange& r = part.frames;
       if (r.begin < 0 || r.size() < 1 || r.end > std::min(known, frames))
-        raise<config_error>(101, "generate_around: frames ", r.begin, ":", r.end, " are kept of ", known, " in a timeline of ", frames);
+        raise<config_error>(101, "generate_around: frames ", r.begin, ":", r.end, " are kept of ", known,
+                            " in a timeline of ", frames);
     }
   }
 
@@ -28766,38 +29036,44 @@ class KeptRows {
 
 }  // namespace detail
 
-/// As stmc.generate, with one motion to keep for each timeline. What is kept comes back as it was, but for the rounding of the
-/// normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline does not have, 102 for another
-/// number of motions and for other modes than StmcMode::stmc, shape_error 205 for other features, numeric_error 301.
+/// As stmc.generate, with one motion to keep for each timeline. What is kept comes back as it was, but for the rounding
+/// of the normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline does not
+/// have, 102 for another number of motions and for other modes than StmcMode::stmc, shape_error 205 for other features,
+/// numeric_error 301.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines, const Philox& rng,
-                                          const StmcOptions& options, std::span<const KeptMotion<B>> kept) {
-  if (options.mode != StmcMode::stmc) raise<config_error>(102, "generate_around: only StmcMode::stmc can keep a motion");
+std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                                          const Philox& rng, const StmcOptions& options,
+                                          std::span<const KeptMotion<B>> kept) {
+  if (options.mode != StmcMode::stmc)
+    raise<config_error>(102, "generate_around: only StmcMode::stmc can keep a motion");
   std::optional<detail::KeptRows<B>> rows;
   const auto estimate = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
     if (!rows) rows.emplace(kept, collage.plan(), collage.stride(), stmc.layout, stmc.motion_normalizer);
     return rows->over(whole(collage, x, t));
   };
-  return stmc.generate_from(timelines, [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape); }, options, estimate);
+  return stmc.generate_from(
+      timelines, [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape); }, options, estimate);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_TEACH_HPP  // <motionlang/systems/teach.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_TEACH_HPP
-/// TEACH: a sequence of actions, each generated with the end of the one before it. Assembly; the parts are in vae/, nn/sequence_vae.hpp
-/// and compose/alignment.hpp.
+/// TEACH: a sequence of actions, each generated with the end of the one before it. Assembly; the parts are in vae/,
+/// nn/sequence_vae.hpp and compose/alignment.hpp.
 ///
 ///     const std::vector<std::string> actions{"walk", "turn left", "sit"};
 ///     const Sequences<B> states = distilbert(tokenize(tokenizer, actions)).tokens;    // text/bert.hpp
 ///     const auto parts = actions_to_motion(teach, states, Offsets{60, 40, 90}, Philox{.seed = 7});
-///     const auto motion = teach_motion(normalizer, parts, teach_window);      // rotations and translation, 30 frames per second
+///     const auto motion = teach_motion(normalizer, parts, teach_window);      // rotations and translation, 30 frames
+///     per second
 ///
 /// A single action is text_to_motion(teach, states, lengths, rng).
-/// Source  Athanasiou, Petrovich, Black, Varol: "TEACH: Temporal action composition for 3D humans" (3DV 2022); spec teach.md
+/// Source  Athanasiou, Petrovich, Black, Varol: "TEACH: Temporal action composition for 3D humans" (3DV 2022); spec
+///         teach.md
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes. (The published configuration says six heads under a name that nobody reads; there are four.)
 struct TeachConfig {
@@ -28819,8 +29095,8 @@ inline constexpr Index teach_window = 8;
 
 namespace detail {
 
-/// The frames that are generated of each part: all but those of the gap before it. Throws config_error 101 where that leaves fewer than
-/// two, and for a negative gap.
+/// The frames that are generated of each part: all but those of the gap before it. Throws config_error 101 where that
+/// leaves fewer than two, and for a negative gap.
 inline Offsets generated_frames(const Offsets& lengths, Index gap) {
   if (gap < 0) raise<config_error>(101, "TEACH: a gap of ", gap, " frames");
   PoolVector<Index> out;
@@ -28845,7 +29121,8 @@ Sequences<B> with_gaps(const Tensor<B, 2>& frames, const Offsets& lengths, Index
 
 }  // namespace detail
 
-/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*) and tables of positions.
+/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*) and
+/// tables of positions.
 template <Backend B>
 struct Teach {
   TeachTextEncoder<B> textencoder;
@@ -28887,8 +29164,8 @@ struct Teach {
     return out;
   }
 
-  /// Both actions of a training step, for teach_losses. The second text sees the end of the first motion as it was decoded from the
-  /// first text, and gradients pass through it; `teacher_forcing`: as it is in the data.
+  /// Both actions of a training step, for teach_losses. The second text sees the end of the first motion as it was
+  /// decoded from the first text, and gradients pass through it; `teacher_forcing`: as it is in the data.
   /// Source  spec teach.md 3
   TeachBranches<B> branches(const TeachPairs<B>& pairs, const TeachNoise<B>& noise, const Context& context = {},
                             bool teacher_forcing = false) const {
@@ -28934,8 +29211,8 @@ struct Teach {
   }
 };
 
-/// The baseline "independent": parts that know nothing of each other, of a model for single actions (Temos with 135 features). The
-/// baseline "joint" is text_to_motion of all labels joined by commas. Arguments as of Teach::generate.
+/// The baseline "independent": parts that know nothing of each other, of a model for single actions (Temos with 135
+/// features). The baseline "joint" is text_to_motion of all labels joined by commas. Arguments as of Teach::generate.
 template <Backend B, class Model>
 Sequences<B> independent_actions(const Model& model, const Sequences<B>& texts, const Offsets& lengths,
                                  const Tensor<B, 2>& eps, Index window = 0) {
@@ -28952,8 +29229,8 @@ Sequences<B> actions_to_motion(const Teach<B>& model, const Sequences<B>& texts,
   return model.generate(texts, lengths, eps * (sampling.mean ? 0 : sampling.fact), window);
 }
 
-/// Normalised parts to one motion: rotations of 22 joints and translation, metres, Z up, 30 frames per second. Each part is aligned to
-/// the end of the one before it, and the gap of `window` frames between them is interpolated.
+/// Normalised parts to one motion: rotations of 22 joints and translation, metres, Z up, 30 frames per second. Each
+/// part is aligned to the end of the one before it, and the gap of `window` frames between them is interpolated.
 template <Backend B>
 SmplVelpMotion<typename B::scalar> teach_motion(const Normalizer<B>& normalizer, const Sequences<B>& parts,
                                                 Index window = 0, Alignment alignment = Alignment::full) {
@@ -28964,7 +29241,7 @@ SmplVelpMotion<typename B::scalar> teach_motion(const Normalizer<B>& normalizer,
   return motion;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_TEMOS_HPP  // <motionlang/systems/temos.hpp>
@@ -28975,9 +29252,10 @@ SmplVelpMotion<typename B::scalar> teach_motion(const Normalizer<B>& normalizer,
 ///     const auto motions = text_to_motion(temos, states, Offsets{60}, Philox{.seed = 7}, 10);  // ten for each text
 ///     const auto joints = temos_joints(normalizer, motions[0][0]);
 ///
-/// Source  Petrovich, Black, Varol: "TEMOS: Generating diverse human motions from textual descriptions" (ECCV 2022); spec temos.md
+/// Source  Petrovich, Black, Varol: "TEMOS: Generating diverse human motions from textual descriptions" (ECCV 2022);
+///         spec temos.md
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class TemosNetwork { transformer, gru, none };  // none: no motion encoder (thesis table 4.3)
 
@@ -28994,8 +29272,8 @@ struct TemosConfig {
   bool operator==(const TemosConfig&) const = default;
 };
 
-/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*, frozen, and read on its
-/// own), tables of positions and sums of losses.
+/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*, frozen,
+/// and read on its own), tables of positions and sums of losses.
 template <Backend B>
 struct Temos {
   TemosTextEncoder<B> textencoder;
@@ -29053,7 +29331,8 @@ struct Temos {
   }
 };
 
-/// Normalised features of one motion, (frames, 64), to the 21 joints of MMM: millimetres of its body, Y up, 12.5 frames per second.
+/// Normalised features of one motion, (frames, 64), to the 21 joints of MMM: millimetres of its body, Y up, 12.5 frames
+/// per second.
 template <Backend B>
 std::vector<Vec3<typename B::scalar>> temos_joints(const Normalizer<B>& normalizer, const Tensor<B, 2>& features) {
   return rifke_joints(temos_rifke(), normalizer.denormalize(features).span());
@@ -29064,21 +29343,22 @@ SmplVelpMotion<typename B::scalar> temos_smpl(const Normalizer<B>& normalizer, c
   return smplvelp_inverse(normalizer.denormalize(features).span());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_TM2T_HPP  // <motionlang/systems/tm2t.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_TM2T_HPP
-/// TM2T: motions to texts and texts to motions, both by way of motion tokens. Assembly; the parts are in vae/motion_tokenizer.hpp,
-/// nn/seq2seq_transformer.hpp, nn/seq2seq_gru.hpp and nn/decoding.hpp.
+/// TM2T: motions to texts and texts to motions, both by way of motion tokens. Assembly; the parts are in
+/// vae/motion_tokenizer.hpp, nn/seq2seq_transformer.hpp, nn/seq2seq_gru.hpp and nn/decoding.hpp.
 ///
 ///     for (const auto& text : tm2t.describe(features, glove)) ...                    // "a person walk forward"
-///     const auto motions = tm2t.generate(glove.encode<B>(texts), rng);               // features, four frames for each token
+///     const auto motions = tm2t.generate(glove.encode<B>(texts), rng);               // features, four frames for each
+///     token
 ///
-/// Source  Guo, Zuo, Wang, Cheng, "TM2T: stochastic and tokenized modeling for the reciprocal generation of 3D human motions and texts"
-///         (ECCV 2022); spec tm2t.md
+/// Source  Guo, Zuo, Wang, Cheng, "TM2T: stochastic and tokenized modeling for the reciprocal generation of 3D human
+///         motions and texts" (ECCV 2022); spec tm2t.md
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes for HumanML3D. KIT: 251 features, three layers.
 struct Tm2tConfig {
@@ -29120,7 +29400,8 @@ struct Tm2t {
 
   MotionVocabulary vocabulary() const { return tokenizer.vocabulary(); }
 
-  /// Features to codes, without marks. Frames behind the last four are left out. Throws shape_error 205 for fewer than four.
+  /// Features to codes, without marks. Frames behind the last four are left out. Throws shape_error 205 for fewer than
+  /// four.
   IdSequences tokens(const Sequences<B>& features) const {
     return tokenizer.tokens(features.with(statistics.normalize(features.rows)));
   }
@@ -29152,9 +29433,8 @@ struct Tm2t {
   /// Differs from the published program, which takes the last word off a description that has no end
   std::vector<std::string> describe(const Sequences<B>& features, const GloVe& glove, BeamOptions options = {}) const {
     std::vector<std::string> out;
-    for_each_search(features, glove, options, [&](const BeamSearch& found, const Sequences<B>&) {
-      out.push_back(sentence(found.ids, glove));
-    });
+    for_each_search(features, glove, options,
+                    [&](const BeamSearch& found, const Sequences<B>&) { out.push_back(sentence(found.ids, glove)); });
     return out;
   }
   /// All beams, the best first, where they differ in words.
@@ -29236,7 +29516,8 @@ struct Tm2t {
     }
   }
   /// What symbols with their marks say about the motion of a memory, unless it is said already.
-  void add(std::vector<Description>& to, std::span<const Index> ids, const Sequences<B>& memory, const GloVe& glove) const {
+  void add(std::vector<Description>& to, std::span<const Index> ids, const Sequences<B>& memory,
+           const GloVe& glove) const {
     std::string text = sentence(ids, glove);
     if (std::any_of(to.begin(), to.end(), [&](const Description& d) { return d.text == text; })) return;
     const auto written = IdSequences::one(ids);
@@ -29254,11 +29535,12 @@ struct Tm2t {
   }
 };
 
-/// "Inverse alignment": what the recurrent model writes about a text has to be described by that text again. The loss of the description,
-/// whose gradient reaches the recurrent model by a Gumbel sample; the model from motion to text is not to be changed by it.
+/// "Inverse alignment": what the recurrent model writes about a text has to be described by that text again. The loss
+/// of the description, whose gradient reaches the recurrent model by a Gumbel sample; the model from motion to text is
+/// not to be changed by it.
 ///     text: word vectors; described: ids of the words with their marks
-/// Source  TM2T, section 3.4; spec tm2t.md 5.1. As published a step of its own after that of the tokens, each with gradients clipped at
-///         norm 0.5, not the sum of the paper
+/// Source  TM2T, section 3.4; spec tm2t.md 5.1. As published a step of its own after that of the tokens, each with
+///         gradients clipped at norm 0.5, not the sum of the paper
 template <AutodiffBackend A>
 Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTransformer<A>& m2t,
                                     const Sequences<A>& text, const IdSequences& described,
@@ -29270,21 +29552,22 @@ Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTrans
   return next_symbol_loss(m2t.logits(described.without_ends(0, 1), memory, context), described);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_TMR_HPP  // <motionlang/systems/tmr.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_TMR_HPP
-/// TMR: texts and motions in one space, to find one by the other. Assembly; the parts are in vae/ and nn/sequence_vae.hpp.
+/// TMR: texts and motions in one space, to find one by the other. Assembly; the parts are in vae/ and
+/// nn/sequence_vae.hpp.
 ///
 ///     const auto text = tmr.encode_text(states).mu, motion = tmr.encode_motion(features).mu;
 ///     const auto similarity = cosine_similarity(text, motion);        // (texts, motions), for ranks
 ///     const auto score = tmr_score(similarity);                       // in [0, 1], for people
 ///
-/// Source  Petrovich, Black, Varol: "TMR: Text-to-motion retrieval using contrastive 3D human motion synthesis" (ICCV 2023);
-///         spec tmr.md. It holds TEMOS as well, in the form of TMR's repository: losses without contrastive term
+/// Source  Petrovich, Black, Varol: "TMR: Text-to-motion retrieval using contrastive 3D human motion synthesis" (ICCV
+///         2023); spec tmr.md. It holds TEMOS as well, in the form of TMR's repository: losses without contrastive term
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes (16,130,823 parameters).
 struct TmrConfig {
@@ -29364,23 +29647,23 @@ std::vector<Vec3<typename B::scalar>> tmr_joints(const Normalizer<B>& normalizer
   return joints;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_SEARCH_MOTION_INDEX_HPP  // <motionlang/search/motion_index.hpp>
 #define MOTIONLANG_HAS_SEARCH_MOTION_INDEX_HPP
-/// A collection of clips as vectors of a model that knows texts and motions: what is searched. One vector for each clip, for each of
-/// its moments (windows over its frames) and for each of its captions. Reading and writing: io/motion_index_file.hpp; searching:
-/// motion_search.hpp.
+/// A collection of clips as vectors of a model that knows texts and motions: what is searched. One vector for each
+/// clip, for each of its moments (windows over its frames) and for each of its captions. Reading and writing:
+/// io/motion_index_file.hpp; searching: motion_search.hpp.
 
 #ifndef MOTIONLANG_HAS_SEARCH_UNIT_ROWS_HPP  // <motionlang/search/unit_rows.hpp>
 #define MOTIONLANG_HAS_SEARCH_UNIT_ROWS_HPP
 /// Vectors of length 1 and their cosine, for searches.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// <a, b> in double, rounded once. Products of floats are exact there, so what is left of rounding is the order of four sums:
-/// every compiler and every processor gives the same bits.
+/// <a, b> in double, rounded once. Products of floats are exact there, so what is left of rounding is the order of four
+/// sums: every compiler and every processor gives the same bits.
 inline float exact_cosine(const float* a, const float* b, Index width) {
   double s[4] = {};
   Index i = 0;
@@ -29403,7 +29686,8 @@ inline Index whole_rows(std::string_view function, std::size_t values, Index wid
 
 }  // namespace detail
 
-/// Rows divided by their length. Throws shape_error 205, numeric_error 301 for a row that is not finite, 302 for one of length 0.
+/// Rows divided by their length. Throws shape_error 205, numeric_error 301 for a row that is not finite, 302 for one of
+/// length 0.
 inline std::vector<float> unit_rows(std::span<const float> rows, Index width) {
   const Index count = detail::whole_rows("unit_rows", rows.size(), width);
   std::vector<float> out(rows.begin(), rows.end());
@@ -29419,7 +29703,8 @@ inline std::vector<float> unit_rows(std::span<const float> rows, Index width) {
   return out;
 }
 
-/// Throws shape_error 205, numeric_error 302 with the first row whose length is not 1 (to 1/1000), or that is not finite.
+/// Throws shape_error 205, numeric_error 302 with the first row whose length is not 1 (to 1/1000), or that is not
+/// finite.
 inline void require_unit_rows(std::string_view where, std::span<const float> rows, Index width) {
   const Index count = detail::whole_rows(where, rows.size(), width);
   constexpr Index at_once = 1024;
@@ -29445,10 +29730,10 @@ inline void require_unit_rows(std::string_view where, std::span<const float> row
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Where the vectors come from.
 struct IndexModel {
@@ -29467,11 +29752,11 @@ struct IndexedClip {
   std::string path;                      // of the file
   std::string name{};                    // of the motion in the file, where there are several
   std::int64_t modified = 0, bytes = 0;  // of the file when it was read: nanoseconds, size
-  std::string content{};                 // of the file then: a checksum, by which it is known under another name; "" in old indices
-  std::string lines{};                   // of a table that say which parts of the file are clips: a checksum, "" if none did
-  double start = 0, end = 0;             // seconds in the file
-  double fps = 0;                        // of the file
-  Index frames = 0;                      // from start to end, in the file
+  std::string content{};  // of the file then: a checksum, by which it is known under another name; "" in old indices
+  std::string lines{};    // of a table that say which parts of the file are clips: a checksum, "" if none did
+  double start = 0, end = 0;  // seconds in the file
+  double fps = 0;             // of the file
+  Index frames = 0;           // from start to end, in the file
   std::vector<std::string> captions{};
   std::string license{};
   bool operator==(const IndexedClip&) const = default;
@@ -29525,7 +29810,8 @@ class MotionIndex {
       raise<config_error>(101, "MotionIndex: vectors of ", model_.width, " numbers, ", model_.fps,
                           " frames per second, ", model_.windows.size(), " windows, stride ", model_.stride);
   }
-  /// From tables that a file has; rows of length 1. Throws io_error 403 if they do not fit each other, numeric_error 302.
+  /// From tables that a file has; rows of length 1. Throws io_error 403 if they do not fit each other, numeric_error
+  /// 302.
   MotionIndex(std::string_view where, IndexModel model, std::vector<IndexedClip> clips, std::vector<Moment> moments,
               VectorTable clip_rows, VectorTable moment_rows, VectorTable caption_rows)
       : MotionIndex(std::move(model)) {
@@ -29563,7 +29849,8 @@ class MotionIndex {
       raise<config_error>(102, "this index was made with the model '", model_.path, "' (", model_.id,
                           "), whose vectors cannot be compared with those of '", path, "' (", id, ")");
   }
-  /// Behind the others. Throws shape_error 205 if the vectors do not fit or a moment is none, numeric_error 301, 302 (unit_rows); then nothing has changed.
+  /// Behind the others. Throws shape_error 205 if the vectors do not fit or a moment is none, numeric_error 301, 302
+  /// (unit_rows); then nothing has changed.
   void add(EncodedClip c) {
     const auto rows = [&](const std::vector<float>& values, std::size_t wanted) {
       if (values.size() != wanted * static_cast<std::size_t>(model_.width))
@@ -29649,7 +29936,7 @@ class MotionIndex {
   VectorTable clip_rows_, moment_rows_, caption_rows_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_SEARCH_MOTION_SEARCH_HPP  // <motionlang/search/motion_search.hpp>
@@ -29666,20 +29953,22 @@ class MotionIndex {
 ///     const VectorScan gallery(rows, 256);                  // rows of length 1, not copied
 ///     for (const Neighbour& n : gallery.search(query, 10)[0]) ...
 ///
-/// Many queries are a matrix product whose scores are looked at while they lie in a cache; few are read past the gallery once. These fast
-/// scores (float sums in the kernel's order, rows or both sides rounded to bfloat16) only say who cannot be among the k nearest: what lies
-/// within their error bound of the k-th is compared by exact_cosine. So an answer does not depend on the processor, on the number of
-/// threads, on the other queries, or on the storage.
+/// Many queries are a matrix product whose scores are looked at while they lie in a cache; few are read past the
+/// gallery once. These fast scores (float sums in the kernel's order, rows or both sides rounded to bfloat16) only say
+/// who cannot be among the k nearest: what lies within their error bound of the k-th is compared by exact_cosine. So an
+/// answer does not depend on the processor, on the number of threads, on the other queries, or on the storage.
 ///
 ///     |fast - exact| <= (width + 2) 2^-24 |q| |x|  + |q| max_x |x - bfloat16(x)| + |x| max_q |q - bfloat16(q)|
 ///
-/// Source    Higham, Accuracy and Stability of Numerical Algorithms, section 3.1: error of an inner product in any order
+/// Source    Higham, Accuracy and Stability of Numerical Algorithms, section 3.1: error of an inner product in any
+///           order
 
 #ifndef MOTIONLANG_HAS_SEARCH_NEAREST_HPP  // <motionlang/search/nearest.hpp>
 #define MOTIONLANG_HAS_SEARCH_NEAREST_HPP
-/// Nearest vectors: what a search answers, the order of its answers, and the one interface of exact and approximate searches.
+/// Nearest vectors: what a search answers, the order of its answers, and the one interface of exact and approximate
+/// searches.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A vector of the gallery and its cosine with the query.
 struct Neighbour {
@@ -29732,8 +30021,8 @@ class VectorSearch {
   /// Vectors, and numbers of each.
   virtual Index count() const = 0;
   virtual Index width() const = 0;
-  /// queries (n, width), of any length but 0 -> for each its min(k, count) nearest. Throws shape_error 205 unless they are whole,
-  /// config_error 101 for k < 0, numeric_error 301 for a query that is not finite, 302 for one of length 0.
+  /// queries (n, width), of any length but 0 -> for each its min(k, count) nearest. Throws shape_error 205 unless they
+  /// are whole, config_error 101 for k < 0, numeric_error 301 for a query that is not finite, 302 for one of length 0.
   virtual std::vector<std::vector<Neighbour>> search(std::span<const float> queries, Index k) const = 0;
 
  protected:
@@ -29742,14 +30031,16 @@ class VectorSearch {
   VectorSearch& operator=(const VectorSearch&) = default;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class ScanStorage {
   float32,  // the rows as they are
-  bfloat16,  // a copy of half the size is scanned, many queries with products in bfloat16; the rows are read for the best ones only
+  // a copy of half the size is scanned, many queries with products in bfloat16; the rows are read for the best ones
+  // only
+  bfloat16,
 };
 
 namespace detail {
@@ -29803,7 +30094,7 @@ class VectorScan : public VectorSearch {
   std::shared_ptr<const void> owner_, halves_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::detail::RowScan<float>;
@@ -29823,7 +30114,8 @@ extern template struct motionlang::detail::RowScan<float>;
 #define MOTIONLANG_HAS_BACKEND_DETAIL_BROADCAST_HPP
 /// How two operands of a broadcasting operation lie in memory, reduced to the cases that a vectorised loop can handle.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// The result as a matrix (outer, inner); in each operand an axis is either walked along or repeated.
 struct BroadcastPattern {
@@ -29856,7 +30148,8 @@ inline std::optional<BroadcastPattern> broadcast_pattern(const Shape& a, const S
   return p;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_KERNELS_HPP  // <motionlang/backend/detail/kernels.hpp>
@@ -29873,10 +30166,12 @@ inline std::optional<BroadcastPattern> broadcast_pattern(const Shape& a, const S
 #define MOTIONLANG_HAS_BACKEND_DETAIL_GELU_TABLE_HPP
 /// What gelu(x) lacks to relu(x), as polynomials of degree 4 around 0, 1/4, 2/4, ... 31/4.
 ///
-/// gelu(x) = x Phi(x) = max(x, 0) - g(|x|),   g(c) = c (1 - Phi(c)) (Hendrycks and Gimpel 2016, Phi: normal distribution function).
-/// g is bounded by 0.17 and dies out above c = 5.5. Processors that look up 32 numbers in one instruction so take 14 instructions.
+/// gelu(x) = x Phi(x) = max(x, 0) - g(|x|),   g(c) = c (1 - Phi(c)) (Hendrycks and Gimpel 2016, Phi: normal
+/// distribution function). g is bounded by 0.17 and dies out above c = 5.5. Processors that look up 32 numbers in one
+/// instruction so take 14 instructions.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// g(i / 4 + d) = sum over n of by_power[n][i] d^n for |d| <= 1/8. Wrong by 5e-8 at most, by 1e-7 of g for i = 0.
 struct GeluTable {
@@ -29898,8 +30193,8 @@ constexpr GeluTable make_gelu_table() {
       q[n] = -p[n - 1] / n;
       g[n] = c * q[n] + q[n - 1];
     }
-    // Polynomials that are small for |u| <= 1, u = d / (1/8), are taken away: u^2 T_4(u) / 8 for u^6 (it keeps g(0) = 0),
-    // T_5(u) / 16 for u^5.
+    // Polynomials that are small for |u| <= 1, u = d / (1/8), are taken away: u^2 T_4(u) / 8 for u^6 (it keeps g(0) =
+    // 0), T_5(u) / 16 for u^5.
     constexpr double square = GeluTable::width * GeluTable::width / 4;
     g[4] += g[6] * square, g[2] -= g[6] * square * square / 8;
     g[3] += g[5] * square * 20 / 16, g[1] -= g[5] * square * square * 5 / 16;
@@ -29911,10 +30206,12 @@ constexpr GeluTable make_gelu_table() {
 }
 inline constexpr GeluTable gelu_table = make_gelu_table();
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// c (m x n) = act(a (m x k) B + bias + residual). B is packed in panels.
 template <class S>
@@ -29933,7 +30230,8 @@ struct Gemm {
   const std::byte* after = nullptr;  // what is read after this product: a panel's share of it is fetched meanwhile
   Index after_bytes = 0;
 
-  /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if there is no `after`.
+  /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if
+  /// there is no `after`.
   const std::byte* following(Index first, Index count, const void* otherwise) const {
     return after == nullptr ? static_cast<const std::byte*>(otherwise) : after + after_bytes / 64 * first / count * 64;
   }
@@ -29951,7 +30249,8 @@ struct Attention {
   Index heads = 1, width = 0;
   bool causal = false;
   Dropout dropout{};
-  const S* relative_scores = nullptr;  // forward only: (heads, 2 reach + 1), the number of distance d in column d + reach
+  // forward only: (heads, 2 reach + 1), the number of distance d in column d + reach
+  const S* relative_scores = nullptr;
   Index reach = 0;
 };
 template <class S>
@@ -30034,8 +30333,8 @@ struct Kernels {
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
-/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels that
-/// are the same for all instruction sets, but for numbers below 2^-126.
+/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels
+/// that are the same for all instruction sets, but for numbers below 2^-126.
 struct Bf16Kernels {
   const char* name;
   Index tile_rows;
@@ -30057,7 +30356,8 @@ struct Bf16Kernels {
 inline constexpr Index bf16_columns = 32;
 constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 
 // GCC and clang spell "generate code for these instructions" differently.
 #if defined(__clang__)
@@ -30080,7 +30380,8 @@ constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 *
 #endif
 // All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::MOTIONLANG_ISA {
 
 // Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
 // Included once for every instruction set by kernels.hpp; no include guard on purpose.
@@ -30205,13 +30506,17 @@ MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int,
 // Halves are put together until one lane is left: sums have a fixed order.
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
 }
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
 }
 
 /// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
@@ -30234,29 +30539,32 @@ MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
   }
 }
 
-/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
-/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
+/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
+/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
   const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the lowest bits.
+  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
+  // lowest bits.
   const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
-  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) - n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
+  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
+                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
   Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
   if constexpr (!single) {
-    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
+    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
+      p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
   const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
   return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
 }
 
-/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our own least-squares
-/// fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
+/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
 template <class S>
 MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
   Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
@@ -30306,8 +30614,8 @@ MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
   return vmax<float>(Vec<float>{}, x) - g;
 }
 #endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it is known.
-/// Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
+/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
 #if MOTIONLANG_VECTOR_BYTES == 64
@@ -30333,7 +30641,8 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
-/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
+/// Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
@@ -30355,17 +30664,24 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return x;
-    case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu: return vgelu<S>(x);
-    case Activation::silu: return x / (vexp<S>(-x) + S(1));
-    case Activation::tanh: return vtanh<S>(x);
-    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::none:
+      return x;
+    case Activation::relu:
+      return vmax<S>(Vec<S>{}, x);
+    case Activation::gelu:
+      return vgelu<S>(x);
+    case Activation::silu:
+      return x / (vexp<S>(-x) + S(1));
+    case Activation::tanh:
+      return vtanh<S>(x);
+    case Activation::quick_gelu:
+      return x / (vexp<S>(x * S(-1.702)) + S(1));
     case Activation::gelu_new: {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
-    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
+    case Activation::sigmoid:
+      return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -30375,8 +30691,10 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return splat(S(1));
-    case Activation::relu: return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
+    case Activation::none:
+      return splat(S(1));
+    case Activation::relu:
+      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
     case Activation::gelu: {
       const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
@@ -30409,14 +30727,22 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
-    case Activation::none: return f.template operator()<Activation::none>();
-    case Activation::relu: return f.template operator()<Activation::relu>();
-    case Activation::gelu: return f.template operator()<Activation::gelu>();
-    case Activation::silu: return f.template operator()<Activation::silu>();
-    case Activation::tanh: return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
-    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
+    case Activation::none:
+      return f.template operator()<Activation::none>();
+    case Activation::relu:
+      return f.template operator()<Activation::relu>();
+    case Activation::gelu:
+      return f.template operator()<Activation::gelu>();
+    case Activation::silu:
+      return f.template operator()<Activation::silu>();
+    case Activation::tanh:
+      return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu:
+      return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new:
+      return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid:
+      return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -30453,14 +30779,16 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them. If k is in
-//            several blocks, eight panels at a time: what the next 1024 of k are added to stays there as well. (All panels at a time where
-//            A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches and k is one block:
-//            a tile's rows times a group of panels, then the next rows. So longer pieces of the result's rows are written, one after the
-//            other: the lines under them, which come from memory first, the processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what follows: of the
-//            panels of the next group, be it of the product that follows, and, with the first group, of the next rows of A.
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
+//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
+//            well. (All panels at a time where A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
+//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
+//            result's rows are written, one after the other: the lines under them, which come from memory first, the
+//            processor fetches by itself, and fewer pages are in use.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
+//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
+//            the next rows of A.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -30468,11 +30796,13 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
-inline constexpr Index most_tiles = 16;  // of rows in a block
+inline constexpr Index most_tiles = 16;        // of rows in a block
 inline constexpr Index near_caches = 4 << 20;  // bytes
-inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  // for rows of A, and as much for a group of panels
+// for rows of A, and as much for a group of panels
+inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
 template <class S>
-inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
+// of a tile of a transposed A, copied
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
 
 template <class S>
 constexpr Index bytes(Index count) {
@@ -30502,8 +30832,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
@@ -30541,15 +30871,16 @@ struct Rows {
   Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
-/// panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a tile alone fetches the first half of
-/// the next panel only: every other line of the whole would confuse the processor, which fetches by itself lines that follow each other
-/// (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for
+/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
+/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
+/// which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between them.
+  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between
+  /// them.
   MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
     const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
     return {next + i * step * steps, step};
@@ -30602,7 +30933,8 @@ MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e)
 
 /// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
 template <class S>
-[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
+                                         const Epilogue<S>& e) {
   constexpr Index l = lanes<S>;
   for (Index r = 0; r < rows; ++r) {
     for (Index i = 0; i < columns; i += l) {
@@ -30628,7 +30960,8 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
       S* out = c + i * ldc;
       if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
       c0[i] += z0, c1[i] += z1;
-      if (e.residual != nullptr) c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
+      if (e.residual != nullptr)
+        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
       store(out, c0[i]), store(out + l, c1[i]);
     }
   } else {
@@ -30645,7 +30978,8 @@ enum class TileKind { plain, transposed, half };
 
 /// c (R x columns) = a (R x k) panel.
 template <class S, int R, TileKind kind>
-void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e, Ahead ahead) {
+void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
   constexpr Index w = panel_width<S>;
   constexpr int l = lanes<S>;
   constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
@@ -30653,10 +30987,11 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the strides is known to
-  // be 1, which saves additions (1 to 4 % of the time).
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
+  // strides is known to be 1, which saves additions (1 to 4 % of the time).
   const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
-  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride, *p4 = p0 + 12 * row_stride;
+  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
+          *p4 = p0 + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
@@ -30689,7 +31024,8 @@ TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
     return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
-  }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
+  }
+  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
   const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
   return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
@@ -30716,8 +31052,8 @@ Index gemm_scratch(Index k) {
   return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
 }
 
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the other. `readable`: rows
-/// that A has from here on.
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
+/// other. `readable`: rows that A has from here on.
 template <class S>
 void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
   constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
@@ -30726,7 +31062,8 @@ void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, 
     if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
     for (Index t = 0; t < tiles; ++t) {
       const Index first = part(rows, t, tiles);
-      for (Index i = 0; i < pitch; i += l) store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+      for (Index i = 0; i < pitch; i += l)
+        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
     }
   }
 }
@@ -30741,7 +31078,8 @@ struct GemmPiece {
   Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
   Index left = 0, right = 0;
   Index k0 = 0, k1 = 0;
-  const std::byte* next = nullptr;  // panels that are read after it: at last the first ones once more, if nothing else is known
+  // panels that are read after it: at last the first ones once more, if nothing else is known
+  const std::byte* next = nullptr;
   Index next_bytes = std::numeric_limits<Index>::max();
 
   Index depth() const { return k1 - k0; }
@@ -30764,9 +31102,12 @@ struct GemmPiece {
     const bool whole = depth == g.k, transposed = g.a_transposed;
     const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a tile's when it is next.
-    if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
-    else if (copies && !far) copy_rows(top, below);
+    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
+    // tile's when it is next.
+    if (transposed)
+      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
+    else if (copies && !far)
+      copy_rows(top, below);
     for (Index group = 0; group < groups; ++group) {
       const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
       const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
@@ -30776,15 +31117,17 @@ struct GemmPiece {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
         if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time: none.)
+        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
+        // none.)
         const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead = i < row_panels
-                                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
-                                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          const Ahead ahead =
+              i < row_panels
+                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
           S* c = g.c + row * g.ldc + j * w;
           const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
           tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
@@ -30799,7 +31142,8 @@ template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
+  // once.
   const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
@@ -30817,22 +31161,29 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
                        .right = std::min(j1, left + wide),
                        .k0 = part(g.k, block, blocks),
                        .k1 = part(g.k, block + 1, blocks)};
-    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1, last = next_rows && piece.below == r1;
-    const S* next = g.panels + ((next_rows ? j0 : next_columns ? piece.right : left) * g.k + (next_columns ? 0 : piece.k1)) * piece.w;
+    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
+               last = next_rows && piece.below == r1;
+    const S* next = g.panels + ((next_rows      ? j0
+                                 : next_columns ? piece.right
+                                                : left) *
+                                    g.k +
+                                (next_columns ? 0 : piece.k1)) *
+                                   piece.w;
     piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
     if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
     piece.multiply();
   }
 }
 //
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
-// head (backward), never for a batch.
+// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
+// or one head (backward), never for a batch.
 //
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
 /// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums: none waits.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
+/// none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
@@ -30873,8 +31224,10 @@ void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bo
   for (Index r = 0; r < count;) {
     Index visible[softmax_group];
     for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
-    if (r + softmax_group <= count) softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
-    else softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+    if (r + softmax_group <= count)
+      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else
+      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
   }
 }
 
@@ -30922,25 +31275,29 @@ struct FloatProducts {
   static Index scratch(Index) { return 0; }
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    if (stride_n == 1)
+      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else
+      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
-  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
+  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
+                       bool whole_panels) {
     constexpr Index w = panel_width<S>;
     const Index tiles = (count + tile_rows - 1) / tile_rows;
     const Epilogue<S> plain;
     for (Index j = 0; j < padded_panels<S>(n); ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
-                                         plain, Ahead{as_bytes(panels)});
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
       }
     }
   }
 };
 
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are columns of.
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
+/// columns of.
 template <class S>
 struct AttentionHead {
   const Attention<S>& t;
@@ -30970,7 +31327,9 @@ struct AttentionHead {
     for (Index r = 0; r < count && t.dropout.p > 0; ++r)
       dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
   }
-  Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
+  Index mask_at(Index query) const {
+    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
+  }
 };
 
 /// Distance of rows of scores, whose columns up to the end of a panel are written.
@@ -30981,7 +31340,8 @@ Index score_pitch(Index keys) {
 /// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
 template <class P>
 Index attention_scratch(Index keys, Index width) {
-  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) + P::scratch(std::max(keys, width));
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
+         P::scratch(std::max(keys, width));
 }
 /// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
 template <class P>
@@ -30995,7 +31355,8 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
 template <class P, class S = typename P::Number>
 void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
-  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces), end = part(tiles, piece + 1, pieces);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
+              end = part(tiles, piece + 1, pieces);
   if (begin == end) return;
   const Index pitch = score_pitch<P>(h.keys);
   S* vp = kt + P::panels(t.width, h.keys);
@@ -31033,7 +31394,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
-    if (r % softmax_group == 0) softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
+    if (r % softmax_group == 0)
+      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
     if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
@@ -31056,8 +31418,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as many chains of sums:
-/// none waits.
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
+/// many chains of sums: none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
   constexpr int l = lanes<S>;
@@ -31099,7 +31461,8 @@ MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
   S* y = t.y + first * n;
   if (t.residual != nullptr) {
     const S* z = t.residual + first * n;
-    for (Index i = 0; i < R * n; i += l) store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
+    for (Index i = 0; i < R * n; i += l)
+      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
     x = y;
   }
   S mean[R], rstd[R];
@@ -31178,7 +31541,8 @@ void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, 
 }
 /// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
 template <class S>
-void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows, Index first, Index last) {
+void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
+                            Index first, Index last) {
   for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
   for (Index r = 0; r < rows; ++r) {
     const S mean = moments[2 * r], rstd = moments[2 * r + 1];
@@ -31233,11 +31597,16 @@ void transpose(const Transposed<S>& t, Index first, Index last) {
 template <BinaryOp op, class S>
 MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
   switch (op) {
-    case BinaryOp::add: return a + b;
-    case BinaryOp::sub: return a - b;
-    case BinaryOp::mul: return a * b;
-    case BinaryOp::div: return a / b;
-    case BinaryOp::maximum: return a < b ? b : a;
+    case BinaryOp::add:
+      return a + b;
+    case BinaryOp::sub:
+      return a - b;
+    case BinaryOp::mul:
+      return a * b;
+    case BinaryOp::div:
+      return a / b;
+    case BinaryOp::maximum:
+      return a < b ? b : a;
   }
   return a;
 }
@@ -31257,11 +31626,16 @@ MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
 template <class S>
 void binary(const Binary<S>& t) {
   switch (t.op) {
-    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
-    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
-    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
-    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
-    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+    case BinaryOp::add:
+      return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub:
+      return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul:
+      return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div:
+      return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum:
+      return binary_loop<BinaryOp::maximum>(t);
   }
 }
 
@@ -31299,7 +31673,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 }
 
 template <class S>
-MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
+MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
+                                      Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
   m = m * t.beta1 + g * t.rest1;
   v = v * t.beta2 + g * g * t.rest2;
@@ -31324,15 +31699,18 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any processor, which widens
-// bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
+// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
-//            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126,
+//            which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
+//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
+//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
+//            number of a sum.)
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
+//            thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
 typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
@@ -31351,14 +31729,13 @@ MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
 }
 
 /// A vector of numbers, rounded; zeros from the n-th on.
-MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
-  return round_to_bf16(load_first(x, n));
-}
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
   constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
@@ -31369,7 +31746,8 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
 #pragma GCC unroll 16
       for (int q = 0; q < lanes<float>; ++q) {
         const auto row = [&](Index at) {
-          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
+          // no prefetcher follows pieces so far apart
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
           return rounded(a + at * lda + r, at < k ? n : 0);
         };
         if constexpr (sizeof(Element) == 4) {
@@ -31394,7 +31772,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     for (Index i = k0; i < k1; i += 2) {
       const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
       std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-      for (Index j = left; j < std::min(count, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+      for (Index j = left; j < std::min(count, left + panel_block);
+           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
         fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
         const Index columns = n - j * bf16_columns;
         Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
@@ -31402,10 +31781,11 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class Tile, bool looks>
-bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
+                          std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
@@ -31441,12 +31821,14 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
-/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
-/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
+/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
+/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
+/// same cache set.
 inline bool streams(const Gemm<float>& g) {
   constexpr Index all = 16 << 20;
-  const bool whole_lines = g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  const bool whole_lines =
+      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
   return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
 }
 /// Rows of one panel's width, from where a tile has put them.
@@ -31458,7 +31840,8 @@ inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
 
 class PanelSplit;
 
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
+/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
+/// over `depth` of k.
 template <class Element>
 struct TileProduct {
   const Element* a;
@@ -31481,7 +31864,7 @@ struct TileProduct {
 ///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
 template <class Tile>
 struct RegisterTile {
-  static constexpr bool even = true;  // rows are split evenly among tiles
+  static constexpr bool even = true;                                 // rows are split evenly among tiles
   static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
   static constexpr Index pieces(Index, Index) { return 1; }          // of k
   static void begin() {}
@@ -31491,7 +31874,8 @@ struct RegisterTile {
   void multiply(const TileProduct<Element>& t) {
     static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
       return std::array{&Tile::template rows_of<R + 1>...};
-    }(std::make_integer_sequence<int, Tile::rows>{});
+    }
+    (std::make_integer_sequence<int, Tile::rows>{});
     const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
     if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
     alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
@@ -31517,8 +31901,8 @@ struct WideningTile : RegisterTile<WideningTile> {
   }
 
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, Ahead ahead) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                      Index columns, const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
     for (Index column = 0; column < columns; column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
@@ -31571,7 +31955,8 @@ Index bf16_scratch(Index k) {
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
 template <class Tile>
-void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
+                     float* scratch) {
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
@@ -31582,7 +31967,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
   for (Index block = 0; block < row_blocks; ++block) {
     const Index top = r0 + unit * part(units, block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
+                tiles = (rows + Tile::rows - 1) / Tile::rows;
     const Index pieces = Tile::pieces(depth, tiles);
     round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
@@ -31592,11 +31978,13 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
       for (Index step = 0; step < pieces * tiles; ++step) {
         const Index piece = step / tiles, t = step % tiles;
-        const Index k0 = 32 * part(depth / 32, piece, pieces), k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
+        const Index k0 = 32 * part(depth / 32, piece, pieces),
+                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
         const Index row = top + first, column = j * bf16_columns;
-        const auto ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
+        const auto ahead =
+            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
         TileProduct<Element> product{.a = a + first * pitch + k0,
                                      .pitch = pitch,
                                      .height = height,
@@ -31635,11 +32023,13 @@ struct Bf16Products {
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
-    if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    if (stride_n == 1)
+      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else
+      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
-  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
-                       bool whole_panels) {
+  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
+                       float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
     auto* rounded_rows = reinterpret_cast<Element*>(scratch);
     Tile tile;
@@ -31717,7 +32107,8 @@ const Kernels<S>& table() {
 #undef MOTIONLANG_STRING_OF
 #undef MOTIONLANG_INLINE
 
-}  // namespace motionlang
+}  // namespace detail::MOTIONLANG_ISA
+MOTIONLANG_NAMESPACE_END
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
@@ -31731,7 +32122,8 @@ MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
 #define MOTIONLANG_TILE_ROWS 6
 // All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::MOTIONLANG_ISA {
 
 // Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
 // Included once for every instruction set by kernels.hpp; no include guard on purpose.
@@ -31856,13 +32248,17 @@ MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int,
 // Halves are put together until one lane is left: sums have a fixed order.
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
 }
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
 }
 
 /// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
@@ -31885,29 +32281,32 @@ MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
   }
 }
 
-/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
-/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
+/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
+/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
   const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the lowest bits.
+  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
+  // lowest bits.
   const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
-  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) - n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
+  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
+                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
   Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
   if constexpr (!single) {
-    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
+    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
+      p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
   const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
   return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
 }
 
-/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our own least-squares
-/// fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
+/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
 template <class S>
 MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
   Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
@@ -31957,8 +32356,8 @@ MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
   return vmax<float>(Vec<float>{}, x) - g;
 }
 #endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it is known.
-/// Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
+/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
 #if MOTIONLANG_VECTOR_BYTES == 64
@@ -31984,7 +32383,8 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
-/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
+/// Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
@@ -32006,17 +32406,24 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return x;
-    case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu: return vgelu<S>(x);
-    case Activation::silu: return x / (vexp<S>(-x) + S(1));
-    case Activation::tanh: return vtanh<S>(x);
-    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::none:
+      return x;
+    case Activation::relu:
+      return vmax<S>(Vec<S>{}, x);
+    case Activation::gelu:
+      return vgelu<S>(x);
+    case Activation::silu:
+      return x / (vexp<S>(-x) + S(1));
+    case Activation::tanh:
+      return vtanh<S>(x);
+    case Activation::quick_gelu:
+      return x / (vexp<S>(x * S(-1.702)) + S(1));
     case Activation::gelu_new: {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
-    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
+    case Activation::sigmoid:
+      return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -32026,8 +32433,10 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return splat(S(1));
-    case Activation::relu: return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
+    case Activation::none:
+      return splat(S(1));
+    case Activation::relu:
+      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
     case Activation::gelu: {
       const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
@@ -32060,14 +32469,22 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
-    case Activation::none: return f.template operator()<Activation::none>();
-    case Activation::relu: return f.template operator()<Activation::relu>();
-    case Activation::gelu: return f.template operator()<Activation::gelu>();
-    case Activation::silu: return f.template operator()<Activation::silu>();
-    case Activation::tanh: return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
-    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
+    case Activation::none:
+      return f.template operator()<Activation::none>();
+    case Activation::relu:
+      return f.template operator()<Activation::relu>();
+    case Activation::gelu:
+      return f.template operator()<Activation::gelu>();
+    case Activation::silu:
+      return f.template operator()<Activation::silu>();
+    case Activation::tanh:
+      return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu:
+      return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new:
+      return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid:
+      return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -32104,14 +32521,16 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them. If k is in
-//            several blocks, eight panels at a time: what the next 1024 of k are added to stays there as well. (All panels at a time where
-//            A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches and k is one block:
-//            a tile's rows times a group of panels, then the next rows. So longer pieces of the result's rows are written, one after the
-//            other: the lines under them, which come from memory first, the processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what follows: of the
-//            panels of the next group, be it of the product that follows, and, with the first group, of the next rows of A.
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
+//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
+//            well. (All panels at a time where A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
+//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
+//            result's rows are written, one after the other: the lines under them, which come from memory first, the
+//            processor fetches by itself, and fewer pages are in use.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
+//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
+//            the next rows of A.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -32119,11 +32538,13 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
-inline constexpr Index most_tiles = 16;  // of rows in a block
+inline constexpr Index most_tiles = 16;        // of rows in a block
 inline constexpr Index near_caches = 4 << 20;  // bytes
-inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  // for rows of A, and as much for a group of panels
+// for rows of A, and as much for a group of panels
+inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
 template <class S>
-inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
+// of a tile of a transposed A, copied
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
 
 template <class S>
 constexpr Index bytes(Index count) {
@@ -32153,8 +32574,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
@@ -32192,15 +32613,16 @@ struct Rows {
   Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
-/// panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a tile alone fetches the first half of
-/// the next panel only: every other line of the whole would confuse the processor, which fetches by itself lines that follow each other
-/// (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for
+/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
+/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
+/// which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between them.
+  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between
+  /// them.
   MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
     const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
     return {next + i * step * steps, step};
@@ -32253,7 +32675,8 @@ MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e)
 
 /// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
 template <class S>
-[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
+                                         const Epilogue<S>& e) {
   constexpr Index l = lanes<S>;
   for (Index r = 0; r < rows; ++r) {
     for (Index i = 0; i < columns; i += l) {
@@ -32279,7 +32702,8 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
       S* out = c + i * ldc;
       if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
       c0[i] += z0, c1[i] += z1;
-      if (e.residual != nullptr) c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
+      if (e.residual != nullptr)
+        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
       store(out, c0[i]), store(out + l, c1[i]);
     }
   } else {
@@ -32296,7 +32720,8 @@ enum class TileKind { plain, transposed, half };
 
 /// c (R x columns) = a (R x k) panel.
 template <class S, int R, TileKind kind>
-void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e, Ahead ahead) {
+void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
   constexpr Index w = panel_width<S>;
   constexpr int l = lanes<S>;
   constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
@@ -32304,10 +32729,11 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the strides is known to
-  // be 1, which saves additions (1 to 4 % of the time).
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
+  // strides is known to be 1, which saves additions (1 to 4 % of the time).
   const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
-  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride, *p4 = p0 + 12 * row_stride;
+  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
+          *p4 = p0 + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
@@ -32340,7 +32766,8 @@ TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
     return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
-  }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
+  }
+  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
   const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
   return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
@@ -32367,8 +32794,8 @@ Index gemm_scratch(Index k) {
   return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
 }
 
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the other. `readable`: rows
-/// that A has from here on.
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
+/// other. `readable`: rows that A has from here on.
 template <class S>
 void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
   constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
@@ -32377,7 +32804,8 @@ void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, 
     if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
     for (Index t = 0; t < tiles; ++t) {
       const Index first = part(rows, t, tiles);
-      for (Index i = 0; i < pitch; i += l) store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+      for (Index i = 0; i < pitch; i += l)
+        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
     }
   }
 }
@@ -32392,7 +32820,8 @@ struct GemmPiece {
   Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
   Index left = 0, right = 0;
   Index k0 = 0, k1 = 0;
-  const std::byte* next = nullptr;  // panels that are read after it: at last the first ones once more, if nothing else is known
+  // panels that are read after it: at last the first ones once more, if nothing else is known
+  const std::byte* next = nullptr;
   Index next_bytes = std::numeric_limits<Index>::max();
 
   Index depth() const { return k1 - k0; }
@@ -32415,9 +32844,12 @@ struct GemmPiece {
     const bool whole = depth == g.k, transposed = g.a_transposed;
     const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a tile's when it is next.
-    if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
-    else if (copies && !far) copy_rows(top, below);
+    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
+    // tile's when it is next.
+    if (transposed)
+      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
+    else if (copies && !far)
+      copy_rows(top, below);
     for (Index group = 0; group < groups; ++group) {
       const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
       const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
@@ -32427,15 +32859,17 @@ struct GemmPiece {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
         if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time: none.)
+        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
+        // none.)
         const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead = i < row_panels
-                                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
-                                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          const Ahead ahead =
+              i < row_panels
+                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
           S* c = g.c + row * g.ldc + j * w;
           const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
           tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
@@ -32450,7 +32884,8 @@ template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
+  // once.
   const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
@@ -32468,22 +32903,29 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
                        .right = std::min(j1, left + wide),
                        .k0 = part(g.k, block, blocks),
                        .k1 = part(g.k, block + 1, blocks)};
-    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1, last = next_rows && piece.below == r1;
-    const S* next = g.panels + ((next_rows ? j0 : next_columns ? piece.right : left) * g.k + (next_columns ? 0 : piece.k1)) * piece.w;
+    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
+               last = next_rows && piece.below == r1;
+    const S* next = g.panels + ((next_rows      ? j0
+                                 : next_columns ? piece.right
+                                                : left) *
+                                    g.k +
+                                (next_columns ? 0 : piece.k1)) *
+                                   piece.w;
     piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
     if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
     piece.multiply();
   }
 }
 //
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
-// head (backward), never for a batch.
+// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
+// or one head (backward), never for a batch.
 //
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
 /// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums: none waits.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
+/// none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
@@ -32524,8 +32966,10 @@ void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bo
   for (Index r = 0; r < count;) {
     Index visible[softmax_group];
     for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
-    if (r + softmax_group <= count) softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
-    else softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+    if (r + softmax_group <= count)
+      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else
+      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
   }
 }
 
@@ -32573,25 +33017,29 @@ struct FloatProducts {
   static Index scratch(Index) { return 0; }
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    if (stride_n == 1)
+      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else
+      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
-  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
+  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
+                       bool whole_panels) {
     constexpr Index w = panel_width<S>;
     const Index tiles = (count + tile_rows - 1) / tile_rows;
     const Epilogue<S> plain;
     for (Index j = 0; j < padded_panels<S>(n); ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
-                                         plain, Ahead{as_bytes(panels)});
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
       }
     }
   }
 };
 
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are columns of.
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
+/// columns of.
 template <class S>
 struct AttentionHead {
   const Attention<S>& t;
@@ -32621,7 +33069,9 @@ struct AttentionHead {
     for (Index r = 0; r < count && t.dropout.p > 0; ++r)
       dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
   }
-  Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
+  Index mask_at(Index query) const {
+    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
+  }
 };
 
 /// Distance of rows of scores, whose columns up to the end of a panel are written.
@@ -32632,7 +33082,8 @@ Index score_pitch(Index keys) {
 /// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
 template <class P>
 Index attention_scratch(Index keys, Index width) {
-  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) + P::scratch(std::max(keys, width));
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
+         P::scratch(std::max(keys, width));
 }
 /// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
 template <class P>
@@ -32646,7 +33097,8 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
 template <class P, class S = typename P::Number>
 void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
-  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces), end = part(tiles, piece + 1, pieces);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
+              end = part(tiles, piece + 1, pieces);
   if (begin == end) return;
   const Index pitch = score_pitch<P>(h.keys);
   S* vp = kt + P::panels(t.width, h.keys);
@@ -32684,7 +33136,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
-    if (r % softmax_group == 0) softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
+    if (r % softmax_group == 0)
+      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
     if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
@@ -32707,8 +33160,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as many chains of sums:
-/// none waits.
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
+/// many chains of sums: none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
   constexpr int l = lanes<S>;
@@ -32750,7 +33203,8 @@ MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
   S* y = t.y + first * n;
   if (t.residual != nullptr) {
     const S* z = t.residual + first * n;
-    for (Index i = 0; i < R * n; i += l) store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
+    for (Index i = 0; i < R * n; i += l)
+      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
     x = y;
   }
   S mean[R], rstd[R];
@@ -32829,7 +33283,8 @@ void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, 
 }
 /// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
 template <class S>
-void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows, Index first, Index last) {
+void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
+                            Index first, Index last) {
   for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
   for (Index r = 0; r < rows; ++r) {
     const S mean = moments[2 * r], rstd = moments[2 * r + 1];
@@ -32884,11 +33339,16 @@ void transpose(const Transposed<S>& t, Index first, Index last) {
 template <BinaryOp op, class S>
 MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
   switch (op) {
-    case BinaryOp::add: return a + b;
-    case BinaryOp::sub: return a - b;
-    case BinaryOp::mul: return a * b;
-    case BinaryOp::div: return a / b;
-    case BinaryOp::maximum: return a < b ? b : a;
+    case BinaryOp::add:
+      return a + b;
+    case BinaryOp::sub:
+      return a - b;
+    case BinaryOp::mul:
+      return a * b;
+    case BinaryOp::div:
+      return a / b;
+    case BinaryOp::maximum:
+      return a < b ? b : a;
   }
   return a;
 }
@@ -32908,11 +33368,16 @@ MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
 template <class S>
 void binary(const Binary<S>& t) {
   switch (t.op) {
-    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
-    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
-    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
-    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
-    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+    case BinaryOp::add:
+      return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub:
+      return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul:
+      return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div:
+      return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum:
+      return binary_loop<BinaryOp::maximum>(t);
   }
 }
 
@@ -32950,7 +33415,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 }
 
 template <class S>
-MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
+MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
+                                      Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
   m = m * t.beta1 + g * t.rest1;
   v = v * t.beta2 + g * g * t.rest2;
@@ -32975,15 +33441,18 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any processor, which widens
-// bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
+// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
-//            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126,
+//            which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
+//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
+//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
+//            number of a sum.)
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
+//            thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
 typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
@@ -33002,14 +33471,13 @@ MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
 }
 
 /// A vector of numbers, rounded; zeros from the n-th on.
-MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
-  return round_to_bf16(load_first(x, n));
-}
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
   constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
@@ -33020,7 +33488,8 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
 #pragma GCC unroll 16
       for (int q = 0; q < lanes<float>; ++q) {
         const auto row = [&](Index at) {
-          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
+          // no prefetcher follows pieces so far apart
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
           return rounded(a + at * lda + r, at < k ? n : 0);
         };
         if constexpr (sizeof(Element) == 4) {
@@ -33045,7 +33514,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     for (Index i = k0; i < k1; i += 2) {
       const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
       std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-      for (Index j = left; j < std::min(count, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+      for (Index j = left; j < std::min(count, left + panel_block);
+           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
         fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
         const Index columns = n - j * bf16_columns;
         Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
@@ -33053,10 +33523,11 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class Tile, bool looks>
-bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
+                          std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
@@ -33092,12 +33563,14 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
-/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
-/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
+/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
+/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
+/// same cache set.
 inline bool streams(const Gemm<float>& g) {
   constexpr Index all = 16 << 20;
-  const bool whole_lines = g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  const bool whole_lines =
+      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
   return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
 }
 /// Rows of one panel's width, from where a tile has put them.
@@ -33109,7 +33582,8 @@ inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
 
 class PanelSplit;
 
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
+/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
+/// over `depth` of k.
 template <class Element>
 struct TileProduct {
   const Element* a;
@@ -33132,7 +33606,7 @@ struct TileProduct {
 ///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
 template <class Tile>
 struct RegisterTile {
-  static constexpr bool even = true;  // rows are split evenly among tiles
+  static constexpr bool even = true;                                 // rows are split evenly among tiles
   static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
   static constexpr Index pieces(Index, Index) { return 1; }          // of k
   static void begin() {}
@@ -33142,7 +33616,8 @@ struct RegisterTile {
   void multiply(const TileProduct<Element>& t) {
     static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
       return std::array{&Tile::template rows_of<R + 1>...};
-    }(std::make_integer_sequence<int, Tile::rows>{});
+    }
+    (std::make_integer_sequence<int, Tile::rows>{});
     const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
     if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
     alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
@@ -33168,8 +33643,8 @@ struct WideningTile : RegisterTile<WideningTile> {
   }
 
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, Ahead ahead) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                      Index columns, const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
     for (Index column = 0; column < columns; column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
@@ -33222,7 +33697,8 @@ Index bf16_scratch(Index k) {
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
 template <class Tile>
-void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
+                     float* scratch) {
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
@@ -33233,7 +33709,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
   for (Index block = 0; block < row_blocks; ++block) {
     const Index top = r0 + unit * part(units, block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
+                tiles = (rows + Tile::rows - 1) / Tile::rows;
     const Index pieces = Tile::pieces(depth, tiles);
     round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
@@ -33243,11 +33720,13 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
       for (Index step = 0; step < pieces * tiles; ++step) {
         const Index piece = step / tiles, t = step % tiles;
-        const Index k0 = 32 * part(depth / 32, piece, pieces), k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
+        const Index k0 = 32 * part(depth / 32, piece, pieces),
+                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
         const Index row = top + first, column = j * bf16_columns;
-        const auto ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
+        const auto ahead =
+            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
         TileProduct<Element> product{.a = a + first * pitch + k0,
                                      .pitch = pitch,
                                      .height = height,
@@ -33286,11 +33765,13 @@ struct Bf16Products {
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
-    if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    if (stride_n == 1)
+      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else
+      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
-  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
-                       bool whole_panels) {
+  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
+                       float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
     auto* rounded_rows = reinterpret_cast<Element*>(scratch);
     Tile tile;
@@ -33368,7 +33849,8 @@ const Kernels<S>& table() {
 #undef MOTIONLANG_STRING_OF
 #undef MOTIONLANG_INLINE
 
-}  // namespace motionlang
+}  // namespace detail::MOTIONLANG_ISA
+MOTIONLANG_NAMESPACE_END
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
@@ -33380,7 +33862,8 @@ MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512)
 #define MOTIONLANG_TILE_ROWS 14
 // All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::MOTIONLANG_ISA {
 
 // Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
 // Included once for every instruction set by kernels.hpp; no include guard on purpose.
@@ -33505,13 +33988,17 @@ MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int,
 // Halves are put together until one lane is left: sums have a fixed order.
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
 }
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
 }
 
 /// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
@@ -33534,29 +34021,32 @@ MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
   }
 }
 
-/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
-/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
+/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
+/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
   const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the lowest bits.
+  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
+  // lowest bits.
   const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
-  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) - n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
+  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
+                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
   Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
   if constexpr (!single) {
-    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
+    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
+      p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
   const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
   return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
 }
 
-/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our own least-squares
-/// fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
+/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
 template <class S>
 MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
   Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
@@ -33606,8 +34096,8 @@ MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
   return vmax<float>(Vec<float>{}, x) - g;
 }
 #endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it is known.
-/// Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
+/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
 #if MOTIONLANG_VECTOR_BYTES == 64
@@ -33633,7 +34123,8 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
-/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
+/// Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
@@ -33655,17 +34146,24 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return x;
-    case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu: return vgelu<S>(x);
-    case Activation::silu: return x / (vexp<S>(-x) + S(1));
-    case Activation::tanh: return vtanh<S>(x);
-    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::none:
+      return x;
+    case Activation::relu:
+      return vmax<S>(Vec<S>{}, x);
+    case Activation::gelu:
+      return vgelu<S>(x);
+    case Activation::silu:
+      return x / (vexp<S>(-x) + S(1));
+    case Activation::tanh:
+      return vtanh<S>(x);
+    case Activation::quick_gelu:
+      return x / (vexp<S>(x * S(-1.702)) + S(1));
     case Activation::gelu_new: {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
-    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
+    case Activation::sigmoid:
+      return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -33675,8 +34173,10 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return splat(S(1));
-    case Activation::relu: return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
+    case Activation::none:
+      return splat(S(1));
+    case Activation::relu:
+      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
     case Activation::gelu: {
       const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
@@ -33709,14 +34209,22 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
-    case Activation::none: return f.template operator()<Activation::none>();
-    case Activation::relu: return f.template operator()<Activation::relu>();
-    case Activation::gelu: return f.template operator()<Activation::gelu>();
-    case Activation::silu: return f.template operator()<Activation::silu>();
-    case Activation::tanh: return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
-    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
+    case Activation::none:
+      return f.template operator()<Activation::none>();
+    case Activation::relu:
+      return f.template operator()<Activation::relu>();
+    case Activation::gelu:
+      return f.template operator()<Activation::gelu>();
+    case Activation::silu:
+      return f.template operator()<Activation::silu>();
+    case Activation::tanh:
+      return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu:
+      return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new:
+      return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid:
+      return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -33753,14 +34261,16 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them. If k is in
-//            several blocks, eight panels at a time: what the next 1024 of k are added to stays there as well. (All panels at a time where
-//            A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches and k is one block:
-//            a tile's rows times a group of panels, then the next rows. So longer pieces of the result's rows are written, one after the
-//            other: the lines under them, which come from memory first, the processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what follows: of the
-//            panels of the next group, be it of the product that follows, and, with the first group, of the next rows of A.
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
+//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
+//            well. (All panels at a time where A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
+//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
+//            result's rows are written, one after the other: the lines under them, which come from memory first, the
+//            processor fetches by itself, and fewer pages are in use.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
+//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
+//            the next rows of A.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -33768,11 +34278,13 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
-inline constexpr Index most_tiles = 16;  // of rows in a block
+inline constexpr Index most_tiles = 16;        // of rows in a block
 inline constexpr Index near_caches = 4 << 20;  // bytes
-inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  // for rows of A, and as much for a group of panels
+// for rows of A, and as much for a group of panels
+inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
 template <class S>
-inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
+// of a tile of a transposed A, copied
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
 
 template <class S>
 constexpr Index bytes(Index count) {
@@ -33802,8 +34314,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
@@ -33841,15 +34353,16 @@ struct Rows {
   Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
-/// panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a tile alone fetches the first half of
-/// the next panel only: every other line of the whole would confuse the processor, which fetches by itself lines that follow each other
-/// (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for
+/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
+/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
+/// which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between them.
+  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between
+  /// them.
   MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
     const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
     return {next + i * step * steps, step};
@@ -33902,7 +34415,8 @@ MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e)
 
 /// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
 template <class S>
-[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
+                                         const Epilogue<S>& e) {
   constexpr Index l = lanes<S>;
   for (Index r = 0; r < rows; ++r) {
     for (Index i = 0; i < columns; i += l) {
@@ -33928,7 +34442,8 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
       S* out = c + i * ldc;
       if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
       c0[i] += z0, c1[i] += z1;
-      if (e.residual != nullptr) c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
+      if (e.residual != nullptr)
+        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
       store(out, c0[i]), store(out + l, c1[i]);
     }
   } else {
@@ -33945,7 +34460,8 @@ enum class TileKind { plain, transposed, half };
 
 /// c (R x columns) = a (R x k) panel.
 template <class S, int R, TileKind kind>
-void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e, Ahead ahead) {
+void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
   constexpr Index w = panel_width<S>;
   constexpr int l = lanes<S>;
   constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
@@ -33953,10 +34469,11 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the strides is known to
-  // be 1, which saves additions (1 to 4 % of the time).
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
+  // strides is known to be 1, which saves additions (1 to 4 % of the time).
   const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
-  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride, *p4 = p0 + 12 * row_stride;
+  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
+          *p4 = p0 + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
@@ -33989,7 +34506,8 @@ TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
     return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
-  }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
+  }
+  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
   const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
   return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
@@ -34016,8 +34534,8 @@ Index gemm_scratch(Index k) {
   return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
 }
 
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the other. `readable`: rows
-/// that A has from here on.
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
+/// other. `readable`: rows that A has from here on.
 template <class S>
 void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
   constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
@@ -34026,7 +34544,8 @@ void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, 
     if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
     for (Index t = 0; t < tiles; ++t) {
       const Index first = part(rows, t, tiles);
-      for (Index i = 0; i < pitch; i += l) store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+      for (Index i = 0; i < pitch; i += l)
+        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
     }
   }
 }
@@ -34041,7 +34560,8 @@ struct GemmPiece {
   Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
   Index left = 0, right = 0;
   Index k0 = 0, k1 = 0;
-  const std::byte* next = nullptr;  // panels that are read after it: at last the first ones once more, if nothing else is known
+  // panels that are read after it: at last the first ones once more, if nothing else is known
+  const std::byte* next = nullptr;
   Index next_bytes = std::numeric_limits<Index>::max();
 
   Index depth() const { return k1 - k0; }
@@ -34064,9 +34584,12 @@ struct GemmPiece {
     const bool whole = depth == g.k, transposed = g.a_transposed;
     const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a tile's when it is next.
-    if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
-    else if (copies && !far) copy_rows(top, below);
+    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
+    // tile's when it is next.
+    if (transposed)
+      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
+    else if (copies && !far)
+      copy_rows(top, below);
     for (Index group = 0; group < groups; ++group) {
       const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
       const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
@@ -34076,15 +34599,17 @@ struct GemmPiece {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
         if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time: none.)
+        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
+        // none.)
         const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead = i < row_panels
-                                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
-                                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          const Ahead ahead =
+              i < row_panels
+                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
           S* c = g.c + row * g.ldc + j * w;
           const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
           tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
@@ -34099,7 +34624,8 @@ template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
+  // once.
   const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
@@ -34117,22 +34643,29 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
                        .right = std::min(j1, left + wide),
                        .k0 = part(g.k, block, blocks),
                        .k1 = part(g.k, block + 1, blocks)};
-    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1, last = next_rows && piece.below == r1;
-    const S* next = g.panels + ((next_rows ? j0 : next_columns ? piece.right : left) * g.k + (next_columns ? 0 : piece.k1)) * piece.w;
+    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
+               last = next_rows && piece.below == r1;
+    const S* next = g.panels + ((next_rows      ? j0
+                                 : next_columns ? piece.right
+                                                : left) *
+                                    g.k +
+                                (next_columns ? 0 : piece.k1)) *
+                                   piece.w;
     piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
     if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
     piece.multiply();
   }
 }
 //
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
-// head (backward), never for a batch.
+// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
+// or one head (backward), never for a batch.
 //
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
 /// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums: none waits.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
+/// none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
@@ -34173,8 +34706,10 @@ void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bo
   for (Index r = 0; r < count;) {
     Index visible[softmax_group];
     for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
-    if (r + softmax_group <= count) softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
-    else softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+    if (r + softmax_group <= count)
+      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else
+      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
   }
 }
 
@@ -34222,25 +34757,29 @@ struct FloatProducts {
   static Index scratch(Index) { return 0; }
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    if (stride_n == 1)
+      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else
+      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
-  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
+  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
+                       bool whole_panels) {
     constexpr Index w = panel_width<S>;
     const Index tiles = (count + tile_rows - 1) / tile_rows;
     const Epilogue<S> plain;
     for (Index j = 0; j < padded_panels<S>(n); ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
-                                         plain, Ahead{as_bytes(panels)});
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
       }
     }
   }
 };
 
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are columns of.
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
+/// columns of.
 template <class S>
 struct AttentionHead {
   const Attention<S>& t;
@@ -34270,7 +34809,9 @@ struct AttentionHead {
     for (Index r = 0; r < count && t.dropout.p > 0; ++r)
       dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
   }
-  Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
+  Index mask_at(Index query) const {
+    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
+  }
 };
 
 /// Distance of rows of scores, whose columns up to the end of a panel are written.
@@ -34281,7 +34822,8 @@ Index score_pitch(Index keys) {
 /// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
 template <class P>
 Index attention_scratch(Index keys, Index width) {
-  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) + P::scratch(std::max(keys, width));
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
+         P::scratch(std::max(keys, width));
 }
 /// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
 template <class P>
@@ -34295,7 +34837,8 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
 template <class P, class S = typename P::Number>
 void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
-  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces), end = part(tiles, piece + 1, pieces);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
+              end = part(tiles, piece + 1, pieces);
   if (begin == end) return;
   const Index pitch = score_pitch<P>(h.keys);
   S* vp = kt + P::panels(t.width, h.keys);
@@ -34333,7 +34876,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
-    if (r % softmax_group == 0) softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
+    if (r % softmax_group == 0)
+      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
     if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
@@ -34356,8 +34900,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as many chains of sums:
-/// none waits.
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
+/// many chains of sums: none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
   constexpr int l = lanes<S>;
@@ -34399,7 +34943,8 @@ MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
   S* y = t.y + first * n;
   if (t.residual != nullptr) {
     const S* z = t.residual + first * n;
-    for (Index i = 0; i < R * n; i += l) store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
+    for (Index i = 0; i < R * n; i += l)
+      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
     x = y;
   }
   S mean[R], rstd[R];
@@ -34478,7 +35023,8 @@ void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, 
 }
 /// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
 template <class S>
-void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows, Index first, Index last) {
+void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
+                            Index first, Index last) {
   for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
   for (Index r = 0; r < rows; ++r) {
     const S mean = moments[2 * r], rstd = moments[2 * r + 1];
@@ -34533,11 +35079,16 @@ void transpose(const Transposed<S>& t, Index first, Index last) {
 template <BinaryOp op, class S>
 MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
   switch (op) {
-    case BinaryOp::add: return a + b;
-    case BinaryOp::sub: return a - b;
-    case BinaryOp::mul: return a * b;
-    case BinaryOp::div: return a / b;
-    case BinaryOp::maximum: return a < b ? b : a;
+    case BinaryOp::add:
+      return a + b;
+    case BinaryOp::sub:
+      return a - b;
+    case BinaryOp::mul:
+      return a * b;
+    case BinaryOp::div:
+      return a / b;
+    case BinaryOp::maximum:
+      return a < b ? b : a;
   }
   return a;
 }
@@ -34557,11 +35108,16 @@ MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
 template <class S>
 void binary(const Binary<S>& t) {
   switch (t.op) {
-    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
-    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
-    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
-    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
-    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+    case BinaryOp::add:
+      return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub:
+      return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul:
+      return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div:
+      return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum:
+      return binary_loop<BinaryOp::maximum>(t);
   }
 }
 
@@ -34599,7 +35155,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 }
 
 template <class S>
-MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
+MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
+                                      Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
   m = m * t.beta1 + g * t.rest1;
   v = v * t.beta2 + g * g * t.rest2;
@@ -34624,15 +35181,18 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any processor, which widens
-// bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
+// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
-//            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126,
+//            which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
+//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
+//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
+//            number of a sum.)
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
+//            thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
 typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
@@ -34651,14 +35211,13 @@ MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
 }
 
 /// A vector of numbers, rounded; zeros from the n-th on.
-MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
-  return round_to_bf16(load_first(x, n));
-}
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
   constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
@@ -34669,7 +35228,8 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
 #pragma GCC unroll 16
       for (int q = 0; q < lanes<float>; ++q) {
         const auto row = [&](Index at) {
-          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
+          // no prefetcher follows pieces so far apart
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
           return rounded(a + at * lda + r, at < k ? n : 0);
         };
         if constexpr (sizeof(Element) == 4) {
@@ -34694,7 +35254,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     for (Index i = k0; i < k1; i += 2) {
       const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
       std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-      for (Index j = left; j < std::min(count, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+      for (Index j = left; j < std::min(count, left + panel_block);
+           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
         fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
         const Index columns = n - j * bf16_columns;
         Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
@@ -34702,10 +35263,11 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class Tile, bool looks>
-bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
+                          std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
@@ -34741,12 +35303,14 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
-/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
-/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
+/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
+/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
+/// same cache set.
 inline bool streams(const Gemm<float>& g) {
   constexpr Index all = 16 << 20;
-  const bool whole_lines = g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  const bool whole_lines =
+      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
   return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
 }
 /// Rows of one panel's width, from where a tile has put them.
@@ -34758,7 +35322,8 @@ inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
 
 class PanelSplit;
 
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
+/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
+/// over `depth` of k.
 template <class Element>
 struct TileProduct {
   const Element* a;
@@ -34781,7 +35346,7 @@ struct TileProduct {
 ///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
 template <class Tile>
 struct RegisterTile {
-  static constexpr bool even = true;  // rows are split evenly among tiles
+  static constexpr bool even = true;                                 // rows are split evenly among tiles
   static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
   static constexpr Index pieces(Index, Index) { return 1; }          // of k
   static void begin() {}
@@ -34791,7 +35356,8 @@ struct RegisterTile {
   void multiply(const TileProduct<Element>& t) {
     static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
       return std::array{&Tile::template rows_of<R + 1>...};
-    }(std::make_integer_sequence<int, Tile::rows>{});
+    }
+    (std::make_integer_sequence<int, Tile::rows>{});
     const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
     if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
     alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
@@ -34817,8 +35383,8 @@ struct WideningTile : RegisterTile<WideningTile> {
   }
 
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, Ahead ahead) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                      Index columns, const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
     for (Index column = 0; column < columns; column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
@@ -34871,7 +35437,8 @@ Index bf16_scratch(Index k) {
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
 template <class Tile>
-void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
+                     float* scratch) {
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
@@ -34882,7 +35449,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
   for (Index block = 0; block < row_blocks; ++block) {
     const Index top = r0 + unit * part(units, block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
+                tiles = (rows + Tile::rows - 1) / Tile::rows;
     const Index pieces = Tile::pieces(depth, tiles);
     round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
@@ -34892,11 +35460,13 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
       for (Index step = 0; step < pieces * tiles; ++step) {
         const Index piece = step / tiles, t = step % tiles;
-        const Index k0 = 32 * part(depth / 32, piece, pieces), k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
+        const Index k0 = 32 * part(depth / 32, piece, pieces),
+                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
         const Index row = top + first, column = j * bf16_columns;
-        const auto ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
+        const auto ahead =
+            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
         TileProduct<Element> product{.a = a + first * pitch + k0,
                                      .pitch = pitch,
                                      .height = height,
@@ -34935,11 +35505,13 @@ struct Bf16Products {
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
-    if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    if (stride_n == 1)
+      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else
+      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
-  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
-                       bool whole_panels) {
+  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
+                       float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
     auto* rounded_rows = reinterpret_cast<Element*>(scratch);
     Tile tile;
@@ -35017,7 +35589,8 @@ const Kernels<S>& table() {
 #undef MOTIONLANG_STRING_OF
 #undef MOTIONLANG_INLINE
 
-}  // namespace motionlang
+}  // namespace detail::MOTIONLANG_ISA
+MOTIONLANG_NAMESPACE_END
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
@@ -35027,9 +35600,10 @@ MOTIONLANG_TARGET_POP
 #define MOTIONLANG_TILE_ROWS 14
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
 MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512 ",avx512bf16,amx-tile,amx-bf16")
-namespace motionlang::inline MOTIONLANG_ABI::detail::avx512 {
-// Tiles of bf16.inc for the instructions of x86 processors that multiply bfloat16. As assembly: the intrinsics would need a large
-// header, and their types differ between compilers.
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::avx512 {
+// Tiles of bf16.inc for the instructions of x86 processors that multiply bfloat16. As assembly: the intrinsics would
+// need a large header, and their types differ between compilers.
 
 /// Rounds in one instruction: numbers below 2^-126 to 0.
 class ConvertingTile {
@@ -35042,7 +35616,8 @@ class ConvertingTile {
   }
   static void round_pairs(const float* x, Index nx, const float* y, Index ny, std::uint16_t* out) {
     for (Index c = 0; c < bf16_columns; c += lanes<float>) {
-      const Words first = __builtin_convertvector(rounded(x + c, nx - c), Words), second = __builtin_convertvector(rounded(y + c, ny - c), Words);
+      const Words first = __builtin_convertvector(rounded(x + c, nx - c), Words),
+                  second = __builtin_convertvector(rounded(y + c, ny - c), Words);
       store_words(out + 2 * c, first | second << 16);
     }
   }
@@ -35066,15 +35641,16 @@ struct DotTile : RegisterTile<DotTile>, ConvertingTile {
     return c;
   }
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, Ahead ahead) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                      Index columns, const Epilogue<float>& e, Ahead ahead) {
     Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
     for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
     fetch_result<float, R>(c, ldc, e);
     for (Index k = 0; k < depth; k += 2, panel += 2 * bf16_columns) {
       ahead.fetch();
-      const Words b0 = *reinterpret_cast<const LooseWords*>(panel), b1 = *reinterpret_cast<const LooseWords*>(panel + bf16_columns);
+      const Words b0 = *reinterpret_cast<const LooseWords*>(panel),
+                  b1 = *reinterpret_cast<const LooseWords*>(panel + bf16_columns);
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) {
         std::uint32_t pair;
@@ -35094,8 +35670,8 @@ MOTIONLANG_INLINE bool any_nan(const Vec<float>& x) {
   return any;
 }
 
-/// The three parts of floats in a panel of `k` rows, filled up to whole tiles: [k / 32][part][pair of k][column][2]. The parts are cut off,
-/// not rounded: that takes a third of the time.
+/// The three parts of floats in a panel of `k` rows, filled up to whole tiles: [k / 32][part][pair of k][column][2].
+/// The parts are cut off, not rounded: that takes a third of the time.
 class PanelSplit {
  public:
   static constexpr Index parts = 3;
@@ -35114,11 +35690,13 @@ class PanelSplit {
     for (const Index end = std::min(depth_, at_ + 2 * pairs_of_k); at_ < end; at_ += 2) {
       const float* from = from_ + at_ * bf16_columns;
       constexpr Index row_bytes = 4 * bf16_columns;
-      for (Index byte = 0; byte < 2 * row_bytes; byte += 64) __builtin_prefetch(following_ + at_ * row_bytes + byte, 0, 2);
+      for (Index byte = 0; byte < 2 * row_bytes; byte += 64)
+        __builtin_prefetch(following_ + at_ * row_bytes + byte, 0, 2);
       std::uint16_t* out = begin_ + (at_ / 32 * 32 * parts + at_ % 32) * bf16_columns;
 #pragma GCC unroll 2
       for (Index c = 0; c < bf16_columns; c += lanes<float>) {
-        Vec<float> even = at_ < k_ ? load(from + c) : Vec<float>{}, odd = at_ + 1 < k_ ? load(from + bf16_columns + c) : Vec<float>{};
+        Vec<float> even = at_ < k_ ? load(from + c) : Vec<float>{},
+                   odd = at_ + 1 < k_ ? load(from + bf16_columns + c) : Vec<float>{};
 #pragma GCC unroll 3
         for (Index p = 0; p < parts; ++p) {
           if (p + 1 == parts) left_ += even + odd;
@@ -35142,18 +35720,20 @@ class PanelSplit {
 /// AMX: registers of 16 rows of 64 bytes; one instruction multiplies 16 x 32 by 32 x 16. Intel since Sapphire Rapids.
 /// Registers 0 1 / 2 3 are the sums of 32 rows and 32 columns, 4 5 the rows of A, 6 7 the columns of B.
 ///
-/// These instructions are 16 times as fast as those in float, so that everything else counts. The sums begin with the bias (of bfloat16). A
-/// piece of a panel stays in the first-level cache while rows of A pass by it (tileloaddt1). What else is to be done with a tile is done beside the
-/// products of the next one, some rows with every step of k: the vector units are idle then.
+/// These instructions are 16 times as fast as those in float, so that everything else counts. The sums begin with the
+/// bias (of bfloat16). A piece of a panel stays in the first-level cache while rows of A pass by it (tileloaddt1). What
+/// else is to be done with a tile is done beside the products of the next one, some rows with every step of k: the
+/// vector units are idle then.
 ///
-/// Parts: of every number; more than one are those of floats (float_tiles.inc). The parts of 32 numbers lie together, part after part.
+/// Parts: of every number; more than one are those of floats (float_tiles.inc). The parts of 32 numbers lie together,
+/// part after part.
 template <Index Parts>
 class AmxTile : public ConvertingTile {
  public:
   static constexpr const char* name = "amx";
   static constexpr Index parts = Parts;
   static constexpr int rows = 32;
-  static constexpr bool even = false;  // 32 rows cost as much as 17
+  static constexpr bool even = false;             // 32 rows cost as much as 17
   static constexpr bool bias_first = parts == 1;  // else at last, as with multiply-adds
   static constexpr Index depth(Index k) { return bf16_depth(k); }
   static constexpr Index pieces(Index depth, Index tiles) { return tiles > 3 ? (depth + 511) / 512 : 1; }
@@ -35166,12 +35746,15 @@ class AmxTile : public ConvertingTile {
 
   void multiply(const TileProduct<Element>& t) {
     const bool lower = t.height > 16, once = t.first && t.last;
-    const bool plain = t.e.residual == nullptr && !t.e.accumulate && (bias_first || t.e.bias == nullptr) && t.e.act == Activation::none;
+    const bool plain = t.e.residual == nullptr && !t.e.accumulate && (bias_first || t.e.bias == nullptr) &&
+                       t.e.act == Activation::none;
     const bool direct = once && plain && t.height == rows && t.columns == bf16_columns && !t.stream;
     if (once) turn_ = 1 - turn_;
     float* own = sums_[once ? turn_ : t.number];
-    if (t.first) begin_with(bias_first ? t.e.bias : nullptr, t.columns, lower);
-    else load_sums(own, bf16_columns, lower);
+    if (t.first)
+      begin_with(bias_first ? t.e.bias : nullptr, t.columns, lower);
+    else
+      load_sums(own, bf16_columns, lower);
     const Element* a = t.a;
     const std::uint16_t* panel = t.panel;
     const Index a_stride = 2 * t.pitch, steps = t.depth / 32;
@@ -35212,9 +35795,9 @@ class AmxTile : public ConvertingTile {
     }
     load_sums(bias, 0, lower);  // the same row, 16 times
   }
-  /// Part p of 32 rows (16 unless `lower`) of 32 numbers, into registers 4 and 5, and of 32 columns, into 6 and 7. What does not stay in the
-  /// first-level cache is loaded past it. Memory is read, which the compiler is not told: it knows of those instructions that begin and store
-  /// the sums.
+  /// Part p of 32 rows (16 unless `lower`) of 32 numbers, into registers 4 and 5, and of 32 columns, into 6 and 7. What
+  /// does not stay in the first-level cache is loaded past it. Memory is read, which the compiler is not told: it knows
+  /// of those instructions that begin and store the sums.
   template <Index p, bool stays>
   MOTIONLANG_INLINE static void load_rows(const Element* upper, const Element* below, Index stride, bool lower) {
     if constexpr (stays) {
@@ -35244,8 +35827,11 @@ class AmxTile : public ConvertingTile {
   }
   /// 32 rows times 32 columns, 32 of k. Of parts the largest product comes last; the order saves loads.
   template <bool panel_stays>
-  MOTIONLANG_INLINE static void add_products(const Element* upper, Index stride, const Element* below, const std::uint16_t* panel, bool lower) {
-    const auto rows_part = [&]<Index p>(std::integral_constant<Index, p>) { load_rows<p, !panel_stays>(upper, below, stride, lower); };
+  MOTIONLANG_INLINE static void add_products(const Element* upper, Index stride, const Element* below,
+                                             const std::uint16_t* panel, bool lower) {
+    const auto rows_part = [&]<Index p>(std::integral_constant<Index, p>) {
+      load_rows<p, !panel_stays>(upper, below, stride, lower);
+    };
     const auto columns_part = [&]<Index p>(std::integral_constant<Index, p>) { load_columns<p, panel_stays>(panel); };
     constexpr std::integral_constant<Index, 0> first;
     if constexpr (parts == 1) {
@@ -35263,11 +35849,19 @@ class AmxTile : public ConvertingTile {
   }
   static void load_sums(const float* c, Index ldc, bool lower) {
     asm volatile("tileloadd (%0,%1,1), %%tmm0\n\ttileloadd 64(%0,%1,1), %%tmm1" : : "r"(c), "r"(4 * ldc) : "memory");
-    if (lower) asm volatile("tileloadd (%0,%1,1), %%tmm2\n\ttileloadd 64(%0,%1,1), %%tmm3" : : "r"(c + 16 * ldc), "r"(4 * ldc) : "memory");
+    if (lower)
+      asm volatile("tileloadd (%0,%1,1), %%tmm2\n\ttileloadd 64(%0,%1,1), %%tmm3"
+                   :
+                   : "r"(c + 16 * ldc), "r"(4 * ldc)
+                   : "memory");
   }
   static void store_sums(float* c, Index ldc, bool lower) {
     asm volatile("tilestored %%tmm0, (%0,%1,1)\n\ttilestored %%tmm1, 64(%0,%1,1)" : : "r"(c), "r"(4 * ldc) : "memory");
-    if (lower) asm volatile("tilestored %%tmm2, (%0,%1,1)\n\ttilestored %%tmm3, 64(%0,%1,1)" : : "r"(c + 16 * ldc), "r"(4 * ldc) : "memory");
+    if (lower)
+      asm volatile("tilestored %%tmm2, (%0,%1,1)\n\ttilestored %%tmm3, 64(%0,%1,1)"
+                   :
+                   : "r"(c + 16 * ldc), "r"(4 * ldc)
+                   : "memory");
   }
 
   /// Puts the next rows of the tile that waits.
@@ -35283,18 +35877,22 @@ class AmxTile : public ConvertingTile {
       constexpr Index l = lanes<float>;
       Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + l);
       // Not by put_result, which may be given other rows than those of c.
-      if (w.e.accumulate) c0 += load_first(c + r * w.ldc, w.columns), c1 += load_first(c + r * w.ldc + l, w.columns - l);
+      if (w.e.accumulate)
+        c0 += load_first(c + r * w.ldc, w.columns), c1 += load_first(c + r * w.ldc + l, w.columns - l);
       Epilogue<float> e = w.e.from_row(first + r);
       if (bias_first) e.bias = nullptr;
       e.accumulate = false, e.act = Activation::none;
       put_result<float, 1>(&c0, &c1, act || w.stream ? own + r * bf16_columns : c + r * w.ldc, w.ldc, w.columns, e);
     }
-    if (act) activate_rows<float>(own, bf16_columns, n, w.columns, w.e.act, w.stream ? own : c, w.stream ? bf16_columns : w.ldc);
+    if (act)
+      activate_rows<float>(own, bf16_columns, n, w.columns, w.e.act, w.stream ? own : c,
+                           w.stream ? bf16_columns : w.ldc);
     if (w.stream) stream_rows(own, n, c, w.ldc);
   }
 
   alignas(64) float sums_[most_tiles][rows * bf16_columns];  // of the tiles of a panel, or of two tiles in turn
-  TileProduct<Element> waiting_{.a = nullptr, .pitch = 0, .height = 0, .panel = nullptr, .depth = 0, .c = nullptr, .ldc = 0, .columns = 0};
+  TileProduct<Element> waiting_{
+      .a = nullptr, .pitch = 0, .height = 0, .panel = nullptr, .depth = 0, .c = nullptr, .ldc = 0, .columns = 0};
   float* waiting_sums_ = nullptr;
   Index put_ = 0;   // rows that are put already
   Index turn_ = 0;  // which of two sums
@@ -35303,18 +35901,21 @@ using FloatTile = AmxTile<3>;
 //
 // Products of floats by AMX, which multiplies bfloat16 16 times as fast as other instructions multiply floats.
 //
-//   Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two floats the six
-//            largest are added up, the others are at most 3 2^-24 of the whole together, a tenth of that mostly, and of either sign. The
-//            instruction adds up 32 products before it adds them to the sum, so that the error is about half of that of one multiply-add
-//            after the other.
-//   Panels   those of gemm.inc. A panel is split into scratch, beside the products with the panel before it, and so are the rows of A.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache (2 MB where there is AMX) beside the split panel.
+//   Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two
+//            floats the six largest are added up, the others are at most 3 2^-24 of the whole together, a tenth of that
+//            mostly, and of either sign. The instruction adds up 32 products before it adds them to the sum, so that
+//            the error is about half of that of one multiply-add after the other.
+//   Panels   those of gemm.inc. A panel is split into scratch, beside the products with the panel before it, and so are
+//            the rows of A.
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache (2 MB where there is AMX) beside the
+//            split panel.
 //   Order    as in gemm.inc: depends on k alone.
-//   Limits   parts and their products below 2^-126 count as 0: exact are products of more than 2^-108. A sum that overflows may be NaN.
-//            Rows of A and panels of B with a number that is not finite (or whose nearest bfloat16 is not: from 3.39e38 on) have no parts:
-//            they are multiplied by gemm.inc.
+//   Limits   parts and their products below 2^-126 count as 0: exact are products of more than 2^-108. A sum that
+//            overflows may be NaN. Rows of A and panels of B with a number that is not finite (or whose nearest
+//            bfloat16 is not: from 3.39e38 on) have no parts: they are multiplied by gemm.inc.
 
-/// 16 numbers, in parts: each the nearest bfloat16 to what those before it leave. What the last one leaves: 0, or NaN if there are no parts.
+/// 16 numbers, in parts: each the nearest bfloat16 to what those before it leave. What the last one leaves: 0, or NaN
+/// if there are no parts.
 MOTIONLANG_INLINE Vec<float> split_lanes(Vec<float> x, std::uint16_t* y) {
 #pragma GCC unroll 3
   for (Index p = 0; p < FloatTile::parts; ++p) {
@@ -35408,37 +36009,41 @@ inline void float_tile_block(const Gemm<float>& g, Index r0, Index r1, Index j0,
     const float* next = j + 1 < j1 ? from + g.k * bf16_columns
                                    : g.panels + (j0 * g.k + (block + 1 < split.count ? end : 0)) * bf16_columns;
     const bool last = j + 1 == j1 && block + 1 == split.count && row_block + 1 == row_blocks;
-    const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next)
-                                 : as_bytes(next);
+    const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : as_bytes(next);
     turn = 1 - turn;
     return PanelSplit(from, end - begin, following, panels + turn * panel_size);
   };
   PanelSplit panel = splitting(0, 0, j0);
   for (Index row_block = 0; row_block < row_blocks; ++row_block) {
     const Index top = r0 + unit * part(units, row_block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, row_block + 1, row_blocks)) - top, tiles = (rows + unit - 1) / unit;
+    const Index rows = std::min(r1, r0 + unit * part(units, row_block + 1, row_blocks)) - top,
+                tiles = (rows + unit - 1) / unit;
     for (Index block = 0; block < split.count; ++block) {
       const Index begin = first_of(block), k = std::min(g.k, first_of(block + 1)) - begin, depth = bf16_depth(k);
-      sound &= split_rows(Rows<float>{g.a, g.lda, g.a_transposed}.from(top).from_depth(begin), rows, k, depth, a, split.pitch);
+      sound &= split_rows(Rows<float>{g.a, g.lda, g.a_transposed}.from(top).from_depth(begin), rows, k, depth, a,
+                          split.pitch);
       for (Index j = j0; j < j1; ++j) {
         panel.finish();
         sound &= panel.sound();
         const Index next_block = block + (j + 1 == j1 ? 1 : 0), next_rows = row_block + next_block / split.count;
-        PanelSplit next = next_rows == row_blocks ? PanelSplit() : splitting(next_rows, next_block % split.count, j + 1 == j1 ? j0 : j + 1);
+        PanelSplit next = next_rows == row_blocks
+                              ? PanelSplit()
+                              : splitting(next_rows, next_block % split.count, j + 1 == j1 ? j0 : j + 1);
         next.each = (16 + tiles - 1) / tiles;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = t * unit, row = top + first, column = j * bf16_columns;
-          TileProduct<std::uint16_t> product{.a = a + first * split.pitch,
-                                             .pitch = split.pitch,
-                                             .height = std::min(rows - first, unit),
-                                             .panel = panel.begin(),
-                                             .depth = depth,
-                                             .c = g.c + row * g.ldc + column,
-                                             .ldc = g.ldc,
-                                             .columns = std::min(g.n - column, bf16_columns),
-                                             .e = Epilogue<float>::of(g, row, column, block == 0, block + 1 == split.count),
-                                             .stream = stream,
-                                             .next = &next};
+          TileProduct<std::uint16_t> product{
+              .a = a + first * split.pitch,
+              .pitch = split.pitch,
+              .height = std::min(rows - first, unit),
+              .panel = panel.begin(),
+              .depth = depth,
+              .c = g.c + row * g.ldc + column,
+              .ldc = g.ldc,
+              .columns = std::min(g.n - column, bf16_columns),
+              .e = Epilogue<float>::of(g, row, column, block == 0, block + 1 == split.count),
+              .stream = stream,
+              .next = &next};
           tile.multiply(product);
         }
         panel = next;
@@ -35461,14 +36066,16 @@ inline const Kernels<float>& table_with_tiles() {
   }();
   return t;
 }
-}
+}  // namespace detail::avx512
+MOTIONLANG_NAMESPACE_END
 MOTIONLANG_TARGET_POP
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
 #undef MOTIONLANG_INLINE
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// The kernels of one instruction set, or nothing if this processor or this build does not have it.
 template <class S>
@@ -35487,8 +36094,8 @@ const Kernels<S>* kernels_for(Isa isa) {
   }
   return &portable::table<S>();
 }
-/// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the speed of
-/// products in float); else float instructions.
+/// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the
+/// speed of products in float); else float instructions.
 inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::bf16_table<portable::WideningTile>();
 #if defined(MOTIONLANG_WIDE_KERNELS)
@@ -35513,7 +36120,8 @@ inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
 template <class K>
 const K* present(const K* kernels) {
   if (kernels == nullptr)
-    raise<config_error>(103, "MOTIONLANG_KERNELS: compiled without optimisation, a program has only the portable kernels");
+    raise<config_error>(103,
+                        "MOTIONLANG_KERNELS: compiled without optimisation, a program has only the portable kernels");
   return kernels;
 }
 
@@ -35532,18 +36140,19 @@ inline const Bf16Kernels*& current_bf16_kernels() {
   return chosen;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP  // <motionlang/backend/kernel_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP
-/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
-/// xtensor backends: one layer of kernels serves both.
+/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by
+/// the Eigen and xtensor backends: one layer of kernels serves both.
 ///
 /// Declarations only; the bodies are in detail/kernel_ops_impl.hpp, which a program that links motionlang::instantiated
 /// need not read.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct KernelOps {
@@ -35563,8 +36172,9 @@ struct KernelOps {
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
-  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed form. For inference:
-  /// the weight must not change afterwards. Returns whether all its numbers are finite: they are read anyway.
+  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed
+  /// form. For inference: the weight must not change afterwards. Returns whether all its numbers are finite: they are
+  /// read anyway.
   static bool prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
@@ -35605,7 +36215,7 @@ struct KernelOps {
   static void adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const Dense<S>& gradient, const AdamwUpdate& update);
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::KernelOps<float>;
@@ -35614,12 +36224,12 @@ extern template struct motionlang::KernelOps<double>;
 #endif
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Memory that the kernels of a parallel region may scribble on, a piece for every thread. The caller takes it, so that a
-/// region that ran before takes nothing from the system, whichever threads do the work.
+/// Memory that the kernels of a parallel region may scribble on, a piece for every thread. The caller takes it, so that
+/// a region that ran before takes nothing from the system, whichever threads do the work.
 template <class S>
 class Scratch {
  public:
@@ -35652,8 +36262,8 @@ struct Panels {
   }
 };
 
-/// The panels of a weight that was prepared, and those of the weight that was prepared after it: probably multiplied with next. Of these only
-/// the place is known, for the cache: they may be gone.
+/// The panels of a weight that was prepared, and those of the weight that was prepared after it: probably multiplied
+/// with next. Of these only the place is known, for the cache: they may be gone.
 template <class S>
 struct PreparedPanels {
   PreparedPanels(Panels<S> p, Index t) : panels(std::move(p)), taps(t) {}
@@ -35685,8 +36295,8 @@ template <class S>
 void pack_into(Panels<S>& p, const S* b, Index stride_k, Index stride_n, std::atomic<bool>* finite = nullptr) {
   const Index k = p.k, n = p.n;
   const bool bf16 = p.kernels == nullptr;
-  // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B. A column is both, but only
-  // as transposed is it looked at.
+  // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B. A column
+  // is both, but only as transposed is it looked at.
   const bool as_it_lies = stride_n == 1 && finite == nullptr;
   const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
   const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;
@@ -35739,8 +36349,9 @@ Dense<S> window_matrix(const Dense<S>& weight) {
   return DenseOps<S>::permute(weight, axes).reshaped(Shape{weight.shape()[0], weight.shape()[1] * weight.shape()[2]});
 }
 
-/// Tiles for a product of m x k and k x n in bf16x3, if there are any that are faster than multiply-adds: of less, splitting panels and rows
-/// takes as long as is saved. That depends on the product, not on how its rows are shared: the same numbers for any number of threads.
+/// Tiles for a product of m x k and k x n in bf16x3, if there are any that are faster than multiply-adds: of less,
+/// splitting panels and rows takes as long as is saved. That depends on the product, not on how its rows are shared:
+/// the same numbers for any number of threads.
 template <class S>
 const FloatTiles* float_tiles(Index m, Index n, Index k) {
   if (precision_of<S>() != Precision::bf16x3) return nullptr;
@@ -35757,9 +36368,10 @@ Scratch<S> gemm_scratch(const Panels<S>& p, Index rows) {
   const FloatTiles* tiles = float_tiles<S>(rows, p.n, p.k);
   return Scratch<S>(std::max(tiles == nullptr ? 0 : tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
 }
-/// Whether every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that threads share. Its rows
-/// a thread finds where it wrote them, in its cache. Those of others come slowly: with 16 threads a byte costs about what five of panels do,
-/// which are fetched ahead. Not if the rows are few and there is much more of the panels, or the rows do not fill tiles.
+/// Whether every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that
+/// threads share. Its rows a thread finds where it wrote them, in its cache. Those of others come slowly: with 16
+/// threads a byte costs about what five of panels do, which are fetched ahead. Not if the rows are few and there is
+/// much more of the panels, or the rows do not fill tiles.
 inline bool takes_own_rows(Index each, Index a_bytes, Index panel_bytes, Index rows_at_once, Index tile_rows) {
   const bool fills_tiles = each > 0 && 4 * each >= 3 * tile_rows * parts(each, tile_rows);
   return each >= std::max(tile_rows, rows_at_once / 4) || (fills_tiles && 5 * a_bytes >= panel_bytes);
@@ -35788,7 +36400,8 @@ void for_blocks(Index rows, Index panels, bool split, const Sharing& how, const 
 struct NothingBehind {
   void operator()(Index, Index, Index, Index) const {}
 };
-/// g with the right-hand side `p`; then behind(r0, r1, c0, c1) for every thread's blocks of rows and columns, by that thread.
+/// g with the right-hand side `p`; then behind(r0, r1, c0, c1) for every thread's blocks of rows and columns, by that
+/// thread.
 template <class S, class F = NothingBehind>
 void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F& behind = {}) {
   if (g.m == 0 || g.n == 0) return;
@@ -35823,8 +36436,8 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
   run_floats(*p.kernels, parallel_width() > 2 ? 3 : 1);
 }
 
-/// How many of `count` products of m x k and k x n are made by one thread each: as long as there is one for every thread. The rest is made by
-/// all of them, one after the other.
+/// How many of `count` products of m x k and k x n are made by one thread each: as long as there is one for every
+/// thread. The rest is made by all of them, one after the other.
 inline Index products_apart(Index count, Index m, Index n, Index k) {
   return worth_threads(count * m, n, k) ? count - count % parallel_width() : 0;
 }
@@ -35839,8 +36452,8 @@ void for_products(Index count, Index apart, const F& product) {
   for (Index i = apart; i < count; ++i) product(i);
 }
 
-/// Packed sequences with rows of zeros at both ends of each. The windows of such a sequence lie in memory as the rows of a matrix do, but
-/// overlap.
+/// Packed sequences with rows of zeros at both ends of each. The windows of such a sequence lie in memory as the rows
+/// of a matrix do, but overlap.
 template <class S>
 struct WithMargins {
   const Offsets& inside;
@@ -35862,7 +36475,8 @@ struct WithMargins {
   Index at(Index s) const { return (inside.begin(s) + 2 * margin * s) * width; }
 };
 
-/// f(place of a window's first number, its row among all windows) for every window of `size` numbers; those of a sequence by one thread.
+/// f(place of a window's first number, its row among all windows) for every window of `size` numbers; those of a
+/// sequence by one thread.
 template <class S, class F>
 void for_windows(const WithMargins<S>& margins, const Offsets& windows, Index stride, Index size, const F& f) {
   parallel_ranges(windows.count(), windows.longest() * size, [&](Index first, Index last) {
@@ -35916,7 +36530,8 @@ template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
   with_attention_kernels<S>([&](const auto& kernel) {
     const Scratch<S> scratch(kernel.attention_scratch(k.longest(), t.width));
-    // Few heads: the queries of each are split, so that every thread has as many tasks. Each task packs keys and values.
+    // Few heads: the queries of each are split, so that every thread has as many tasks. Each task packs keys and
+    // values.
     const Index heads = q.count() * t.heads, threads = parallel_width();
     const Index equal = heads < 4 * threads ? threads / std::gcd(heads, threads) : 1;
     const Index pieces = std::clamp<Index>(equal, 1, std::max<Index>(1, parts(q.longest(), kernel.tile_rows)));
@@ -35936,8 +36551,9 @@ void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, co
   });
 }
 
-/// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums in the same
-/// order as with panels of the weight, so the same bits (of multiply-adds; tiles do not treat both sides alike).
+/// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums
+/// in the same order as with panels of the weight, so the same bits (of multiply-adds; tiles do not treat both sides
+/// alike).
 template <class S>
 Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bias, Activation act, const S* residual) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
@@ -36346,14 +36962,15 @@ void KernelOps<S>::adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const De
   parallel_ranges(parameter.count(), 1, [&](Index a, Index b) { detail::kernels<S>().adamw(t, a, b); });
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_SEARCH_DETAIL_SCAN_KERNELS_HPP  // <motionlang/search/detail/scan_kernels.hpp>
 #define MOTIONLANG_HAS_SEARCH_DETAIL_SCAN_KERNELS_HPP
 /// The kernels of a scan over vectors, beside those of backend/detail/kernels.hpp and chosen like them.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// Entry points of one instruction set.
 template <class S>
@@ -36366,19 +36983,24 @@ struct ScanKernels {
   Index (*first_above)(const S* x, Index from, Index n, S limit);
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
 #define MOTIONLANG_ISA portable
-// Kernels of a scan for one instruction set. Included by scan_kernels.hpp, several times, behind those of backend/detail/kernels.inc.
+// Kernels of a scan for one instruction set. Included by scan_kernels.hpp, several times, behind those of
+// backend/detail/kernels.inc.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::MOTIONLANG_ISA {
 
-/// Numbers that scans ask for ahead of what they read, 1 KB: further than some processors do by themselves (Intel: 12 % more a second).
+/// Numbers that scans ask for ahead of what they read, 1 KB: further than some processors do by themselves (Intel: 12 %
+/// more a second).
 template <class Number>
 inline constexpr Index scan_ahead = 1024 / static_cast<Index>(sizeof(Number));
 
-/// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along four.
+/// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along
+/// four.
 template <class S>
 void dot_rows(const S* rows, Index count, Index width, const S* query, S* out) {
   constexpr int l = lanes<S>;
@@ -36407,8 +37029,8 @@ MOTIONLANG_INLINE void widen_pairs(const std::uint16_t* x, Vec<S>& even, Vec<S>&
   odd = (Vec<S>)(words & static_cast<std::int32_t>(0xFFFF0000u));
 }
 
-/// out[r] = <row r, query> of rows in bfloat16. Of every 2 * lanes numbers of the query, `pairs` has the even ones, then the odd ones;
-/// behind the last whole group they stand as they are.
+/// out[r] = <row r, query> of rows in bfloat16. Of every 2 * lanes numbers of the query, `pairs` has the even ones,
+/// then the odd ones; behind the last whole group they stand as they are.
 template <class S>
 void dot_half_rows(const std::uint16_t* rows, Index count, Index width, const S* pairs, S* out) {
   constexpr int l = lanes<S>;
@@ -36456,7 +37078,8 @@ void column_maxima(const S* c, Index rows, Index pitch, Index columns, S* out) {
   constexpr int l = lanes<S>;
   for (Index j = 0; j < columns; j += 2 * l) {
     Vec<S> m0 = load(c + j), m1 = load(c + j + l);
-    for (Index r = 1; r < rows; ++r) m0 = vmax<S>(load(c + r * pitch + j), m0), m1 = vmax<S>(load(c + r * pitch + j + l), m1);
+    for (Index r = 1; r < rows; ++r)
+      m0 = vmax<S>(load(c + r * pitch + j), m0), m1 = vmax<S>(load(c + r * pitch + j + l), m1);
     store(out + j, m0), store(out + j + l, m1);
   }
 }
@@ -36485,21 +37108,26 @@ const ScanKernels<S>& scan_table() {
   return t;
 }
 
-}  // namespace motionlang
+}  // namespace detail::MOTIONLANG_ISA
+MOTIONLANG_NAMESPACE_END
 #undef MOTIONLANG_ISA
 
 #ifdef MOTIONLANG_WIDE_KERNELS
 MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
 #define MOTIONLANG_ISA avx2
-// Kernels of a scan for one instruction set. Included by scan_kernels.hpp, several times, behind those of backend/detail/kernels.inc.
+// Kernels of a scan for one instruction set. Included by scan_kernels.hpp, several times, behind those of
+// backend/detail/kernels.inc.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::MOTIONLANG_ISA {
 
-/// Numbers that scans ask for ahead of what they read, 1 KB: further than some processors do by themselves (Intel: 12 % more a second).
+/// Numbers that scans ask for ahead of what they read, 1 KB: further than some processors do by themselves (Intel: 12 %
+/// more a second).
 template <class Number>
 inline constexpr Index scan_ahead = 1024 / static_cast<Index>(sizeof(Number));
 
-/// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along four.
+/// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along
+/// four.
 template <class S>
 void dot_rows(const S* rows, Index count, Index width, const S* query, S* out) {
   constexpr int l = lanes<S>;
@@ -36528,8 +37156,8 @@ MOTIONLANG_INLINE void widen_pairs(const std::uint16_t* x, Vec<S>& even, Vec<S>&
   odd = (Vec<S>)(words & static_cast<std::int32_t>(0xFFFF0000u));
 }
 
-/// out[r] = <row r, query> of rows in bfloat16. Of every 2 * lanes numbers of the query, `pairs` has the even ones, then the odd ones;
-/// behind the last whole group they stand as they are.
+/// out[r] = <row r, query> of rows in bfloat16. Of every 2 * lanes numbers of the query, `pairs` has the even ones,
+/// then the odd ones; behind the last whole group they stand as they are.
 template <class S>
 void dot_half_rows(const std::uint16_t* rows, Index count, Index width, const S* pairs, S* out) {
   constexpr int l = lanes<S>;
@@ -36577,7 +37205,8 @@ void column_maxima(const S* c, Index rows, Index pitch, Index columns, S* out) {
   constexpr int l = lanes<S>;
   for (Index j = 0; j < columns; j += 2 * l) {
     Vec<S> m0 = load(c + j), m1 = load(c + j + l);
-    for (Index r = 1; r < rows; ++r) m0 = vmax<S>(load(c + r * pitch + j), m0), m1 = vmax<S>(load(c + r * pitch + j + l), m1);
+    for (Index r = 1; r < rows; ++r)
+      m0 = vmax<S>(load(c + r * pitch + j), m0), m1 = vmax<S>(load(c + r * pitch + j + l), m1);
     store(out + j, m0), store(out + j + l, m1);
   }
 }
@@ -36606,21 +37235,26 @@ const ScanKernels<S>& scan_table() {
   return t;
 }
 
-}  // namespace motionlang
+}  // namespace detail::MOTIONLANG_ISA
+MOTIONLANG_NAMESPACE_END
 #undef MOTIONLANG_ISA
 MOTIONLANG_TARGET_POP
 
 MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512)
 #define MOTIONLANG_ISA avx512
-// Kernels of a scan for one instruction set. Included by scan_kernels.hpp, several times, behind those of backend/detail/kernels.inc.
+// Kernels of a scan for one instruction set. Included by scan_kernels.hpp, several times, behind those of
+// backend/detail/kernels.inc.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::MOTIONLANG_ISA {
 
-/// Numbers that scans ask for ahead of what they read, 1 KB: further than some processors do by themselves (Intel: 12 % more a second).
+/// Numbers that scans ask for ahead of what they read, 1 KB: further than some processors do by themselves (Intel: 12 %
+/// more a second).
 template <class Number>
 inline constexpr Index scan_ahead = 1024 / static_cast<Index>(sizeof(Number));
 
-/// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along four.
+/// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along
+/// four.
 template <class S>
 void dot_rows(const S* rows, Index count, Index width, const S* query, S* out) {
   constexpr int l = lanes<S>;
@@ -36649,8 +37283,8 @@ MOTIONLANG_INLINE void widen_pairs(const std::uint16_t* x, Vec<S>& even, Vec<S>&
   odd = (Vec<S>)(words & static_cast<std::int32_t>(0xFFFF0000u));
 }
 
-/// out[r] = <row r, query> of rows in bfloat16. Of every 2 * lanes numbers of the query, `pairs` has the even ones, then the odd ones;
-/// behind the last whole group they stand as they are.
+/// out[r] = <row r, query> of rows in bfloat16. Of every 2 * lanes numbers of the query, `pairs` has the even ones,
+/// then the odd ones; behind the last whole group they stand as they are.
 template <class S>
 void dot_half_rows(const std::uint16_t* rows, Index count, Index width, const S* pairs, S* out) {
   constexpr int l = lanes<S>;
@@ -36698,7 +37332,8 @@ void column_maxima(const S* c, Index rows, Index pitch, Index columns, S* out) {
   constexpr int l = lanes<S>;
   for (Index j = 0; j < columns; j += 2 * l) {
     Vec<S> m0 = load(c + j), m1 = load(c + j + l);
-    for (Index r = 1; r < rows; ++r) m0 = vmax<S>(load(c + r * pitch + j), m0), m1 = vmax<S>(load(c + r * pitch + j + l), m1);
+    for (Index r = 1; r < rows; ++r)
+      m0 = vmax<S>(load(c + r * pitch + j), m0), m1 = vmax<S>(load(c + r * pitch + j + l), m1);
     store(out + j, m0), store(out + j + l, m1);
   }
 }
@@ -36727,13 +37362,15 @@ const ScanKernels<S>& scan_table() {
   return t;
 }
 
-}  // namespace motionlang
+}  // namespace detail::MOTIONLANG_ISA
+MOTIONLANG_NAMESPACE_END
 #undef MOTIONLANG_ISA
 MOTIONLANG_TARGET_POP
 #endif
 #undef MOTIONLANG_INLINE
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// Those of the same instruction set as `kernels`, whose panels they read.
 template <class S>
@@ -36747,10 +37384,12 @@ const ScanKernels<S>& scan_kernels(const Kernels<S>& kernels) {
   return portable::scan_table<S>();
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// The nearest so far to a group of queries, as one thread has seen them.
 template <class S>
@@ -36851,13 +37490,8 @@ void scan_with_panels(const RowScan<S>& scan, const Panels<S>& queries, Index fi
       else
         scanner.widen_row(scan.halves.data() + (top + r) * width, width, gallery + r * pitch);
     }
-    Gemm<S> product{.m = rows,
-                    .n = block.columns(),
-                    .k = width,
-                    .a = gallery,
-                    .lda = pitch,
-                    .c = scores,
-                    .ldc = block.pitch()};
+    Gemm<S> product{
+        .m = rows, .n = block.columns(), .k = width, .a = gallery, .lda = pitch, .c = scores, .ldc = block.pitch()};
     for (Index j = 0; j * w < queries.n; j += block.panels) {
       if (queries.kernels != nullptr) {
         product.panels = queries.data() + j * w * width;
@@ -36907,9 +37541,10 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
     const Index n = std::min(group, total - begin);
     const auto mine = queries.subspan(static_cast<std::size_t>(begin * width), static_cast<std::size_t>(n * width));
     const bool product = n > few, rounded = product && !halves.empty();
-    // Errors of float sums, and 1 % for what lies below: lengths of 1.001, the rounding of the exact score and of the limit.
-    const double error = 1.01 * (static_cast<double>(width + 2) * 0x1p-24 + half_error +
-                                 (rounded ? rounding_of(mine, width) : 0));
+    // Errors of float sums, and 1 % for what lies below: lengths of 1.001, the rounding of the exact score and of the
+    // limit.
+    const double error =
+        1.01 * (static_cast<double>(width + 2) * 0x1p-24 + half_error + (rounded ? rounding_of(mine, width) : 0));
     std::vector<Candidates<S>> seen(static_cast<std::size_t>(threads), Candidates<S>(*this, mine, k, error));
     const auto for_rows = [&](auto f) {
       parallel_for(tasks, [&](Index i) {
@@ -36918,8 +37553,7 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
       });
     };
     if (product) {
-      const auto panels =
-          pack_panels<S>(mine.data(), width, n, 1, width, rounded ? Precision::bf16 : Precision::fp32);
+      const auto panels = pack_panels<S>(mine.data(), width, n, 1, width, rounded ? Precision::bf16 : Precision::fp32);
       const Scratch<S> scratch(ScoreBlock<S>(panels).scratch(width));
       for_rows([&](Index first, Index last, Candidates<S>& c) {
         scan_with_panels<S>(*this, panels, first, last, scratch.mine(), c);
@@ -36962,12 +37596,13 @@ typename RowScan<S>::DotFunction RowScan<S>::dot_function() {
   return scan_kernels(kernels<S>()).dot_rows;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct MotionHit {
   Index clip = 0;             // of the index
@@ -36976,8 +37611,8 @@ struct MotionHit {
   bool operator==(const MotionHit&) const = default;
 };
 
-/// The windows that are indexed of a clip: those of moment_windows for each length, each window once, in ascending order. A window
-/// that is longer than the clip is the whole clip.
+/// The windows that are indexed of a clip: those of moment_windows for each length, each window once, in ascending
+/// order. A window that is longer than the clip is the whole clip.
 inline std::vector<FrameSlice> indexed_moments(Index frames, const IndexModel& model) {
   std::vector<FrameSlice> out;
   for (const Index width : model.windows) {
@@ -36993,8 +37628,8 @@ inline std::vector<FrameSlice> indexed_moments(Index frames, const IndexModel& m
   return out;
 }
 
-/// Of moments in the order of their scores those that stand apart: one that overlaps a better one of the same clip by an
-/// intersection over union above `most_iou` is dropped (greedy non-maximum suppression). At most k are kept.
+/// Of moments in the order of their scores those that stand apart: one that overlaps a better one of the same clip by
+/// an intersection over union above `most_iou` is dropped (greedy non-maximum suppression). At most k are kept.
 inline std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_first,
                                                std::span<const MotionIndex::Moment> moments, double most_iou, Index k) {
   std::vector<Neighbour> out;
@@ -37012,8 +37647,8 @@ inline std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_f
 
 class MotionSearch {
  public:
-  /// The index has to outlive the object. `clips` and `moments` search its rows; unless given, all of them are compared, by scans with
-  /// `storage`, which has no influence on the answers.
+  /// The index has to outlive the object. `clips` and `moments` search its rows; unless given, all of them are
+  /// compared, by scans with `storage`, which has no influence on the answers.
   explicit MotionSearch(const MotionIndex& index, std::shared_ptr<const VectorSearch> clips = {},
                         std::shared_ptr<const VectorSearch> moments = {}, ScanStorage storage = ScanStorage::float32)
       : index_(index),
@@ -37071,8 +37706,8 @@ class MotionSearch {
       raise<shape_error>(204, "MotionSearch: a query of ", query.size(), " numbers, the index has ", search.width());
     return search.search(query, k)[0];
   }
-  /// `choose` takes the best ones and drops some; who is kept does not depend on those that come later. Asks for more of them until k are
-  /// left, or all have been seen.
+  /// `choose` takes the best ones and drops some; who is kept does not depend on those that come later. Asks for more
+  /// of them until k are left, or all have been seen.
   template <class F>
   static std::vector<Neighbour> enough(const VectorSearch& search, std::span<const float> query, Index k, F choose) {
     if (k < 0) raise<config_error>(101, "MotionSearch: the ", k, " nearest");
@@ -37091,6 +37726,6 @@ class MotionSearch {
   std::shared_ptr<const VectorSearch> clips_, moments_, captions_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 #endif

@@ -6,25 +6,25 @@
 
 #ifndef MOTIONLANG_HAS_BACKEND_EIGEN_HPP  // <motionlang/backend/eigen.hpp>
 #define MOTIONLANG_HAS_BACKEND_EIGEN_HPP
-/// Backend over Eigen: functions and maxima are Eigen expressions over mapped memory. Arithmetic, sums, products and fused
-/// operations are the kernels of kernel_ops.hpp: they are for the instruction set of the machine whatever the program was
-/// built for (Eigen's own product reaches 20 to 50 % of the processor at these shapes), and a program with all the
-/// expressions of broadcasting compiles half a second longer.
+/// Backend over Eigen: functions and maxima are Eigen expressions over mapped memory. Arithmetic, sums, products and
+/// fused operations are the kernels of kernel_ops.hpp: they are for the instruction set of the machine whatever the
+/// program was built for (Eigen's own product reaches 20 to 50 % of the processor at these shapes), and a program with
+/// all the expressions of broadcasting compiles half a second longer.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP  // <motionlang/backend/detail/eigen_class.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP
-/// What a model needs of the Eigen backend: its operations, and of the bodies those of the kernels, arithmetic among them. Those
-/// that include Eigen, functions and maxima, come with <motionlang/backend/eigen.hpp>.
+/// What a model needs of the Eigen backend: its operations, and of the bodies those of the kernels, arithmetic among
+/// them. Those that include Eigen, functions and maxima, come with <motionlang/backend/eigen.hpp>.
 
 #ifndef MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP  // <motionlang/backend/kernel_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP
-/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
-/// xtensor backends: one layer of kernels serves both.
+/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by
+/// the Eigen and xtensor backends: one layer of kernels serves both.
 ///
 /// Declarations only; the bodies are in detail/kernel_ops_impl.hpp, which a program that links motionlang::instantiated
 /// need not read.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct KernelOps {
@@ -44,8 +44,9 @@ struct KernelOps {
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
-  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed form. For inference:
-  /// the weight must not change afterwards. Returns whether all its numbers are finite: they are read anyway.
+  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed
+  /// form. For inference: the weight must not change afterwards. Returns whether all its numbers are finite: they are
+  /// read anyway.
   static bool prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
@@ -86,7 +87,7 @@ struct KernelOps {
   static void adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const Dense<S>& gradient, const AdamwUpdate& update);
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::KernelOps<float>;
@@ -95,7 +96,7 @@ extern template struct motionlang::KernelOps<double>;
 #endif
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct EigenBackend : DenseOps<S>, KernelOps<S> {
@@ -113,16 +114,16 @@ struct EigenBackend : DenseOps<S>, KernelOps<S> {
   static tensor max(const tensor& a, int axis);
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::EigenBackend<float>;
 extern template struct motionlang::EigenBackend<double>;
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_INSTANTIATED
@@ -147,10 +148,12 @@ static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
 #define MOTIONLANG_HAS_BACKEND_DETAIL_GELU_TABLE_HPP
 /// What gelu(x) lacks to relu(x), as polynomials of degree 4 around 0, 1/4, 2/4, ... 31/4.
 ///
-/// gelu(x) = x Phi(x) = max(x, 0) - g(|x|),   g(c) = c (1 - Phi(c)) (Hendrycks and Gimpel 2016, Phi: normal distribution function).
-/// g is bounded by 0.17 and dies out above c = 5.5. Processors that look up 32 numbers in one instruction so take 14 instructions.
+/// gelu(x) = x Phi(x) = max(x, 0) - g(|x|),   g(c) = c (1 - Phi(c)) (Hendrycks and Gimpel 2016, Phi: normal
+/// distribution function). g is bounded by 0.17 and dies out above c = 5.5. Processors that look up 32 numbers in one
+/// instruction so take 14 instructions.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// g(i / 4 + d) = sum over n of by_power[n][i] d^n for |d| <= 1/8. Wrong by 5e-8 at most, by 1e-7 of g for i = 0.
 struct GeluTable {
@@ -172,8 +175,8 @@ constexpr GeluTable make_gelu_table() {
       q[n] = -p[n - 1] / n;
       g[n] = c * q[n] + q[n - 1];
     }
-    // Polynomials that are small for |u| <= 1, u = d / (1/8), are taken away: u^2 T_4(u) / 8 for u^6 (it keeps g(0) = 0),
-    // T_5(u) / 16 for u^5.
+    // Polynomials that are small for |u| <= 1, u = d / (1/8), are taken away: u^2 T_4(u) / 8 for u^6 (it keeps g(0) =
+    // 0), T_5(u) / 16 for u^5.
     constexpr double square = GeluTable::width * GeluTable::width / 4;
     g[4] += g[6] * square, g[2] -= g[6] * square * square / 8;
     g[3] += g[5] * square * 20 / 16, g[1] -= g[5] * square * square * 5 / 16;
@@ -185,10 +188,12 @@ constexpr GeluTable make_gelu_table() {
 }
 inline constexpr GeluTable gelu_table = make_gelu_table();
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// c (m x n) = act(a (m x k) B + bias + residual). B is packed in panels.
 template <class S>
@@ -207,7 +212,8 @@ struct Gemm {
   const std::byte* after = nullptr;  // what is read after this product: a panel's share of it is fetched meanwhile
   Index after_bytes = 0;
 
-  /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if there is no `after`.
+  /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if
+  /// there is no `after`.
   const std::byte* following(Index first, Index count, const void* otherwise) const {
     return after == nullptr ? static_cast<const std::byte*>(otherwise) : after + after_bytes / 64 * first / count * 64;
   }
@@ -225,7 +231,8 @@ struct Attention {
   Index heads = 1, width = 0;
   bool causal = false;
   Dropout dropout{};
-  const S* relative_scores = nullptr;  // forward only: (heads, 2 reach + 1), the number of distance d in column d + reach
+  // forward only: (heads, 2 reach + 1), the number of distance d in column d + reach
+  const S* relative_scores = nullptr;
   Index reach = 0;
 };
 template <class S>
@@ -308,8 +315,8 @@ struct Kernels {
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
-/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels that
-/// are the same for all instruction sets, but for numbers below 2^-126.
+/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels
+/// that are the same for all instruction sets, but for numbers below 2^-126.
 struct Bf16Kernels {
   const char* name;
   Index tile_rows;
@@ -331,7 +338,8 @@ struct Bf16Kernels {
 inline constexpr Index bf16_columns = 32;
 constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 
 // GCC and clang spell "generate code for these instructions" differently.
 #if defined(__clang__)
@@ -354,7 +362,8 @@ constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 *
 #endif
 // All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::MOTIONLANG_ISA {
 
 // Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
 // Included once for every instruction set by kernels.hpp; no include guard on purpose.
@@ -479,13 +488,17 @@ MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int,
 // Halves are put together until one lane is left: sums have a fixed order.
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
 }
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
 }
 
 /// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
@@ -508,29 +521,32 @@ MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
   }
 }
 
-/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
-/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
+/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
+/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
   const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the lowest bits.
+  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
+  // lowest bits.
   const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
-  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) - n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
+  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
+                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
   Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
   if constexpr (!single) {
-    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
+    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
+      p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
   const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
   return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
 }
 
-/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our own least-squares
-/// fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
+/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
 template <class S>
 MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
   Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
@@ -580,8 +596,8 @@ MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
   return vmax<float>(Vec<float>{}, x) - g;
 }
 #endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it is known.
-/// Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
+/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
 #if MOTIONLANG_VECTOR_BYTES == 64
@@ -607,7 +623,8 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
-/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
+/// Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
@@ -629,17 +646,24 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return x;
-    case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu: return vgelu<S>(x);
-    case Activation::silu: return x / (vexp<S>(-x) + S(1));
-    case Activation::tanh: return vtanh<S>(x);
-    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::none:
+      return x;
+    case Activation::relu:
+      return vmax<S>(Vec<S>{}, x);
+    case Activation::gelu:
+      return vgelu<S>(x);
+    case Activation::silu:
+      return x / (vexp<S>(-x) + S(1));
+    case Activation::tanh:
+      return vtanh<S>(x);
+    case Activation::quick_gelu:
+      return x / (vexp<S>(x * S(-1.702)) + S(1));
     case Activation::gelu_new: {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
-    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
+    case Activation::sigmoid:
+      return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -649,8 +673,10 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return splat(S(1));
-    case Activation::relu: return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
+    case Activation::none:
+      return splat(S(1));
+    case Activation::relu:
+      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
     case Activation::gelu: {
       const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
@@ -683,14 +709,22 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
-    case Activation::none: return f.template operator()<Activation::none>();
-    case Activation::relu: return f.template operator()<Activation::relu>();
-    case Activation::gelu: return f.template operator()<Activation::gelu>();
-    case Activation::silu: return f.template operator()<Activation::silu>();
-    case Activation::tanh: return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
-    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
+    case Activation::none:
+      return f.template operator()<Activation::none>();
+    case Activation::relu:
+      return f.template operator()<Activation::relu>();
+    case Activation::gelu:
+      return f.template operator()<Activation::gelu>();
+    case Activation::silu:
+      return f.template operator()<Activation::silu>();
+    case Activation::tanh:
+      return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu:
+      return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new:
+      return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid:
+      return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -727,14 +761,16 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them. If k is in
-//            several blocks, eight panels at a time: what the next 1024 of k are added to stays there as well. (All panels at a time where
-//            A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches and k is one block:
-//            a tile's rows times a group of panels, then the next rows. So longer pieces of the result's rows are written, one after the
-//            other: the lines under them, which come from memory first, the processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what follows: of the
-//            panels of the next group, be it of the product that follows, and, with the first group, of the next rows of A.
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
+//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
+//            well. (All panels at a time where A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
+//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
+//            result's rows are written, one after the other: the lines under them, which come from memory first, the
+//            processor fetches by itself, and fewer pages are in use.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
+//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
+//            the next rows of A.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -742,11 +778,13 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
-inline constexpr Index most_tiles = 16;  // of rows in a block
+inline constexpr Index most_tiles = 16;        // of rows in a block
 inline constexpr Index near_caches = 4 << 20;  // bytes
-inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  // for rows of A, and as much for a group of panels
+// for rows of A, and as much for a group of panels
+inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
 template <class S>
-inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
+// of a tile of a transposed A, copied
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
 
 template <class S>
 constexpr Index bytes(Index count) {
@@ -776,8 +814,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
@@ -815,15 +853,16 @@ struct Rows {
   Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
-/// panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a tile alone fetches the first half of
-/// the next panel only: every other line of the whole would confuse the processor, which fetches by itself lines that follow each other
-/// (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for
+/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
+/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
+/// which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between them.
+  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between
+  /// them.
   MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
     const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
     return {next + i * step * steps, step};
@@ -876,7 +915,8 @@ MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e)
 
 /// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
 template <class S>
-[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
+                                         const Epilogue<S>& e) {
   constexpr Index l = lanes<S>;
   for (Index r = 0; r < rows; ++r) {
     for (Index i = 0; i < columns; i += l) {
@@ -902,7 +942,8 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
       S* out = c + i * ldc;
       if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
       c0[i] += z0, c1[i] += z1;
-      if (e.residual != nullptr) c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
+      if (e.residual != nullptr)
+        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
       store(out, c0[i]), store(out + l, c1[i]);
     }
   } else {
@@ -919,7 +960,8 @@ enum class TileKind { plain, transposed, half };
 
 /// c (R x columns) = a (R x k) panel.
 template <class S, int R, TileKind kind>
-void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e, Ahead ahead) {
+void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
   constexpr Index w = panel_width<S>;
   constexpr int l = lanes<S>;
   constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
@@ -927,10 +969,11 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the strides is known to
-  // be 1, which saves additions (1 to 4 % of the time).
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
+  // strides is known to be 1, which saves additions (1 to 4 % of the time).
   const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
-  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride, *p4 = p0 + 12 * row_stride;
+  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
+          *p4 = p0 + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
@@ -963,7 +1006,8 @@ TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
     return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
-  }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
+  }
+  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
   const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
   return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
@@ -990,8 +1034,8 @@ Index gemm_scratch(Index k) {
   return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
 }
 
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the other. `readable`: rows
-/// that A has from here on.
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
+/// other. `readable`: rows that A has from here on.
 template <class S>
 void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
   constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
@@ -1000,7 +1044,8 @@ void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, 
     if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
     for (Index t = 0; t < tiles; ++t) {
       const Index first = part(rows, t, tiles);
-      for (Index i = 0; i < pitch; i += l) store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+      for (Index i = 0; i < pitch; i += l)
+        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
     }
   }
 }
@@ -1015,7 +1060,8 @@ struct GemmPiece {
   Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
   Index left = 0, right = 0;
   Index k0 = 0, k1 = 0;
-  const std::byte* next = nullptr;  // panels that are read after it: at last the first ones once more, if nothing else is known
+  // panels that are read after it: at last the first ones once more, if nothing else is known
+  const std::byte* next = nullptr;
   Index next_bytes = std::numeric_limits<Index>::max();
 
   Index depth() const { return k1 - k0; }
@@ -1038,9 +1084,12 @@ struct GemmPiece {
     const bool whole = depth == g.k, transposed = g.a_transposed;
     const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a tile's when it is next.
-    if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
-    else if (copies && !far) copy_rows(top, below);
+    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
+    // tile's when it is next.
+    if (transposed)
+      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
+    else if (copies && !far)
+      copy_rows(top, below);
     for (Index group = 0; group < groups; ++group) {
       const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
       const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
@@ -1050,15 +1099,17 @@ struct GemmPiece {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
         if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time: none.)
+        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
+        // none.)
         const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead = i < row_panels
-                                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
-                                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          const Ahead ahead =
+              i < row_panels
+                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
           S* c = g.c + row * g.ldc + j * w;
           const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
           tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
@@ -1073,7 +1124,8 @@ template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
+  // once.
   const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
@@ -1091,22 +1143,29 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
                        .right = std::min(j1, left + wide),
                        .k0 = part(g.k, block, blocks),
                        .k1 = part(g.k, block + 1, blocks)};
-    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1, last = next_rows && piece.below == r1;
-    const S* next = g.panels + ((next_rows ? j0 : next_columns ? piece.right : left) * g.k + (next_columns ? 0 : piece.k1)) * piece.w;
+    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
+               last = next_rows && piece.below == r1;
+    const S* next = g.panels + ((next_rows      ? j0
+                                 : next_columns ? piece.right
+                                                : left) *
+                                    g.k +
+                                (next_columns ? 0 : piece.k1)) *
+                                   piece.w;
     piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
     if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
     piece.multiply();
   }
 }
 //
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
-// head (backward), never for a batch.
+// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
+// or one head (backward), never for a batch.
 //
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
 /// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums: none waits.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
+/// none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
@@ -1147,8 +1206,10 @@ void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bo
   for (Index r = 0; r < count;) {
     Index visible[softmax_group];
     for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
-    if (r + softmax_group <= count) softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
-    else softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+    if (r + softmax_group <= count)
+      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else
+      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
   }
 }
 
@@ -1196,25 +1257,29 @@ struct FloatProducts {
   static Index scratch(Index) { return 0; }
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    if (stride_n == 1)
+      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else
+      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
-  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
+  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
+                       bool whole_panels) {
     constexpr Index w = panel_width<S>;
     const Index tiles = (count + tile_rows - 1) / tile_rows;
     const Epilogue<S> plain;
     for (Index j = 0; j < padded_panels<S>(n); ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
-                                         plain, Ahead{as_bytes(panels)});
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
       }
     }
   }
 };
 
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are columns of.
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
+/// columns of.
 template <class S>
 struct AttentionHead {
   const Attention<S>& t;
@@ -1244,7 +1309,9 @@ struct AttentionHead {
     for (Index r = 0; r < count && t.dropout.p > 0; ++r)
       dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
   }
-  Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
+  Index mask_at(Index query) const {
+    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
+  }
 };
 
 /// Distance of rows of scores, whose columns up to the end of a panel are written.
@@ -1255,7 +1322,8 @@ Index score_pitch(Index keys) {
 /// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
 template <class P>
 Index attention_scratch(Index keys, Index width) {
-  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) + P::scratch(std::max(keys, width));
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
+         P::scratch(std::max(keys, width));
 }
 /// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
 template <class P>
@@ -1269,7 +1337,8 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
 template <class P, class S = typename P::Number>
 void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
-  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces), end = part(tiles, piece + 1, pieces);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
+              end = part(tiles, piece + 1, pieces);
   if (begin == end) return;
   const Index pitch = score_pitch<P>(h.keys);
   S* vp = kt + P::panels(t.width, h.keys);
@@ -1307,7 +1376,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
-    if (r % softmax_group == 0) softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
+    if (r % softmax_group == 0)
+      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
     if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
@@ -1330,8 +1400,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as many chains of sums:
-/// none waits.
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
+/// many chains of sums: none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
   constexpr int l = lanes<S>;
@@ -1373,7 +1443,8 @@ MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
   S* y = t.y + first * n;
   if (t.residual != nullptr) {
     const S* z = t.residual + first * n;
-    for (Index i = 0; i < R * n; i += l) store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
+    for (Index i = 0; i < R * n; i += l)
+      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
     x = y;
   }
   S mean[R], rstd[R];
@@ -1452,7 +1523,8 @@ void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, 
 }
 /// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
 template <class S>
-void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows, Index first, Index last) {
+void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
+                            Index first, Index last) {
   for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
   for (Index r = 0; r < rows; ++r) {
     const S mean = moments[2 * r], rstd = moments[2 * r + 1];
@@ -1507,11 +1579,16 @@ void transpose(const Transposed<S>& t, Index first, Index last) {
 template <BinaryOp op, class S>
 MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
   switch (op) {
-    case BinaryOp::add: return a + b;
-    case BinaryOp::sub: return a - b;
-    case BinaryOp::mul: return a * b;
-    case BinaryOp::div: return a / b;
-    case BinaryOp::maximum: return a < b ? b : a;
+    case BinaryOp::add:
+      return a + b;
+    case BinaryOp::sub:
+      return a - b;
+    case BinaryOp::mul:
+      return a * b;
+    case BinaryOp::div:
+      return a / b;
+    case BinaryOp::maximum:
+      return a < b ? b : a;
   }
   return a;
 }
@@ -1531,11 +1608,16 @@ MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
 template <class S>
 void binary(const Binary<S>& t) {
   switch (t.op) {
-    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
-    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
-    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
-    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
-    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+    case BinaryOp::add:
+      return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub:
+      return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul:
+      return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div:
+      return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum:
+      return binary_loop<BinaryOp::maximum>(t);
   }
 }
 
@@ -1573,7 +1655,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 }
 
 template <class S>
-MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
+MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
+                                      Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
   m = m * t.beta1 + g * t.rest1;
   v = v * t.beta2 + g * g * t.rest2;
@@ -1598,15 +1681,18 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any processor, which widens
-// bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
+// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
-//            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126,
+//            which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
+//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
+//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
+//            number of a sum.)
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
+//            thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
 typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
@@ -1625,14 +1711,13 @@ MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
 }
 
 /// A vector of numbers, rounded; zeros from the n-th on.
-MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
-  return round_to_bf16(load_first(x, n));
-}
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
   constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
@@ -1643,7 +1728,8 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
 #pragma GCC unroll 16
       for (int q = 0; q < lanes<float>; ++q) {
         const auto row = [&](Index at) {
-          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
+          // no prefetcher follows pieces so far apart
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
           return rounded(a + at * lda + r, at < k ? n : 0);
         };
         if constexpr (sizeof(Element) == 4) {
@@ -1668,7 +1754,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     for (Index i = k0; i < k1; i += 2) {
       const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
       std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-      for (Index j = left; j < std::min(count, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+      for (Index j = left; j < std::min(count, left + panel_block);
+           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
         fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
         const Index columns = n - j * bf16_columns;
         Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
@@ -1676,10 +1763,11 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class Tile, bool looks>
-bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
+                          std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
@@ -1715,12 +1803,14 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
-/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
-/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
+/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
+/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
+/// same cache set.
 inline bool streams(const Gemm<float>& g) {
   constexpr Index all = 16 << 20;
-  const bool whole_lines = g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  const bool whole_lines =
+      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
   return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
 }
 /// Rows of one panel's width, from where a tile has put them.
@@ -1732,7 +1822,8 @@ inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
 
 class PanelSplit;
 
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
+/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
+/// over `depth` of k.
 template <class Element>
 struct TileProduct {
   const Element* a;
@@ -1755,7 +1846,7 @@ struct TileProduct {
 ///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
 template <class Tile>
 struct RegisterTile {
-  static constexpr bool even = true;  // rows are split evenly among tiles
+  static constexpr bool even = true;                                 // rows are split evenly among tiles
   static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
   static constexpr Index pieces(Index, Index) { return 1; }          // of k
   static void begin() {}
@@ -1765,7 +1856,8 @@ struct RegisterTile {
   void multiply(const TileProduct<Element>& t) {
     static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
       return std::array{&Tile::template rows_of<R + 1>...};
-    }(std::make_integer_sequence<int, Tile::rows>{});
+    }
+    (std::make_integer_sequence<int, Tile::rows>{});
     const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
     if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
     alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
@@ -1791,8 +1883,8 @@ struct WideningTile : RegisterTile<WideningTile> {
   }
 
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, Ahead ahead) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                      Index columns, const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
     for (Index column = 0; column < columns; column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
@@ -1845,7 +1937,8 @@ Index bf16_scratch(Index k) {
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
 template <class Tile>
-void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
+                     float* scratch) {
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
@@ -1856,7 +1949,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
   for (Index block = 0; block < row_blocks; ++block) {
     const Index top = r0 + unit * part(units, block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
+                tiles = (rows + Tile::rows - 1) / Tile::rows;
     const Index pieces = Tile::pieces(depth, tiles);
     round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
@@ -1866,11 +1960,13 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
       for (Index step = 0; step < pieces * tiles; ++step) {
         const Index piece = step / tiles, t = step % tiles;
-        const Index k0 = 32 * part(depth / 32, piece, pieces), k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
+        const Index k0 = 32 * part(depth / 32, piece, pieces),
+                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
         const Index row = top + first, column = j * bf16_columns;
-        const auto ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
+        const auto ahead =
+            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
         TileProduct<Element> product{.a = a + first * pitch + k0,
                                      .pitch = pitch,
                                      .height = height,
@@ -1909,11 +2005,13 @@ struct Bf16Products {
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
-    if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    if (stride_n == 1)
+      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else
+      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
-  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
-                       bool whole_panels) {
+  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
+                       float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
     auto* rounded_rows = reinterpret_cast<Element*>(scratch);
     Tile tile;
@@ -1991,7 +2089,8 @@ const Kernels<S>& table() {
 #undef MOTIONLANG_STRING_OF
 #undef MOTIONLANG_INLINE
 
-}  // namespace motionlang
+}  // namespace detail::MOTIONLANG_ISA
+MOTIONLANG_NAMESPACE_END
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
@@ -2005,7 +2104,8 @@ MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
 #define MOTIONLANG_TILE_ROWS 6
 // All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::MOTIONLANG_ISA {
 
 // Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
 // Included once for every instruction set by kernels.hpp; no include guard on purpose.
@@ -2130,13 +2230,17 @@ MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int,
 // Halves are put together until one lane is left: sums have a fixed order.
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
 }
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
 }
 
 /// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
@@ -2159,29 +2263,32 @@ MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
   }
 }
 
-/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
-/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
+/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
+/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
   const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the lowest bits.
+  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
+  // lowest bits.
   const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
-  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) - n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
+  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
+                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
   Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
   if constexpr (!single) {
-    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
+    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
+      p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
   const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
   return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
 }
 
-/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our own least-squares
-/// fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
+/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
 template <class S>
 MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
   Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
@@ -2231,8 +2338,8 @@ MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
   return vmax<float>(Vec<float>{}, x) - g;
 }
 #endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it is known.
-/// Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
+/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
 #if MOTIONLANG_VECTOR_BYTES == 64
@@ -2258,7 +2365,8 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
-/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
+/// Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
@@ -2280,17 +2388,24 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return x;
-    case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu: return vgelu<S>(x);
-    case Activation::silu: return x / (vexp<S>(-x) + S(1));
-    case Activation::tanh: return vtanh<S>(x);
-    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::none:
+      return x;
+    case Activation::relu:
+      return vmax<S>(Vec<S>{}, x);
+    case Activation::gelu:
+      return vgelu<S>(x);
+    case Activation::silu:
+      return x / (vexp<S>(-x) + S(1));
+    case Activation::tanh:
+      return vtanh<S>(x);
+    case Activation::quick_gelu:
+      return x / (vexp<S>(x * S(-1.702)) + S(1));
     case Activation::gelu_new: {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
-    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
+    case Activation::sigmoid:
+      return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -2300,8 +2415,10 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return splat(S(1));
-    case Activation::relu: return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
+    case Activation::none:
+      return splat(S(1));
+    case Activation::relu:
+      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
     case Activation::gelu: {
       const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
@@ -2334,14 +2451,22 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
-    case Activation::none: return f.template operator()<Activation::none>();
-    case Activation::relu: return f.template operator()<Activation::relu>();
-    case Activation::gelu: return f.template operator()<Activation::gelu>();
-    case Activation::silu: return f.template operator()<Activation::silu>();
-    case Activation::tanh: return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
-    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
+    case Activation::none:
+      return f.template operator()<Activation::none>();
+    case Activation::relu:
+      return f.template operator()<Activation::relu>();
+    case Activation::gelu:
+      return f.template operator()<Activation::gelu>();
+    case Activation::silu:
+      return f.template operator()<Activation::silu>();
+    case Activation::tanh:
+      return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu:
+      return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new:
+      return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid:
+      return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -2378,14 +2503,16 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them. If k is in
-//            several blocks, eight panels at a time: what the next 1024 of k are added to stays there as well. (All panels at a time where
-//            A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches and k is one block:
-//            a tile's rows times a group of panels, then the next rows. So longer pieces of the result's rows are written, one after the
-//            other: the lines under them, which come from memory first, the processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what follows: of the
-//            panels of the next group, be it of the product that follows, and, with the first group, of the next rows of A.
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
+//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
+//            well. (All panels at a time where A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
+//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
+//            result's rows are written, one after the other: the lines under them, which come from memory first, the
+//            processor fetches by itself, and fewer pages are in use.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
+//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
+//            the next rows of A.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -2393,11 +2520,13 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
-inline constexpr Index most_tiles = 16;  // of rows in a block
+inline constexpr Index most_tiles = 16;        // of rows in a block
 inline constexpr Index near_caches = 4 << 20;  // bytes
-inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  // for rows of A, and as much for a group of panels
+// for rows of A, and as much for a group of panels
+inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
 template <class S>
-inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
+// of a tile of a transposed A, copied
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
 
 template <class S>
 constexpr Index bytes(Index count) {
@@ -2427,8 +2556,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
@@ -2466,15 +2595,16 @@ struct Rows {
   Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
-/// panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a tile alone fetches the first half of
-/// the next panel only: every other line of the whole would confuse the processor, which fetches by itself lines that follow each other
-/// (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for
+/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
+/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
+/// which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between them.
+  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between
+  /// them.
   MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
     const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
     return {next + i * step * steps, step};
@@ -2527,7 +2657,8 @@ MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e)
 
 /// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
 template <class S>
-[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
+                                         const Epilogue<S>& e) {
   constexpr Index l = lanes<S>;
   for (Index r = 0; r < rows; ++r) {
     for (Index i = 0; i < columns; i += l) {
@@ -2553,7 +2684,8 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
       S* out = c + i * ldc;
       if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
       c0[i] += z0, c1[i] += z1;
-      if (e.residual != nullptr) c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
+      if (e.residual != nullptr)
+        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
       store(out, c0[i]), store(out + l, c1[i]);
     }
   } else {
@@ -2570,7 +2702,8 @@ enum class TileKind { plain, transposed, half };
 
 /// c (R x columns) = a (R x k) panel.
 template <class S, int R, TileKind kind>
-void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e, Ahead ahead) {
+void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
   constexpr Index w = panel_width<S>;
   constexpr int l = lanes<S>;
   constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
@@ -2578,10 +2711,11 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the strides is known to
-  // be 1, which saves additions (1 to 4 % of the time).
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
+  // strides is known to be 1, which saves additions (1 to 4 % of the time).
   const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
-  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride, *p4 = p0 + 12 * row_stride;
+  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
+          *p4 = p0 + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
@@ -2614,7 +2748,8 @@ TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
     return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
-  }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
+  }
+  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
   const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
   return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
@@ -2641,8 +2776,8 @@ Index gemm_scratch(Index k) {
   return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
 }
 
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the other. `readable`: rows
-/// that A has from here on.
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
+/// other. `readable`: rows that A has from here on.
 template <class S>
 void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
   constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
@@ -2651,7 +2786,8 @@ void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, 
     if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
     for (Index t = 0; t < tiles; ++t) {
       const Index first = part(rows, t, tiles);
-      for (Index i = 0; i < pitch; i += l) store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+      for (Index i = 0; i < pitch; i += l)
+        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
     }
   }
 }
@@ -2666,7 +2802,8 @@ struct GemmPiece {
   Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
   Index left = 0, right = 0;
   Index k0 = 0, k1 = 0;
-  const std::byte* next = nullptr;  // panels that are read after it: at last the first ones once more, if nothing else is known
+  // panels that are read after it: at last the first ones once more, if nothing else is known
+  const std::byte* next = nullptr;
   Index next_bytes = std::numeric_limits<Index>::max();
 
   Index depth() const { return k1 - k0; }
@@ -2689,9 +2826,12 @@ struct GemmPiece {
     const bool whole = depth == g.k, transposed = g.a_transposed;
     const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a tile's when it is next.
-    if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
-    else if (copies && !far) copy_rows(top, below);
+    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
+    // tile's when it is next.
+    if (transposed)
+      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
+    else if (copies && !far)
+      copy_rows(top, below);
     for (Index group = 0; group < groups; ++group) {
       const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
       const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
@@ -2701,15 +2841,17 @@ struct GemmPiece {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
         if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time: none.)
+        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
+        // none.)
         const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead = i < row_panels
-                                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
-                                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          const Ahead ahead =
+              i < row_panels
+                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
           S* c = g.c + row * g.ldc + j * w;
           const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
           tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
@@ -2724,7 +2866,8 @@ template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
+  // once.
   const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
@@ -2742,22 +2885,29 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
                        .right = std::min(j1, left + wide),
                        .k0 = part(g.k, block, blocks),
                        .k1 = part(g.k, block + 1, blocks)};
-    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1, last = next_rows && piece.below == r1;
-    const S* next = g.panels + ((next_rows ? j0 : next_columns ? piece.right : left) * g.k + (next_columns ? 0 : piece.k1)) * piece.w;
+    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
+               last = next_rows && piece.below == r1;
+    const S* next = g.panels + ((next_rows      ? j0
+                                 : next_columns ? piece.right
+                                                : left) *
+                                    g.k +
+                                (next_columns ? 0 : piece.k1)) *
+                                   piece.w;
     piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
     if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
     piece.multiply();
   }
 }
 //
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
-// head (backward), never for a batch.
+// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
+// or one head (backward), never for a batch.
 //
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
 /// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums: none waits.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
+/// none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
@@ -2798,8 +2948,10 @@ void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bo
   for (Index r = 0; r < count;) {
     Index visible[softmax_group];
     for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
-    if (r + softmax_group <= count) softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
-    else softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+    if (r + softmax_group <= count)
+      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else
+      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
   }
 }
 
@@ -2847,25 +2999,29 @@ struct FloatProducts {
   static Index scratch(Index) { return 0; }
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    if (stride_n == 1)
+      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else
+      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
-  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
+  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
+                       bool whole_panels) {
     constexpr Index w = panel_width<S>;
     const Index tiles = (count + tile_rows - 1) / tile_rows;
     const Epilogue<S> plain;
     for (Index j = 0; j < padded_panels<S>(n); ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
-                                         plain, Ahead{as_bytes(panels)});
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
       }
     }
   }
 };
 
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are columns of.
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
+/// columns of.
 template <class S>
 struct AttentionHead {
   const Attention<S>& t;
@@ -2895,7 +3051,9 @@ struct AttentionHead {
     for (Index r = 0; r < count && t.dropout.p > 0; ++r)
       dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
   }
-  Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
+  Index mask_at(Index query) const {
+    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
+  }
 };
 
 /// Distance of rows of scores, whose columns up to the end of a panel are written.
@@ -2906,7 +3064,8 @@ Index score_pitch(Index keys) {
 /// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
 template <class P>
 Index attention_scratch(Index keys, Index width) {
-  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) + P::scratch(std::max(keys, width));
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
+         P::scratch(std::max(keys, width));
 }
 /// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
 template <class P>
@@ -2920,7 +3079,8 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
 template <class P, class S = typename P::Number>
 void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
-  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces), end = part(tiles, piece + 1, pieces);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
+              end = part(tiles, piece + 1, pieces);
   if (begin == end) return;
   const Index pitch = score_pitch<P>(h.keys);
   S* vp = kt + P::panels(t.width, h.keys);
@@ -2958,7 +3118,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
-    if (r % softmax_group == 0) softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
+    if (r % softmax_group == 0)
+      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
     if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
@@ -2981,8 +3142,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as many chains of sums:
-/// none waits.
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
+/// many chains of sums: none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
   constexpr int l = lanes<S>;
@@ -3024,7 +3185,8 @@ MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
   S* y = t.y + first * n;
   if (t.residual != nullptr) {
     const S* z = t.residual + first * n;
-    for (Index i = 0; i < R * n; i += l) store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
+    for (Index i = 0; i < R * n; i += l)
+      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
     x = y;
   }
   S mean[R], rstd[R];
@@ -3103,7 +3265,8 @@ void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, 
 }
 /// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
 template <class S>
-void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows, Index first, Index last) {
+void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
+                            Index first, Index last) {
   for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
   for (Index r = 0; r < rows; ++r) {
     const S mean = moments[2 * r], rstd = moments[2 * r + 1];
@@ -3158,11 +3321,16 @@ void transpose(const Transposed<S>& t, Index first, Index last) {
 template <BinaryOp op, class S>
 MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
   switch (op) {
-    case BinaryOp::add: return a + b;
-    case BinaryOp::sub: return a - b;
-    case BinaryOp::mul: return a * b;
-    case BinaryOp::div: return a / b;
-    case BinaryOp::maximum: return a < b ? b : a;
+    case BinaryOp::add:
+      return a + b;
+    case BinaryOp::sub:
+      return a - b;
+    case BinaryOp::mul:
+      return a * b;
+    case BinaryOp::div:
+      return a / b;
+    case BinaryOp::maximum:
+      return a < b ? b : a;
   }
   return a;
 }
@@ -3182,11 +3350,16 @@ MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
 template <class S>
 void binary(const Binary<S>& t) {
   switch (t.op) {
-    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
-    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
-    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
-    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
-    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+    case BinaryOp::add:
+      return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub:
+      return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul:
+      return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div:
+      return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum:
+      return binary_loop<BinaryOp::maximum>(t);
   }
 }
 
@@ -3224,7 +3397,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 }
 
 template <class S>
-MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
+MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
+                                      Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
   m = m * t.beta1 + g * t.rest1;
   v = v * t.beta2 + g * g * t.rest2;
@@ -3249,15 +3423,18 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any processor, which widens
-// bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
+// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
-//            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126,
+//            which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
+//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
+//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
+//            number of a sum.)
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
+//            thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
 typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
@@ -3276,14 +3453,13 @@ MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
 }
 
 /// A vector of numbers, rounded; zeros from the n-th on.
-MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
-  return round_to_bf16(load_first(x, n));
-}
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
   constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
@@ -3294,7 +3470,8 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
 #pragma GCC unroll 16
       for (int q = 0; q < lanes<float>; ++q) {
         const auto row = [&](Index at) {
-          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
+          // no prefetcher follows pieces so far apart
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
           return rounded(a + at * lda + r, at < k ? n : 0);
         };
         if constexpr (sizeof(Element) == 4) {
@@ -3319,7 +3496,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     for (Index i = k0; i < k1; i += 2) {
       const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
       std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-      for (Index j = left; j < std::min(count, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+      for (Index j = left; j < std::min(count, left + panel_block);
+           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
         fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
         const Index columns = n - j * bf16_columns;
         Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
@@ -3327,10 +3505,11 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class Tile, bool looks>
-bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
+                          std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
@@ -3366,12 +3545,14 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
-/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
-/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
+/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
+/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
+/// same cache set.
 inline bool streams(const Gemm<float>& g) {
   constexpr Index all = 16 << 20;
-  const bool whole_lines = g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  const bool whole_lines =
+      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
   return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
 }
 /// Rows of one panel's width, from where a tile has put them.
@@ -3383,7 +3564,8 @@ inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
 
 class PanelSplit;
 
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
+/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
+/// over `depth` of k.
 template <class Element>
 struct TileProduct {
   const Element* a;
@@ -3406,7 +3588,7 @@ struct TileProduct {
 ///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
 template <class Tile>
 struct RegisterTile {
-  static constexpr bool even = true;  // rows are split evenly among tiles
+  static constexpr bool even = true;                                 // rows are split evenly among tiles
   static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
   static constexpr Index pieces(Index, Index) { return 1; }          // of k
   static void begin() {}
@@ -3416,7 +3598,8 @@ struct RegisterTile {
   void multiply(const TileProduct<Element>& t) {
     static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
       return std::array{&Tile::template rows_of<R + 1>...};
-    }(std::make_integer_sequence<int, Tile::rows>{});
+    }
+    (std::make_integer_sequence<int, Tile::rows>{});
     const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
     if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
     alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
@@ -3442,8 +3625,8 @@ struct WideningTile : RegisterTile<WideningTile> {
   }
 
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, Ahead ahead) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                      Index columns, const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
     for (Index column = 0; column < columns; column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
@@ -3496,7 +3679,8 @@ Index bf16_scratch(Index k) {
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
 template <class Tile>
-void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
+                     float* scratch) {
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
@@ -3507,7 +3691,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
   for (Index block = 0; block < row_blocks; ++block) {
     const Index top = r0 + unit * part(units, block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
+                tiles = (rows + Tile::rows - 1) / Tile::rows;
     const Index pieces = Tile::pieces(depth, tiles);
     round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
@@ -3517,11 +3702,13 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
       for (Index step = 0; step < pieces * tiles; ++step) {
         const Index piece = step / tiles, t = step % tiles;
-        const Index k0 = 32 * part(depth / 32, piece, pieces), k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
+        const Index k0 = 32 * part(depth / 32, piece, pieces),
+                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
         const Index row = top + first, column = j * bf16_columns;
-        const auto ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
+        const auto ahead =
+            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
         TileProduct<Element> product{.a = a + first * pitch + k0,
                                      .pitch = pitch,
                                      .height = height,
@@ -3560,11 +3747,13 @@ struct Bf16Products {
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
-    if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    if (stride_n == 1)
+      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else
+      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
-  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
-                       bool whole_panels) {
+  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
+                       float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
     auto* rounded_rows = reinterpret_cast<Element*>(scratch);
     Tile tile;
@@ -3642,7 +3831,8 @@ const Kernels<S>& table() {
 #undef MOTIONLANG_STRING_OF
 #undef MOTIONLANG_INLINE
 
-}  // namespace motionlang
+}  // namespace detail::MOTIONLANG_ISA
+MOTIONLANG_NAMESPACE_END
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
@@ -3654,7 +3844,8 @@ MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512)
 #define MOTIONLANG_TILE_ROWS 14
 // All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::MOTIONLANG_ISA {
 
 // Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
 // Included once for every instruction set by kernels.hpp; no include guard on purpose.
@@ -3779,13 +3970,17 @@ MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int,
 // Halves are put together until one lane is left: sums have a fixed order.
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
 }
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
 }
 
 /// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
@@ -3808,29 +4003,32 @@ MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
   }
 }
 
-/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
-/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
+/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
+/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
   const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the lowest bits.
+  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
+  // lowest bits.
   const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
-  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) - n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
+  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
+                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
   Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
   if constexpr (!single) {
-    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
+    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
+      p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
   const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
   return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
 }
 
-/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our own least-squares
-/// fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
+/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
 template <class S>
 MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
   Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
@@ -3880,8 +4078,8 @@ MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
   return vmax<float>(Vec<float>{}, x) - g;
 }
 #endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it is known.
-/// Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
+/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
 #if MOTIONLANG_VECTOR_BYTES == 64
@@ -3907,7 +4105,8 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
-/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
+/// Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
@@ -3929,17 +4128,24 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return x;
-    case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu: return vgelu<S>(x);
-    case Activation::silu: return x / (vexp<S>(-x) + S(1));
-    case Activation::tanh: return vtanh<S>(x);
-    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::none:
+      return x;
+    case Activation::relu:
+      return vmax<S>(Vec<S>{}, x);
+    case Activation::gelu:
+      return vgelu<S>(x);
+    case Activation::silu:
+      return x / (vexp<S>(-x) + S(1));
+    case Activation::tanh:
+      return vtanh<S>(x);
+    case Activation::quick_gelu:
+      return x / (vexp<S>(x * S(-1.702)) + S(1));
     case Activation::gelu_new: {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
-    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
+    case Activation::sigmoid:
+      return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -3949,8 +4155,10 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return splat(S(1));
-    case Activation::relu: return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
+    case Activation::none:
+      return splat(S(1));
+    case Activation::relu:
+      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
     case Activation::gelu: {
       const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
@@ -3983,14 +4191,22 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
-    case Activation::none: return f.template operator()<Activation::none>();
-    case Activation::relu: return f.template operator()<Activation::relu>();
-    case Activation::gelu: return f.template operator()<Activation::gelu>();
-    case Activation::silu: return f.template operator()<Activation::silu>();
-    case Activation::tanh: return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
-    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
+    case Activation::none:
+      return f.template operator()<Activation::none>();
+    case Activation::relu:
+      return f.template operator()<Activation::relu>();
+    case Activation::gelu:
+      return f.template operator()<Activation::gelu>();
+    case Activation::silu:
+      return f.template operator()<Activation::silu>();
+    case Activation::tanh:
+      return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu:
+      return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new:
+      return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid:
+      return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -4027,14 +4243,16 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them. If k is in
-//            several blocks, eight panels at a time: what the next 1024 of k are added to stays there as well. (All panels at a time where
-//            A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches and k is one block:
-//            a tile's rows times a group of panels, then the next rows. So longer pieces of the result's rows are written, one after the
-//            other: the lines under them, which come from memory first, the processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what follows: of the
-//            panels of the next group, be it of the product that follows, and, with the first group, of the next rows of A.
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
+//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
+//            well. (All panels at a time where A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
+//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
+//            result's rows are written, one after the other: the lines under them, which come from memory first, the
+//            processor fetches by itself, and fewer pages are in use.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
+//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
+//            the next rows of A.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -4042,11 +4260,13 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
-inline constexpr Index most_tiles = 16;  // of rows in a block
+inline constexpr Index most_tiles = 16;        // of rows in a block
 inline constexpr Index near_caches = 4 << 20;  // bytes
-inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  // for rows of A, and as much for a group of panels
+// for rows of A, and as much for a group of panels
+inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
 template <class S>
-inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
+// of a tile of a transposed A, copied
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
 
 template <class S>
 constexpr Index bytes(Index count) {
@@ -4076,8 +4296,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
@@ -4115,15 +4335,16 @@ struct Rows {
   Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
-/// panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a tile alone fetches the first half of
-/// the next panel only: every other line of the whole would confuse the processor, which fetches by itself lines that follow each other
-/// (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for
+/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
+/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
+/// which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between them.
+  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between
+  /// them.
   MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
     const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
     return {next + i * step * steps, step};
@@ -4176,7 +4397,8 @@ MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e)
 
 /// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
 template <class S>
-[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
+                                         const Epilogue<S>& e) {
   constexpr Index l = lanes<S>;
   for (Index r = 0; r < rows; ++r) {
     for (Index i = 0; i < columns; i += l) {
@@ -4202,7 +4424,8 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
       S* out = c + i * ldc;
       if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
       c0[i] += z0, c1[i] += z1;
-      if (e.residual != nullptr) c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
+      if (e.residual != nullptr)
+        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
       store(out, c0[i]), store(out + l, c1[i]);
     }
   } else {
@@ -4219,7 +4442,8 @@ enum class TileKind { plain, transposed, half };
 
 /// c (R x columns) = a (R x k) panel.
 template <class S, int R, TileKind kind>
-void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e, Ahead ahead) {
+void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
   constexpr Index w = panel_width<S>;
   constexpr int l = lanes<S>;
   constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
@@ -4227,10 +4451,11 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the strides is known to
-  // be 1, which saves additions (1 to 4 % of the time).
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
+  // strides is known to be 1, which saves additions (1 to 4 % of the time).
   const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
-  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride, *p4 = p0 + 12 * row_stride;
+  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
+          *p4 = p0 + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
@@ -4263,7 +4488,8 @@ TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
     return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
-  }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
+  }
+  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
   const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
   return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
@@ -4290,8 +4516,8 @@ Index gemm_scratch(Index k) {
   return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
 }
 
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the other. `readable`: rows
-/// that A has from here on.
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
+/// other. `readable`: rows that A has from here on.
 template <class S>
 void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
   constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
@@ -4300,7 +4526,8 @@ void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, 
     if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
     for (Index t = 0; t < tiles; ++t) {
       const Index first = part(rows, t, tiles);
-      for (Index i = 0; i < pitch; i += l) store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+      for (Index i = 0; i < pitch; i += l)
+        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
     }
   }
 }
@@ -4315,7 +4542,8 @@ struct GemmPiece {
   Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
   Index left = 0, right = 0;
   Index k0 = 0, k1 = 0;
-  const std::byte* next = nullptr;  // panels that are read after it: at last the first ones once more, if nothing else is known
+  // panels that are read after it: at last the first ones once more, if nothing else is known
+  const std::byte* next = nullptr;
   Index next_bytes = std::numeric_limits<Index>::max();
 
   Index depth() const { return k1 - k0; }
@@ -4338,9 +4566,12 @@ struct GemmPiece {
     const bool whole = depth == g.k, transposed = g.a_transposed;
     const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a tile's when it is next.
-    if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
-    else if (copies && !far) copy_rows(top, below);
+    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
+    // tile's when it is next.
+    if (transposed)
+      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
+    else if (copies && !far)
+      copy_rows(top, below);
     for (Index group = 0; group < groups; ++group) {
       const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
       const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
@@ -4350,15 +4581,17 @@ struct GemmPiece {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
         if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time: none.)
+        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
+        // none.)
         const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead = i < row_panels
-                                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
-                                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          const Ahead ahead =
+              i < row_panels
+                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
           S* c = g.c + row * g.ldc + j * w;
           const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
           tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
@@ -4373,7 +4606,8 @@ template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
+  // once.
   const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
@@ -4391,22 +4625,29 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
                        .right = std::min(j1, left + wide),
                        .k0 = part(g.k, block, blocks),
                        .k1 = part(g.k, block + 1, blocks)};
-    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1, last = next_rows && piece.below == r1;
-    const S* next = g.panels + ((next_rows ? j0 : next_columns ? piece.right : left) * g.k + (next_columns ? 0 : piece.k1)) * piece.w;
+    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
+               last = next_rows && piece.below == r1;
+    const S* next = g.panels + ((next_rows      ? j0
+                                 : next_columns ? piece.right
+                                                : left) *
+                                    g.k +
+                                (next_columns ? 0 : piece.k1)) *
+                                   piece.w;
     piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
     if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
     piece.multiply();
   }
 }
 //
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
-// head (backward), never for a batch.
+// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
+// or one head (backward), never for a batch.
 //
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
 /// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums: none waits.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
+/// none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
@@ -4447,8 +4688,10 @@ void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bo
   for (Index r = 0; r < count;) {
     Index visible[softmax_group];
     for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
-    if (r + softmax_group <= count) softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
-    else softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+    if (r + softmax_group <= count)
+      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else
+      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
   }
 }
 
@@ -4496,25 +4739,29 @@ struct FloatProducts {
   static Index scratch(Index) { return 0; }
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    if (stride_n == 1)
+      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else
+      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
-  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
+  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
+                       bool whole_panels) {
     constexpr Index w = panel_width<S>;
     const Index tiles = (count + tile_rows - 1) / tile_rows;
     const Epilogue<S> plain;
     for (Index j = 0; j < padded_panels<S>(n); ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
-                                         plain, Ahead{as_bytes(panels)});
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
       }
     }
   }
 };
 
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are columns of.
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
+/// columns of.
 template <class S>
 struct AttentionHead {
   const Attention<S>& t;
@@ -4544,7 +4791,9 @@ struct AttentionHead {
     for (Index r = 0; r < count && t.dropout.p > 0; ++r)
       dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
   }
-  Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
+  Index mask_at(Index query) const {
+    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
+  }
 };
 
 /// Distance of rows of scores, whose columns up to the end of a panel are written.
@@ -4555,7 +4804,8 @@ Index score_pitch(Index keys) {
 /// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
 template <class P>
 Index attention_scratch(Index keys, Index width) {
-  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) + P::scratch(std::max(keys, width));
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
+         P::scratch(std::max(keys, width));
 }
 /// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
 template <class P>
@@ -4569,7 +4819,8 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
 template <class P, class S = typename P::Number>
 void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
-  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces), end = part(tiles, piece + 1, pieces);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
+              end = part(tiles, piece + 1, pieces);
   if (begin == end) return;
   const Index pitch = score_pitch<P>(h.keys);
   S* vp = kt + P::panels(t.width, h.keys);
@@ -4607,7 +4858,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
-    if (r % softmax_group == 0) softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
+    if (r % softmax_group == 0)
+      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
     if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
@@ -4630,8 +4882,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as many chains of sums:
-/// none waits.
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
+/// many chains of sums: none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
   constexpr int l = lanes<S>;
@@ -4673,7 +4925,8 @@ MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
   S* y = t.y + first * n;
   if (t.residual != nullptr) {
     const S* z = t.residual + first * n;
-    for (Index i = 0; i < R * n; i += l) store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
+    for (Index i = 0; i < R * n; i += l)
+      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
     x = y;
   }
   S mean[R], rstd[R];
@@ -4752,7 +5005,8 @@ void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, 
 }
 /// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
 template <class S>
-void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows, Index first, Index last) {
+void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
+                            Index first, Index last) {
   for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
   for (Index r = 0; r < rows; ++r) {
     const S mean = moments[2 * r], rstd = moments[2 * r + 1];
@@ -4807,11 +5061,16 @@ void transpose(const Transposed<S>& t, Index first, Index last) {
 template <BinaryOp op, class S>
 MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
   switch (op) {
-    case BinaryOp::add: return a + b;
-    case BinaryOp::sub: return a - b;
-    case BinaryOp::mul: return a * b;
-    case BinaryOp::div: return a / b;
-    case BinaryOp::maximum: return a < b ? b : a;
+    case BinaryOp::add:
+      return a + b;
+    case BinaryOp::sub:
+      return a - b;
+    case BinaryOp::mul:
+      return a * b;
+    case BinaryOp::div:
+      return a / b;
+    case BinaryOp::maximum:
+      return a < b ? b : a;
   }
   return a;
 }
@@ -4831,11 +5090,16 @@ MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
 template <class S>
 void binary(const Binary<S>& t) {
   switch (t.op) {
-    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
-    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
-    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
-    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
-    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+    case BinaryOp::add:
+      return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub:
+      return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul:
+      return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div:
+      return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum:
+      return binary_loop<BinaryOp::maximum>(t);
   }
 }
 
@@ -4873,7 +5137,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 }
 
 template <class S>
-MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
+MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
+                                      Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
   m = m * t.beta1 + g * t.rest1;
   v = v * t.beta2 + g * g * t.rest2;
@@ -4898,15 +5163,18 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any processor, which widens
-// bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
+// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
-//            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126,
+//            which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
+//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
+//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
+//            number of a sum.)
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
+//            thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
 typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
@@ -4925,14 +5193,13 @@ MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
 }
 
 /// A vector of numbers, rounded; zeros from the n-th on.
-MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
-  return round_to_bf16(load_first(x, n));
-}
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
   constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
@@ -4943,7 +5210,8 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
 #pragma GCC unroll 16
       for (int q = 0; q < lanes<float>; ++q) {
         const auto row = [&](Index at) {
-          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
+          // no prefetcher follows pieces so far apart
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
           return rounded(a + at * lda + r, at < k ? n : 0);
         };
         if constexpr (sizeof(Element) == 4) {
@@ -4968,7 +5236,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     for (Index i = k0; i < k1; i += 2) {
       const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
       std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-      for (Index j = left; j < std::min(count, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+      for (Index j = left; j < std::min(count, left + panel_block);
+           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
         fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
         const Index columns = n - j * bf16_columns;
         Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
@@ -4976,10 +5245,11 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class Tile, bool looks>
-bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
+                          std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
@@ -5015,12 +5285,14 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
-/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
-/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
+/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
+/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
+/// same cache set.
 inline bool streams(const Gemm<float>& g) {
   constexpr Index all = 16 << 20;
-  const bool whole_lines = g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  const bool whole_lines =
+      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
   return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
 }
 /// Rows of one panel's width, from where a tile has put them.
@@ -5032,7 +5304,8 @@ inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
 
 class PanelSplit;
 
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
+/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
+/// over `depth` of k.
 template <class Element>
 struct TileProduct {
   const Element* a;
@@ -5055,7 +5328,7 @@ struct TileProduct {
 ///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
 template <class Tile>
 struct RegisterTile {
-  static constexpr bool even = true;  // rows are split evenly among tiles
+  static constexpr bool even = true;                                 // rows are split evenly among tiles
   static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
   static constexpr Index pieces(Index, Index) { return 1; }          // of k
   static void begin() {}
@@ -5065,7 +5338,8 @@ struct RegisterTile {
   void multiply(const TileProduct<Element>& t) {
     static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
       return std::array{&Tile::template rows_of<R + 1>...};
-    }(std::make_integer_sequence<int, Tile::rows>{});
+    }
+    (std::make_integer_sequence<int, Tile::rows>{});
     const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
     if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
     alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
@@ -5091,8 +5365,8 @@ struct WideningTile : RegisterTile<WideningTile> {
   }
 
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, Ahead ahead) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                      Index columns, const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
     for (Index column = 0; column < columns; column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
@@ -5145,7 +5419,8 @@ Index bf16_scratch(Index k) {
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
 template <class Tile>
-void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
+                     float* scratch) {
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
@@ -5156,7 +5431,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
   for (Index block = 0; block < row_blocks; ++block) {
     const Index top = r0 + unit * part(units, block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
+                tiles = (rows + Tile::rows - 1) / Tile::rows;
     const Index pieces = Tile::pieces(depth, tiles);
     round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
@@ -5166,11 +5442,13 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
       for (Index step = 0; step < pieces * tiles; ++step) {
         const Index piece = step / tiles, t = step % tiles;
-        const Index k0 = 32 * part(depth / 32, piece, pieces), k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
+        const Index k0 = 32 * part(depth / 32, piece, pieces),
+                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
         const Index row = top + first, column = j * bf16_columns;
-        const auto ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
+        const auto ahead =
+            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
         TileProduct<Element> product{.a = a + first * pitch + k0,
                                      .pitch = pitch,
                                      .height = height,
@@ -5209,11 +5487,13 @@ struct Bf16Products {
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
-    if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    if (stride_n == 1)
+      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else
+      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
-  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
-                       bool whole_panels) {
+  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
+                       float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
     auto* rounded_rows = reinterpret_cast<Element*>(scratch);
     Tile tile;
@@ -5291,7 +5571,8 @@ const Kernels<S>& table() {
 #undef MOTIONLANG_STRING_OF
 #undef MOTIONLANG_INLINE
 
-}  // namespace motionlang
+}  // namespace detail::MOTIONLANG_ISA
+MOTIONLANG_NAMESPACE_END
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
@@ -5301,9 +5582,10 @@ MOTIONLANG_TARGET_POP
 #define MOTIONLANG_TILE_ROWS 14
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
 MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512 ",avx512bf16,amx-tile,amx-bf16")
-namespace motionlang::inline MOTIONLANG_ABI::detail::avx512 {
-// Tiles of bf16.inc for the instructions of x86 processors that multiply bfloat16. As assembly: the intrinsics would need a large
-// header, and their types differ between compilers.
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::avx512 {
+// Tiles of bf16.inc for the instructions of x86 processors that multiply bfloat16. As assembly: the intrinsics would
+// need a large header, and their types differ between compilers.
 
 /// Rounds in one instruction: numbers below 2^-126 to 0.
 class ConvertingTile {
@@ -5316,7 +5598,8 @@ class ConvertingTile {
   }
   static void round_pairs(const float* x, Index nx, const float* y, Index ny, std::uint16_t* out) {
     for (Index c = 0; c < bf16_columns; c += lanes<float>) {
-      const Words first = __builtin_convertvector(rounded(x + c, nx - c), Words), second = __builtin_convertvector(rounded(y + c, ny - c), Words);
+      const Words first = __builtin_convertvector(rounded(x + c, nx - c), Words),
+                  second = __builtin_convertvector(rounded(y + c, ny - c), Words);
       store_words(out + 2 * c, first | second << 16);
     }
   }
@@ -5340,15 +5623,16 @@ struct DotTile : RegisterTile<DotTile>, ConvertingTile {
     return c;
   }
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, Ahead ahead) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                      Index columns, const Epilogue<float>& e, Ahead ahead) {
     Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
     for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
     fetch_result<float, R>(c, ldc, e);
     for (Index k = 0; k < depth; k += 2, panel += 2 * bf16_columns) {
       ahead.fetch();
-      const Words b0 = *reinterpret_cast<const LooseWords*>(panel), b1 = *reinterpret_cast<const LooseWords*>(panel + bf16_columns);
+      const Words b0 = *reinterpret_cast<const LooseWords*>(panel),
+                  b1 = *reinterpret_cast<const LooseWords*>(panel + bf16_columns);
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) {
         std::uint32_t pair;
@@ -5368,8 +5652,8 @@ MOTIONLANG_INLINE bool any_nan(const Vec<float>& x) {
   return any;
 }
 
-/// The three parts of floats in a panel of `k` rows, filled up to whole tiles: [k / 32][part][pair of k][column][2]. The parts are cut off,
-/// not rounded: that takes a third of the time.
+/// The three parts of floats in a panel of `k` rows, filled up to whole tiles: [k / 32][part][pair of k][column][2].
+/// The parts are cut off, not rounded: that takes a third of the time.
 class PanelSplit {
  public:
   static constexpr Index parts = 3;
@@ -5388,11 +5672,13 @@ class PanelSplit {
     for (const Index end = std::min(depth_, at_ + 2 * pairs_of_k); at_ < end; at_ += 2) {
       const float* from = from_ + at_ * bf16_columns;
       constexpr Index row_bytes = 4 * bf16_columns;
-      for (Index byte = 0; byte < 2 * row_bytes; byte += 64) __builtin_prefetch(following_ + at_ * row_bytes + byte, 0, 2);
+      for (Index byte = 0; byte < 2 * row_bytes; byte += 64)
+        __builtin_prefetch(following_ + at_ * row_bytes + byte, 0, 2);
       std::uint16_t* out = begin_ + (at_ / 32 * 32 * parts + at_ % 32) * bf16_columns;
 #pragma GCC unroll 2
       for (Index c = 0; c < bf16_columns; c += lanes<float>) {
-        Vec<float> even = at_ < k_ ? load(from + c) : Vec<float>{}, odd = at_ + 1 < k_ ? load(from + bf16_columns + c) : Vec<float>{};
+        Vec<float> even = at_ < k_ ? load(from + c) : Vec<float>{},
+                   odd = at_ + 1 < k_ ? load(from + bf16_columns + c) : Vec<float>{};
 #pragma GCC unroll 3
         for (Index p = 0; p < parts; ++p) {
           if (p + 1 == parts) left_ += even + odd;
@@ -5416,18 +5702,20 @@ class PanelSplit {
 /// AMX: registers of 16 rows of 64 bytes; one instruction multiplies 16 x 32 by 32 x 16. Intel since Sapphire Rapids.
 /// Registers 0 1 / 2 3 are the sums of 32 rows and 32 columns, 4 5 the rows of A, 6 7 the columns of B.
 ///
-/// These instructions are 16 times as fast as those in float, so that everything else counts. The sums begin with the bias (of bfloat16). A
-/// piece of a panel stays in the first-level cache while rows of A pass by it (tileloaddt1). What else is to be done with a tile is done beside the
-/// products of the next one, some rows with every step of k: the vector units are idle then.
+/// These instructions are 16 times as fast as those in float, so that everything else counts. The sums begin with the
+/// bias (of bfloat16). A piece of a panel stays in the first-level cache while rows of A pass by it (tileloaddt1). What
+/// else is to be done with a tile is done beside the products of the next one, some rows with every step of k: the
+/// vector units are idle then.
 ///
-/// Parts: of every number; more than one are those of floats (float_tiles.inc). The parts of 32 numbers lie together, part after part.
+/// Parts: of every number; more than one are those of floats (float_tiles.inc). The parts of 32 numbers lie together,
+/// part after part.
 template <Index Parts>
 class AmxTile : public ConvertingTile {
  public:
   static constexpr const char* name = "amx";
   static constexpr Index parts = Parts;
   static constexpr int rows = 32;
-  static constexpr bool even = false;  // 32 rows cost as much as 17
+  static constexpr bool even = false;             // 32 rows cost as much as 17
   static constexpr bool bias_first = parts == 1;  // else at last, as with multiply-adds
   static constexpr Index depth(Index k) { return bf16_depth(k); }
   static constexpr Index pieces(Index depth, Index tiles) { return tiles > 3 ? (depth + 511) / 512 : 1; }
@@ -5440,12 +5728,15 @@ class AmxTile : public ConvertingTile {
 
   void multiply(const TileProduct<Element>& t) {
     const bool lower = t.height > 16, once = t.first && t.last;
-    const bool plain = t.e.residual == nullptr && !t.e.accumulate && (bias_first || t.e.bias == nullptr) && t.e.act == Activation::none;
+    const bool plain = t.e.residual == nullptr && !t.e.accumulate && (bias_first || t.e.bias == nullptr) &&
+                       t.e.act == Activation::none;
     const bool direct = once && plain && t.height == rows && t.columns == bf16_columns && !t.stream;
     if (once) turn_ = 1 - turn_;
     float* own = sums_[once ? turn_ : t.number];
-    if (t.first) begin_with(bias_first ? t.e.bias : nullptr, t.columns, lower);
-    else load_sums(own, bf16_columns, lower);
+    if (t.first)
+      begin_with(bias_first ? t.e.bias : nullptr, t.columns, lower);
+    else
+      load_sums(own, bf16_columns, lower);
     const Element* a = t.a;
     const std::uint16_t* panel = t.panel;
     const Index a_stride = 2 * t.pitch, steps = t.depth / 32;
@@ -5486,9 +5777,9 @@ class AmxTile : public ConvertingTile {
     }
     load_sums(bias, 0, lower);  // the same row, 16 times
   }
-  /// Part p of 32 rows (16 unless `lower`) of 32 numbers, into registers 4 and 5, and of 32 columns, into 6 and 7. What does not stay in the
-  /// first-level cache is loaded past it. Memory is read, which the compiler is not told: it knows of those instructions that begin and store
-  /// the sums.
+  /// Part p of 32 rows (16 unless `lower`) of 32 numbers, into registers 4 and 5, and of 32 columns, into 6 and 7. What
+  /// does not stay in the first-level cache is loaded past it. Memory is read, which the compiler is not told: it knows
+  /// of those instructions that begin and store the sums.
   template <Index p, bool stays>
   MOTIONLANG_INLINE static void load_rows(const Element* upper, const Element* below, Index stride, bool lower) {
     if constexpr (stays) {
@@ -5518,8 +5809,11 @@ class AmxTile : public ConvertingTile {
   }
   /// 32 rows times 32 columns, 32 of k. Of parts the largest product comes last; the order saves loads.
   template <bool panel_stays>
-  MOTIONLANG_INLINE static void add_products(const Element* upper, Index stride, const Element* below, const std::uint16_t* panel, bool lower) {
-    const auto rows_part = [&]<Index p>(std::integral_constant<Index, p>) { load_rows<p, !panel_stays>(upper, below, stride, lower); };
+  MOTIONLANG_INLINE static void add_products(const Element* upper, Index stride, const Element* below,
+                                             const std::uint16_t* panel, bool lower) {
+    const auto rows_part = [&]<Index p>(std::integral_constant<Index, p>) {
+      load_rows<p, !panel_stays>(upper, below, stride, lower);
+    };
     const auto columns_part = [&]<Index p>(std::integral_constant<Index, p>) { load_columns<p, panel_stays>(panel); };
     constexpr std::integral_constant<Index, 0> first;
     if constexpr (parts == 1) {
@@ -5537,11 +5831,19 @@ class AmxTile : public ConvertingTile {
   }
   static void load_sums(const float* c, Index ldc, bool lower) {
     asm volatile("tileloadd (%0,%1,1), %%tmm0\n\ttileloadd 64(%0,%1,1), %%tmm1" : : "r"(c), "r"(4 * ldc) : "memory");
-    if (lower) asm volatile("tileloadd (%0,%1,1), %%tmm2\n\ttileloadd 64(%0,%1,1), %%tmm3" : : "r"(c + 16 * ldc), "r"(4 * ldc) : "memory");
+    if (lower)
+      asm volatile("tileloadd (%0,%1,1), %%tmm2\n\ttileloadd 64(%0,%1,1), %%tmm3"
+                   :
+                   : "r"(c + 16 * ldc), "r"(4 * ldc)
+                   : "memory");
   }
   static void store_sums(float* c, Index ldc, bool lower) {
     asm volatile("tilestored %%tmm0, (%0,%1,1)\n\ttilestored %%tmm1, 64(%0,%1,1)" : : "r"(c), "r"(4 * ldc) : "memory");
-    if (lower) asm volatile("tilestored %%tmm2, (%0,%1,1)\n\ttilestored %%tmm3, 64(%0,%1,1)" : : "r"(c + 16 * ldc), "r"(4 * ldc) : "memory");
+    if (lower)
+      asm volatile("tilestored %%tmm2, (%0,%1,1)\n\ttilestored %%tmm3, 64(%0,%1,1)"
+                   :
+                   : "r"(c + 16 * ldc), "r"(4 * ldc)
+                   : "memory");
   }
 
   /// Puts the next rows of the tile that waits.
@@ -5557,18 +5859,22 @@ class AmxTile : public ConvertingTile {
       constexpr Index l = lanes<float>;
       Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + l);
       // Not by put_result, which may be given other rows than those of c.
-      if (w.e.accumulate) c0 += load_first(c + r * w.ldc, w.columns), c1 += load_first(c + r * w.ldc + l, w.columns - l);
+      if (w.e.accumulate)
+        c0 += load_first(c + r * w.ldc, w.columns), c1 += load_first(c + r * w.ldc + l, w.columns - l);
       Epilogue<float> e = w.e.from_row(first + r);
       if (bias_first) e.bias = nullptr;
       e.accumulate = false, e.act = Activation::none;
       put_result<float, 1>(&c0, &c1, act || w.stream ? own + r * bf16_columns : c + r * w.ldc, w.ldc, w.columns, e);
     }
-    if (act) activate_rows<float>(own, bf16_columns, n, w.columns, w.e.act, w.stream ? own : c, w.stream ? bf16_columns : w.ldc);
+    if (act)
+      activate_rows<float>(own, bf16_columns, n, w.columns, w.e.act, w.stream ? own : c,
+                           w.stream ? bf16_columns : w.ldc);
     if (w.stream) stream_rows(own, n, c, w.ldc);
   }
 
   alignas(64) float sums_[most_tiles][rows * bf16_columns];  // of the tiles of a panel, or of two tiles in turn
-  TileProduct<Element> waiting_{.a = nullptr, .pitch = 0, .height = 0, .panel = nullptr, .depth = 0, .c = nullptr, .ldc = 0, .columns = 0};
+  TileProduct<Element> waiting_{
+      .a = nullptr, .pitch = 0, .height = 0, .panel = nullptr, .depth = 0, .c = nullptr, .ldc = 0, .columns = 0};
   float* waiting_sums_ = nullptr;
   Index put_ = 0;   // rows that are put already
   Index turn_ = 0;  // which of two sums
@@ -5577,18 +5883,21 @@ using FloatTile = AmxTile<3>;
 //
 // Products of floats by AMX, which multiplies bfloat16 16 times as fast as other instructions multiply floats.
 //
-//   Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two floats the six
-//            largest are added up, the others are at most 3 2^-24 of the whole together, a tenth of that mostly, and of either sign. The
-//            instruction adds up 32 products before it adds them to the sum, so that the error is about half of that of one multiply-add
-//            after the other.
-//   Panels   those of gemm.inc. A panel is split into scratch, beside the products with the panel before it, and so are the rows of A.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache (2 MB where there is AMX) beside the split panel.
+//   Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two
+//            floats the six largest are added up, the others are at most 3 2^-24 of the whole together, a tenth of that
+//            mostly, and of either sign. The instruction adds up 32 products before it adds them to the sum, so that
+//            the error is about half of that of one multiply-add after the other.
+//   Panels   those of gemm.inc. A panel is split into scratch, beside the products with the panel before it, and so are
+//            the rows of A.
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache (2 MB where there is AMX) beside the
+//            split panel.
 //   Order    as in gemm.inc: depends on k alone.
-//   Limits   parts and their products below 2^-126 count as 0: exact are products of more than 2^-108. A sum that overflows may be NaN.
-//            Rows of A and panels of B with a number that is not finite (or whose nearest bfloat16 is not: from 3.39e38 on) have no parts:
-//            they are multiplied by gemm.inc.
+//   Limits   parts and their products below 2^-126 count as 0: exact are products of more than 2^-108. A sum that
+//            overflows may be NaN. Rows of A and panels of B with a number that is not finite (or whose nearest
+//            bfloat16 is not: from 3.39e38 on) have no parts: they are multiplied by gemm.inc.
 
-/// 16 numbers, in parts: each the nearest bfloat16 to what those before it leave. What the last one leaves: 0, or NaN if there are no parts.
+/// 16 numbers, in parts: each the nearest bfloat16 to what those before it leave. What the last one leaves: 0, or NaN
+/// if there are no parts.
 MOTIONLANG_INLINE Vec<float> split_lanes(Vec<float> x, std::uint16_t* y) {
 #pragma GCC unroll 3
   for (Index p = 0; p < FloatTile::parts; ++p) {
@@ -5682,37 +5991,41 @@ inline void float_tile_block(const Gemm<float>& g, Index r0, Index r1, Index j0,
     const float* next = j + 1 < j1 ? from + g.k * bf16_columns
                                    : g.panels + (j0 * g.k + (block + 1 < split.count ? end : 0)) * bf16_columns;
     const bool last = j + 1 == j1 && block + 1 == split.count && row_block + 1 == row_blocks;
-    const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next)
-                                 : as_bytes(next);
+    const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : as_bytes(next);
     turn = 1 - turn;
     return PanelSplit(from, end - begin, following, panels + turn * panel_size);
   };
   PanelSplit panel = splitting(0, 0, j0);
   for (Index row_block = 0; row_block < row_blocks; ++row_block) {
     const Index top = r0 + unit * part(units, row_block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, row_block + 1, row_blocks)) - top, tiles = (rows + unit - 1) / unit;
+    const Index rows = std::min(r1, r0 + unit * part(units, row_block + 1, row_blocks)) - top,
+                tiles = (rows + unit - 1) / unit;
     for (Index block = 0; block < split.count; ++block) {
       const Index begin = first_of(block), k = std::min(g.k, first_of(block + 1)) - begin, depth = bf16_depth(k);
-      sound &= split_rows(Rows<float>{g.a, g.lda, g.a_transposed}.from(top).from_depth(begin), rows, k, depth, a, split.pitch);
+      sound &= split_rows(Rows<float>{g.a, g.lda, g.a_transposed}.from(top).from_depth(begin), rows, k, depth, a,
+                          split.pitch);
       for (Index j = j0; j < j1; ++j) {
         panel.finish();
         sound &= panel.sound();
         const Index next_block = block + (j + 1 == j1 ? 1 : 0), next_rows = row_block + next_block / split.count;
-        PanelSplit next = next_rows == row_blocks ? PanelSplit() : splitting(next_rows, next_block % split.count, j + 1 == j1 ? j0 : j + 1);
+        PanelSplit next = next_rows == row_blocks
+                              ? PanelSplit()
+                              : splitting(next_rows, next_block % split.count, j + 1 == j1 ? j0 : j + 1);
         next.each = (16 + tiles - 1) / tiles;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = t * unit, row = top + first, column = j * bf16_columns;
-          TileProduct<std::uint16_t> product{.a = a + first * split.pitch,
-                                             .pitch = split.pitch,
-                                             .height = std::min(rows - first, unit),
-                                             .panel = panel.begin(),
-                                             .depth = depth,
-                                             .c = g.c + row * g.ldc + column,
-                                             .ldc = g.ldc,
-                                             .columns = std::min(g.n - column, bf16_columns),
-                                             .e = Epilogue<float>::of(g, row, column, block == 0, block + 1 == split.count),
-                                             .stream = stream,
-                                             .next = &next};
+          TileProduct<std::uint16_t> product{
+              .a = a + first * split.pitch,
+              .pitch = split.pitch,
+              .height = std::min(rows - first, unit),
+              .panel = panel.begin(),
+              .depth = depth,
+              .c = g.c + row * g.ldc + column,
+              .ldc = g.ldc,
+              .columns = std::min(g.n - column, bf16_columns),
+              .e = Epilogue<float>::of(g, row, column, block == 0, block + 1 == split.count),
+              .stream = stream,
+              .next = &next};
           tile.multiply(product);
         }
         panel = next;
@@ -5735,14 +6048,16 @@ inline const Kernels<float>& table_with_tiles() {
   }();
   return t;
 }
-}
+}  // namespace detail::avx512
+MOTIONLANG_NAMESPACE_END
 MOTIONLANG_TARGET_POP
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
 #undef MOTIONLANG_INLINE
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// The kernels of one instruction set, or nothing if this processor or this build does not have it.
 template <class S>
@@ -5761,8 +6076,8 @@ const Kernels<S>* kernels_for(Isa isa) {
   }
   return &portable::table<S>();
 }
-/// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the speed of
-/// products in float); else float instructions.
+/// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the
+/// speed of products in float); else float instructions.
 inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::bf16_table<portable::WideningTile>();
 #if defined(MOTIONLANG_WIDE_KERNELS)
@@ -5787,7 +6102,8 @@ inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
 template <class K>
 const K* present(const K* kernels) {
   if (kernels == nullptr)
-    raise<config_error>(103, "MOTIONLANG_KERNELS: compiled without optimisation, a program has only the portable kernels");
+    raise<config_error>(103,
+                        "MOTIONLANG_KERNELS: compiled without optimisation, a program has only the portable kernels");
   return kernels;
 }
 
@@ -5806,10 +6122,11 @@ inline const Bf16Kernels*& current_bf16_kernels() {
   return chosen;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -5909,7 +6226,7 @@ Dense<S> EigenBackend<S>::max(const tensor& a, int axis) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 #endif

@@ -43,7 +43,8 @@
 #define MOTIONLANG_VERSION "0.1.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
-/// layouts, and without exceptions, so that object files built with different options do not link silently against each other.
+/// layouts, and without exceptions, so that object files built with different options do not link silently against each
+/// other.
 #if defined(MOTIONLANG_DIAGNOSTICS) && defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0_diag
 #elif defined(MOTIONLANG_DIAGNOSTICS)
@@ -53,9 +54,18 @@
 #else
 #define MOTIONLANG_ABI v0_no_exceptions
 #endif
+
+/// Opens and closes the namespace of the library. A macro, so that editors, clang-format and ctags need not know of the
+/// inline namespace: `ctags -R include` finds every name.
+#define MOTIONLANG_NAMESPACE_BEGIN \
+  namespace motionlang {           \
+  inline namespace MOTIONLANG_ABI {
+#define MOTIONLANG_NAMESPACE_END \
+  }                              \
+  }
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 inline double sqrt(double x) { return std::sqrt(x); }
 inline double exp(double x) { return std::exp(x); }
@@ -70,8 +80,9 @@ inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
-/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10, whose last digit often is another than the C library's.
-/// For published tables of frequencies: thousands of frames later it decides the fourth digit.
+/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10, whose last digit often is
+/// another than the C library's. For published tables of frequencies: thousands of frames later it decides the fourth
+/// digit.
 inline float torch_exp(float x) {
   if (!(x >= -104.0f)) return x < 0 ? 0.0f : x;  // NaN stays
   if (x > 100.0f) return std::numeric_limits<float>::infinity();
@@ -89,7 +100,7 @@ inline float torch_exp(float x) {
 constexpr double where_less(double a, double b, double x, double y) { return a < b ? x : y; }
 constexpr float where_less(float a, float b, float x, float y) { return a < b ? x : y; }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_SHAPE_HPP  // <motionlang/core/shape.hpp>
@@ -105,10 +116,10 @@ constexpr float where_less(float a, float b, float x, float y) { return a < b ? 
 #define MOTIONLANG_HAS_CORE_ERROR_HPP
 /// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
 ///
-/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless MOTIONLANG_THROW(exception) is
-/// defined, the same in all units: it gets the exception as an object (an error, std::bad_alloc, cancelled), on whichever thread it
-/// happens, and must not return; std::_Exit ends a program from any thread. What is caught otherwise (a value in a file of weights
-/// that cannot be read is passed over) ends it too.
+/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless
+/// MOTIONLANG_THROW(exception) is defined, the same in all units: it gets the exception as an object (an error,
+/// std::bad_alloc, cancelled), on whichever thread it happens, and must not return; std::_Exit ends a program from any
+/// thread. What is caught otherwise (a value in a file of weights that cannot be read is passed over) ends it too.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
@@ -137,9 +148,10 @@ __declspec(dllimport) int __stdcall FlsSetValue(unsigned long key, void* value);
 }
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// The calling thread's T: made when it is first asked for, destroyed when the thread ends. `Tag` tells objects of one type apart.
+/// The calling thread's T: made when it is first asked for, destroyed when the thread ends. `Tag` tells objects of one
+/// type apart.
 template <class T, class Tag = T>
 T& thread_object() {
 #ifdef MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
@@ -156,14 +168,14 @@ T& thread_object() {
 #endif
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_UTF8_HPP  // <motionlang/core/utf8.hpp>
 #define MOTIONLANG_HAS_CORE_UTF8_HPP
 /// UTF-8: one code point at a time, strictly. Nothing here knows about classes of characters.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What `decode_utf8` returns for bytes that are not UTF-8.
 inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
@@ -211,7 +223,8 @@ inline void append_utf8(std::string& out, char32_t c) {
   }
 }
 
-/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is in `keep` stays.
+/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is
+/// in `keep` stays.
 inline std::string printable(std::string_view text, std::string_view keep = {}) {
   std::string out;
   for (std::size_t at = 0; at < text.size();) {
@@ -224,10 +237,10 @@ inline std::string printable(std::string_view text, std::string_view keep = {}) 
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Base of every exception of the library. `id()` is stable between versions; the text is not.
 class error : public std::runtime_error {
@@ -335,8 +348,8 @@ requires requires(const T& t) {
 }
 void append(std::string& out, const T& t) { out += to_string(t); }
 
-/// A value on its way into a message: where it stands and how it is written. One type for all values and one for literals of
-/// all lengths, because messages are many and each would be compiled for its own list of types.
+/// A value on its way into a message: where it stands and how it is written. One type for all values and one for
+/// literals of all lengths, because messages are many and each would be compiled for its own list of types.
 struct TextPart {
   const void* value;
   void (*append)(std::string& out, const void* value);
@@ -397,7 +410,8 @@ std::string join_text(const R& items, std::string_view between, F text) {
 }
 template <class R>
 std::string join_text(const R& items, std::string_view between = ", ") {
-  return join_text(items, between, [](const auto& item) -> const auto& { return item; });
+  return join_text(
+      items, between, [](const auto& item) -> const auto& { return item; });
 }
 
 /// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
@@ -441,8 +455,8 @@ template <class E>
 }
 [[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
 
-/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here (true) or goes on
-/// to the caller. Returns whether f came to its end.
+/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here
+/// (true) or goes on to the caller. Returns whether f came to its end.
 template <class E, class F, class H>
 bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions
@@ -491,10 +505,10 @@ template <class E, class... T>
   detail::raise_parts<E>(id, {detail::text_part(parts)...});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sizes, positions and counts. Signed, so that differences are what they look like.
 using Index = std::ptrdiff_t;
@@ -585,10 +599,10 @@ constexpr Shape broadcast_shapes(const Shape& a, const Shape& b, const char* op)
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A number that memory holds: float or double.
 template <class S>
@@ -669,8 +683,9 @@ concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(c
   { B::variable(B::value(a)) } -> std::same_as<typename B::tensor>;
 };
 
-/// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in, taps): prepare(weight) keeps
-/// the weight in it beside the tensor, which must not change afterwards, and says whether all numbers are finite, which are read anyway.
+/// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in,
+/// taps): prepare(weight) keeps the weight in it beside the tensor, which must not change afterwards, and says whether
+/// all numbers are finite, which are read anyway.
 /// Laws     `linear` and `conv1d` of a prepared weight give the same bits (tests/unit/tensor/module.cpp)
 /// Models   EigenBackend<S>, XtensorBackend<S>
 template <class B>
@@ -698,10 +713,10 @@ concept Rng = std::copyable<G> &&
   { c.split(number) } -> std::same_as<G>;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 // core
 class error;
@@ -825,5 +840,5 @@ using IntervalInSeconds = BasicInterval<double>;
 using TimelineInSeconds = BasicTimeline<double>;
 struct StmcOptions;
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif

@@ -8,16 +8,18 @@
 #define MOTIONLANG_HAS_IO_ACTOR_FILE_HPP
 /// ACTOR and the classifiers that judge it from their published checkpoints: sizes come from the shapes of the tensors.
 ///
-///     const auto actor = load_actor<B>(open_weights(run.weights), run);     // run = find_run("exps/humanact12"); or io/vae_run.hpp
-///     const auto gru = load_gru_classifier<B>(open_weights("models/actionrecognition/humanact12_gru.tar"));
-///     const auto stgcn = load_stgcn<B>(open_weights("models/actionrecognition/uestc_rot6d_stgcn.tar"));
+///     const auto actor = load_actor<B>(open_weights(run.weights), run);     // run = find_run("exps/humanact12"); or
+///     io/vae_run.hpp const auto gru =
+///     load_gru_classifier<B>(open_weights("models/actionrecognition/humanact12_gru.tar")); const auto stgcn =
+///     load_stgcn<B>(open_weights("models/actionrecognition/uestc_rot6d_stgcn.tar"));
 ///
-/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames, max_len,
-///          sampling, sampling_step, jointstype. Without it the published values: 6D rotations, GELU, 4 heads, none, 60
-///          consecutive frames, vertices
+/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames,
+///          max_len, sampling, sampling_step, jointstype. Without it the published values: 6D rotations, GELU, 4 heads,
+///          none, 60 consecutive frames, vertices
 /// Ignored  tables of positions (*.pe), SMPL
-/// Throws   io_error 404 for variants that are not known, 406, 407 if names or shapes do not match; config_error 102 where options and
-///          tensors differ, 101, 103, 107 for options that mean nothing; numeric_error 301 for a number that is none
+/// Throws   io_error 404 for variants that are not known, 406, 407 if names or shapes do not match; config_error 102
+///          where options and tensors differ, 101, 103, 107 for options that mean nothing; numeric_error 301 for a
+///          number that is none
 /// Source   spec actor.md 2.8, 3.1, 3.2, 6.3, 7.2, 7.3
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_RUN_READER_HPP  // <motionlang/io/detail/run_reader.hpp>
@@ -28,21 +30,22 @@
 
 #ifndef MOTIONLANG_HAS_IO_MODULE_FILE_HPP  // <motionlang/io/module_file.hpp>
 #define MOTIONLANG_HAS_IO_MODULE_FILE_HPP
-/// Parameters of modules in files of weights: paths of fields are the names of tensors. Any TensorSet will do: SafetensorsFile,
-/// WeightFile.
+/// Parameters of modules in files of weights: paths of fields are the names of tensors. Any TensorSet will do:
+/// SafetensorsFile, WeightFile.
 
 #ifndef MOTIONLANG_HAS_IO_KEY_REPORT_HPP  // <motionlang/io/key_report.hpp>
 #define MOTIONLANG_HAS_IO_KEY_REPORT_HPP
 /// Names of tensors that do not match between a file and a model, as one list that a person can act on.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Names that a file lacks, and names that nobody asked for.
 struct KeyReport {
   std::vector<std::string> missing, unexpected;
 };
 
-/// How many characters have to be inserted, removed or exchanged to make b of a (Levenshtein), or `limit` if it is that many.
+/// How many characters have to be inserted, removed or exchanged to make b of a (Levenshtein), or `limit` if it is that
+/// many.
 inline std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
   if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
   std::vector<std::size_t> row(b.size() + 1);
@@ -58,7 +61,8 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b, std::si
   return std::min(row.back(), limit);
 }
 
-/// The name that is most like `name`; empty if none has half of it. Of a long list only the first 2,000 names are looked at.
+/// The name that is most like `name`; empty if none has half of it. Of a long list only the first 2,000 names are
+/// looked at.
 inline std::string nearest_name(std::string_view name, const std::vector<std::string>& among) {
   constexpr std::size_t longest = 256;
   std::string_view best;
@@ -98,7 +102,7 @@ namespace detail {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_SAFETENSORS_HPP  // <motionlang/io/safetensors.hpp>
@@ -120,7 +124,7 @@ namespace detail {
 #define MOTIONLANG_HAS_IO_DETAIL_BYTES_HPP
 /// Little-endian numbers in byte buffers: checked reading, appending. And base64.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -203,7 +207,7 @@ inline std::vector<std::byte> from_base64(std::string_view text, std::string_vie
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_JSON_CURSOR_HPP  // <motionlang/io/detail/json_cursor.hpp>
@@ -215,7 +219,8 @@ inline std::vector<std::byte> from_base64(std::string_view text, std::string_vie
 /// compilation (GCC 12, -O0), this one 0.2 s. Stricter than JSON: no name twice in an object, nesting up to
 /// `max_depth`.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 class JsonCursor {
  public:
@@ -390,7 +395,8 @@ class JsonCursor {
   int depth_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_FILE_HPP  // <motionlang/io/file.hpp>
@@ -419,7 +425,8 @@ class JsonCursor {
 extern "C" __declspec(dllimport) int __stdcall MoveFileExA(const char* from, const char* to, unsigned long flags);
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::detail::system {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::system {
 
 /// An open file of a new name where temporary files go, for this user only; -1 if there is no place for it.
 inline int create_temporary(std::string& name) {
@@ -446,8 +453,8 @@ inline bool is_regular(int file, std::uint64_t& size) {
 inline void copy_permissions(const char*, int) {}  // of a folder, for all in it
 inline bool flush(int file) { return ::_commit(file) == 0; }
 inline void unmap(void* data, std::size_t) { ::_aligned_free(data); }
-/// The whole file, for reading; null if that fails. size > 0. A copy: nobody could write a file anew that is mapped, such as the checkpoint
-/// from which a training goes on.
+/// The whole file, for reading; null if that fails. size > 0. A copy: nobody could write a file anew that is mapped,
+/// such as the checkpoint from which a training goes on.
 inline void* map(int file, std::size_t size) {
   auto* const data = static_cast<char*>(::_aligned_malloc(size, 64));
   if (data == nullptr) return errno = ENOMEM, nullptr;
@@ -512,16 +519,18 @@ inline bool is_folder(const char* path) {
   return ::stat(path, &s) == 0 && S_ISDIR(s.st_mode);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail::system
+}  // namespace detail::system
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_FILE_PATH_HPP  // <motionlang/io/file_path.hpp>
 #define MOTIONLANG_HAS_IO_FILE_PATH_HPP
 /// Names of files.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// The name of a file: a string, or a std::filesystem::path, whose header takes longer to compile than this library's io.
+/// The name of a file: a string, or a std::filesystem::path, whose header takes longer to compile than this library's
+/// io.
 class FilePath {
  public:
   FilePath(const char* text) : text_(text) {}
@@ -550,10 +559,10 @@ class FilePath {
   std::string text_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -600,8 +609,8 @@ class MappedFile {
   static std::shared_ptr<const MappedFile> open(const FilePath& path) {
     return std::shared_ptr<const MappedFile>(new MappedFile(path));
   }
-  /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read again. Null if
-  /// there is no place for it.
+  /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read
+  /// again. Null if there is no place for it.
   static std::shared_ptr<const MappedFile> put_aside(std::span<const std::byte> bytes) {
     const detail::Descriptor file(bytes.empty() ? -1 : detail::system::create_nameless());
     if (file.get() < 0 || !file.write(bytes)) return nullptr;
@@ -636,7 +645,8 @@ class MappedFile {
   void forget(std::span<const std::byte> part) const {
     constexpr std::uintptr_t block = std::uintptr_t{2} << 20;
     const std::uintptr_t begin = std::max(address(part) / block * block, address(bytes())),
-                         end = std::min((address(part) + part.size() + block - 1) / block * block, address(bytes()) + size_);
+                         end = std::min((address(part) + part.size() + block - 1) / block * block,
+                                        address(bytes()) + size_);
     if (begin < end) detail::system::forget(reinterpret_cast<void*>(begin), end - begin);
   }
   /// The same of bytes that lie in a mapped file or elsewhere.
@@ -678,8 +688,9 @@ inline std::string read_file(const FilePath& path) {
   return std::string(reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size());
 }
 
-/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is, which has its permissions. Of a
-/// symbolic link, the file that it leads to is written. Throws io_error 401, also for devices and pipes.
+/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is, which has its
+/// permissions. Of a symbolic link, the file that it leads to is written. Throws io_error 401, also for devices and
+/// pipes.
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
   static std::atomic<unsigned> writers{0};
   std::error_code problem;
@@ -729,7 +740,7 @@ inline void make_folder(const FilePath& path) {
   raise<io_error>(401, "cannot make the folder ", path.string());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_TENSOR_SET_HPP  // <motionlang/io/tensor_set.hpp>
@@ -741,7 +752,7 @@ inline void make_folder(const FilePath& path) {
 /// A tensor as a file holds it: name, element type, shape, bytes. Every reader of arrays yields these and every writer
 /// takes them; nothing is converted until somebody asks for values.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 // clang-format off
 /// Element types of safetensors files. Values of those up to F64 can be read; of the others only the size is known.
@@ -783,8 +794,8 @@ consteval DType dtype_of() {
   return static_cast<DType>(static_cast<unsigned>(table[size]) + (std::signed_integral<T> ? 1u : 0u));
 }
 
-/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, of what is calculated with, has six
-/// at most.
+/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, of what is calculated
+/// with, has six at most.
 class FileShape {
  public:
   static constexpr int max_rank = 64;
@@ -806,7 +817,8 @@ class FileShape {
   std::span<const Index> sizes() const { return sizes_; }
   /// Number of elements.
   Index count() const {
-    if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;  // beside a 0 the others may be of any size
+    // beside a 0 the others may be of any size
+    if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;
     Index n = 1;
     for (const Index size : sizes_) n *= size;
     return n;
@@ -930,10 +942,10 @@ std::vector<T> values_of(const TensorView& view) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class TensorSet {
  public:
@@ -972,10 +984,10 @@ class TensorSet {
   std::vector<TensorView> tensors_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class SafetensorsFile : public TensorSet {
  public:
@@ -1010,7 +1022,8 @@ class SafetensorsFile : public TensorSet {
       : TensorSet(std::move(name), std::move(owner)) {
     const auto length = detail::load<std::uint64_t>(bytes, 0, name_, "the header length");
     if (length > max_header)
-      raise<io_error>(405, name_, ": a header of ", length, " bytes; at most ", max_header, ". Is it a .safetensors file?");
+      raise<io_error>(405, name_, ": a header of ", length, " bytes; at most ", max_header,
+                      ". Is it a .safetensors file?");
     const auto header = detail::slice(bytes, prefix, length, name_, "the header");
     Cursor json(detail::as_text(header), name_, prefix);
     const auto data = bytes.subspan(prefix + static_cast<std::size_t>(length));
@@ -1208,10 +1221,10 @@ inline void write_safetensors(const FilePath& path, std::span<const TensorView> 
   write_file(path, safetensors_bytes(tensors, metadata));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The name under which a tensor of the module is filed: its path, unless the module translates (`official_key`).
 template <Module M>
@@ -1262,8 +1275,8 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
   }
 }
 
-/// What a module is loaded for. For inference it is made ready as by prepare_loaded, in the same pass over the file: all its matrices are
-/// weights, and it is neither trained nor changed afterwards.
+/// What a module is loaded for. For inference it is made ready as by prepare_loaded, in the same pass over the file:
+/// all its matrices are weights, and it is neither trained nor changed afterwards.
 enum class LoadFor { any_use, inference };
 
 namespace detail {
@@ -1319,8 +1332,8 @@ bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, 
 /// Tensors on their way into a file, with their own memory.
 class TensorStore {
  public:
-  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error 301
-  /// for a number that would become infinite; F16 holds no NaN and infinity either.
+  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error
+  /// 301 for a number that would become infinite; F16 holds no NaN and infinity either.
   template <Scalar S>
   void add(std::string name, const FileShape& shape, std::span<const S> values, DType dtype) {
     switch (dtype) {
@@ -1384,8 +1397,8 @@ class TensorStore {
 };
 
 namespace detail {
-/// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the file again.
-/// Whether all its numbers are finite.
+/// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the
+/// file again. Whether all its numbers are finite.
 template <PackingBackend B, int R>
 bool pack_loaded(const Tensor<B, R>& weight) {
   const bool finite = pack_weight(weight);
@@ -1393,7 +1406,8 @@ bool pack_loaded(const Tensor<B, R>& weight) {
   return finite;
 }
 
-/// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a place for it.
+/// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a
+/// place for it.
 template <PackingBackend B, int R>
 void put_aside(Tensor<B, R>& weight) {
   const auto bytes = std::as_bytes(weight.span());
@@ -1437,7 +1451,8 @@ struct PrepareLoaded {
     copy_small(t);
   }
 };
-/// For large networks: a weight that had to be converted is put aside, so that it is not there twice. If it cannot be, it is not packed.
+/// For large networks: a weight that had to be converted is put aside, so that it is not there twice. If it cannot be,
+/// it is not packed.
 struct PrepareLoadedOnce {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
@@ -1461,18 +1476,18 @@ void prepare_in_shares(M& model, std::atomic<bool>* finite) {
 }
 }  // namespace detail
 
-/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given back as soon as
-/// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
-/// Weights that had to be converted are packed beside their numbers.
+/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given
+/// back as soon as a weight is packed, so that none is there twice, and small tensors become copies. Whoever still
+/// reads the file gets it from the disk. Weights that had to be converted are packed beside their numbers.
 template <Module M>
 void prepare_loaded(M& model) {
   detail::prepare_in_shares(model, nullptr);
 }
 
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
-/// Returns what did not match (then the module is not made ready); throws io_error 407 for a tensor of another shape, numeric_error 301
-/// for NaN and infinity. A module may say (`copy_of`) which further names repeat a tensor of its own; io_error 407 if such a tensor is
-/// another one.
+/// Returns what did not match (then the module is not made ready); throws io_error 407 for a tensor of another shape,
+/// numeric_error 301 for NaN and infinity. A module may say (`copy_of`) which further names repeat a tensor of its own;
+/// io_error 407 if such a tensor is another one.
 template <Module M>
 KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "",
                              LoadFor use = LoadFor::any_use) {
@@ -1503,7 +1518,7 @@ void load_module(M& module, const TensorSet& file, const std::string& prefix = "
   detail::raise_key_mismatch(file.name(), report);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_TEXT_NETWORK_FILE_HPP  // <motionlang/io/text_network_file.hpp>
@@ -1511,20 +1526,23 @@ void load_module(M& module, const TensorSet& file, const std::string& prefix = "
 /// Text networks from the files of Hugging Face and OpenAI.
 ///
 ///     const auto document = read_json("distilbert/config.json");
-///     const auto network = load_text_network<DistilBert<B>>(JsonView(document, "config.json"), open_weights("model.safetensors"));
-///     const auto clip = load_clip_text<B>(open_weights("ViT-B-32.pt"));
+///     const auto network = load_text_network<DistilBert<B>>(JsonView(document, "config.json"),
+///     open_weights("model.safetensors")); const auto clip = load_clip_text<B>(open_weights("ViT-B-32.pt"));
 ///
-/// Prefix   what stands before the name of the word embedding ("embeddings.word_embeddings.weight", "token_embedding.weight") stands
-///          before all names of the network, and whatever has other names is none of its business: "distilbert.", "bert.",
-///          "textencoder.text_model." (TEMOS, TEACH, SINC), "clip_model." (MDM) ...
-/// Ignored  position_ids, poolers, heads of the pre-training (vocab_*, cls.*, lm_head.*); CLIP: logit_scale and the image tower
-/// Aliases  LayerNorm.gamma and .beta for .weight and .bias; CLIP in the form of Hugging Face, whose projections of query, key and
-///          value are stacked and whose text_projection is transposed
-/// Memory   tensors of 32-bit numbers are views of the file. Weights of layers are packed for the kernels (prepare) and their memory in
-///          the file is given back, so that no weight is there twice; those that had to be converted or put together lie in temporary
-///          files for that. Where there is no place for such files, they are packed whenever they are used
-/// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes, 102 for sizes far
-///          above those of the file; io_error 406, 407 if names or shapes do not match
+/// Prefix   what stands before the name of the word embedding ("embeddings.word_embeddings.weight",
+///          "token_embedding.weight") stands before all names of the network, and whatever has other names is none of
+///          its business: "distilbert.", "bert.", "textencoder.text_model." (TEMOS, TEACH, SINC), "clip_model." (MDM)
+///          ...
+/// Ignored  position_ids, poolers, heads of the pre-training (vocab_*, cls.*, lm_head.*); CLIP: logit_scale and the
+///          image tower
+/// Aliases  LayerNorm.gamma and .beta for .weight and .bias; CLIP in the form of Hugging Face, whose projections of
+///          query, key and value are stacked and whose text_projection is transposed
+/// Memory   tensors of 32-bit numbers are views of the file. Weights of layers are packed for the kernels (prepare) and
+///          their memory in the file is given back, so that no weight is there twice; those that had to be converted or
+///          put together lie in temporary files for that. Where there is no place for such files, they are packed
+///          whenever they are used
+/// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes,
+///          102 for sizes far above those of the file; io_error 406, 407 if names or shapes do not match
 /// Source   spec text-encoders.md, sections 2 to 5
 
 #include <deque>  // stacked tensors
@@ -1541,7 +1559,7 @@ void load_module(M& module, const TensorSet& file, const std::string& prefix = "
 
 #include <nlohmann/json.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Deepest nesting that is read: what works on documents later recurses.
 inline constexpr int max_json_depth = 256;
@@ -1627,15 +1645,14 @@ inline nlohmann::json parse_json_part(std::string_view text, std::size_t begin, 
 
 }  // namespace detail
 
-/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column, also where a name stands twice in an object.
+/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column, also where a name stands
+/// twice in an object.
 inline nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON") {
   return detail::parse_json_part(text, 0, text.size(), name);
 }
 
 /// Reads a file. Throws io_error 401, 403.
-inline nlohmann::json read_json(const FilePath& path) {
-  return parse_json(read_file(path), path.string());
-}
+inline nlohmann::json read_json(const FilePath& path) { return parse_json(read_file(path), path.string()); }
 
 /// A value inside a document that lives elsewhere, together with the way to it: "config.json: model.layers[2].width".
 /// Every access to a value of the wrong kind throws config_error 107 with that way.
@@ -1749,10 +1766,10 @@ class JsonView {
   bool is_root_ = true;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -1789,8 +1806,8 @@ class RenamedTensors : public TensorSet {
   std::shared_ptr<Memory> memory_ = std::make_shared<Memory>();
 };
 
-/// What stands before `name` in the only tensor whose name ends so, at a dot. Nothing if there is none; throws io_error 406 if there
-/// are two.
+/// What stands before `name` in the only tensor whose name ends so, at a dot. Nothing if there is none; throws io_error
+/// 406 if there are two.
 inline std::optional<std::string> prefix_of(const TensorSet& file, std::string_view name) {
   std::optional<std::string> prefix;
   for (const TensorView& t : file.tensors()) {
@@ -1926,16 +1943,16 @@ void pack_layers(std::vector<Layer>& layers) {
   for (Layer& layer : layers) visit_tensors(layer, PrepareLoadedOnce{});
 }
 
-/// Memory is taken for a network only where the file justifies it: twice its numbers and 16 Mi. `rows` are those of all tables.
-/// Throws config_error 102.
+/// Memory is taken for a network only where the file justifies it: twice its numbers and 16 Mi. `rows` are those of all
+/// tables. Throws config_error 102.
 inline void check_room(const TensorSet& weights, Index rows, Index width, Index d_ff, Index layers) {
   const auto real = [](Index size) { return static_cast<double>(size); };  // a product may be beyond Index
   const double wanted = real(width) * (real(rows) + real(layers) * (4 * real(width) + 2 * real(d_ff)));
   Index found = 0;
   for (const TensorView& t : weights.tensors()) found += t.shape.count();
   if (wanted > 2 * real(found) + (1 << 24))
-    raise<config_error>(102, weights.name(), ": ", found, " numbers, a network of ", rows, " rows, width ", width, ", ", d_ff, " and ",
-                        layers, " layers has ", wanted);
+    raise<config_error>(102, weights.name(), ": ", found, " numbers, a network of ", rows, " rows, width ", width, ", ",
+                        d_ff, " and ", layers, " layers has ", wanted);
 }
 
 /// A size in a configuration file, 1 ... largest.
@@ -2004,8 +2021,8 @@ Network load_text_network(const JsonView& config, const TensorSet& weights) {
   return load_text_network<Network>(bert_config(config, Network::keys::model_type), weights);
 }
 
-/// The sizes of a DistilBERT from the shapes of its tensors, with 64 numbers a head: inside checkpoints of TEMOS, TEACH and SINC.
-/// Throws io_error 406, 407.
+/// The sizes of a DistilBERT from the shapes of its tensors, with 64 numbers a head: inside checkpoints of TEMOS, TEACH
+/// and SINC. Throws io_error 406, 407.
 inline BertConfig distilbert_config(const TensorSet& file) {
   const auto tensors = detail::bert_tensors(file);
   const auto matrix = [&](const std::string& name) {
@@ -2025,8 +2042,8 @@ inline BertConfig distilbert_config(const TensorSet& file) {
   return c;
 }
 
-/// The sizes in the config.json of a CLIP model, or of its text tower alone. What it leaves out, as newer files do with whatever is
-/// usual, is as in ViT-B/32.
+/// The sizes in the config.json of a CLIP model, or of its text tower alone. What it leaves out, as newer files do with
+/// whatever is usual, is as in ViT-B/32.
 inline ClipTextConfig clip_text_config(const JsonView& config) {
   using detail::config_size;
   const JsonView text =
@@ -2076,7 +2093,8 @@ inline ClipTextConfig clip_text_config(const TensorSet& file) {
 
 template <Backend B>
 ClipText<B> load_clip_text(const ClipTextConfig& config, const TensorSet& weights) {
-  detail::check_room(weights, config.vocabulary + config.context + config.out, config.width, config.d_ff, config.layers);
+  detail::check_room(weights, config.vocabulary + config.context + config.out, config.width, config.d_ff,
+                     config.layers);
   NoInit zeros;
   ClipText<B> network(config, zeros);
   load_module(network, detail::clip_tensors(weights));
@@ -2093,25 +2111,26 @@ ClipText<B> load_clip_text(const TensorSet& weights) {
   return load_clip_text<B>(clip_text_config(tensors), tensors);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_WEIGHT_FILE_HPP  // <motionlang/io/weight_file.hpp>
 #define MOTIONLANG_HAS_IO_WEIGHT_FILE_HPP
-/// Weights from whatever file they are in: safetensors, PyTorch (zip, TorchScript, the older form, Lightning), NumPy (npy, npz),
-/// pickles, joblib dumps, and folders of them as training runs leave them. The format is known by content, never by name.
+/// Weights from whatever file they are in: safetensors, PyTorch (zip, TorchScript, the older form, Lightning), NumPy
+/// (npy, npz), pickles, joblib dumps, and folders of them as training runs leave them. The format is known by content,
+/// never by name.
 ///
 ///     const WeightFile file = open_weights("logs/last.ckpt");
 ///     load_module(model, file, "denoiser.");
 ///     if (const FileValue* epoch = file.value("epoch")) ...
 ///
-/// Nothing in a file is executed: objects of classes that are not known are skipped, and listed. Tensors that lie in order in the
-/// file are views of it, without a copy.
+/// Nothing in a file is executed: objects of classes that are not known are skipped, and listed. Tensors that lie in
+/// order in the file are views of it, without a copy.
 ///
-/// Memory   besides the mapped file at most twice its size and 64 MiB. What is packed as a whole (a joblib dump that was written with
-///          compress=, or gzip) is unpacked in memory: to at most twice the size of the file and 30 MiB, into which the copies
-///          of arrays in another order have to fit, too; what gives more is refused with io_error 405, and what is packed with
-///          bzip2, xz, lzma, lz4 or zstd with 404: unpack it first
+/// Memory   besides the mapped file at most twice its size and 64 MiB. What is packed as a whole (a joblib dump that
+///          was written with compress=, or gzip) is unpacked in memory: to at most twice the size of the file and 30
+///          MiB, into which the copies of arrays in another order have to fit, too; what gives more is refused with
+///          io_error 405, and what is packed with bzip2, xz, lzma, lz4 or zstd with 404: unpack it first
 /// Source   spec weights.md
 
 #ifndef MOTIONLANG_HAS_IO_FILE_VALUE_HPP  // <motionlang/io/file_value.hpp>
@@ -2120,7 +2139,7 @@ ClipText<B> load_clip_text(const TensorSet& weights) {
 
 #include <variant>  // values
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A truth value, a number or a text, and the keys from the root of the file to it: "hyper_parameters/layers/0".
 struct FileValue {
@@ -2138,7 +2157,7 @@ inline const FileValue* find_value(const std::vector<FileValue>& values, std::st
   return nullptr;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_GZIP_HPP  // <motionlang/io/gzip.hpp>
@@ -2147,11 +2166,11 @@ inline const FileValue* find_value(const std::vector<FileValue>& values, std::st
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_INFLATE_HPP  // <motionlang/io/detail/inflate.hpp>
 #define MOTIONLANG_HAS_IO_DETAIL_INFLATE_HPP
-/// Inflate (RFC 1951): unpacks deflated data of zip members, gzip and zlib streams. And the checksums of zip, gzip and zlib.
-/// Nothing here compresses. zlib would do the same, but has to be linked, and this library needs nothing but its headers to read .npz, .pt
-/// and .gz; tests/unit/io compares with data that zlib packed.
+/// Inflate (RFC 1951): unpacks deflated data of zip members, gzip and zlib streams. And the checksums of zip, gzip and
+/// zlib. Nothing here compresses. zlib would do the same, but has to be linked, and this library needs nothing but its
+/// headers to read .npz, .pt and .gz; tests/unit/io compares with data that zlib packed.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -2354,8 +2373,8 @@ inline void repeat(std::vector<std::byte>& out, std::size_t distance, std::size_
   for (std::size_t k = 0; k < length; ++k) out.push_back(out[out.size() - distance]);
 }
 
-/// Unpacks one deflate stream of at most `limit` bytes of output; returns how many bytes of the stream it took. It stops early once
-/// there are `enough`.
+/// Unpacks one deflate stream of at most `limit` bytes of output; returns how many bytes of the stream it took. It
+/// stops early once there are `enough`.
 /// Throws  io_error 402 if the stream ends too early, 403 if it is malformed, 405 beyond the limit
 template <class Out>
 std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t limit, std::string_view file,
@@ -2408,7 +2427,8 @@ std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t 
 }
 
 /// The same into memory; room for `expected` bytes is made before.
-inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, std::string_view file, std::size_t expected = 0) {
+inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, std::string_view file,
+                        std::size_t expected = 0) {
   Inflated out;
   out.data.reserve(expected);
   out.consumed = inflate_to(out.data, stream, limit, file);
@@ -2417,18 +2437,18 @@ inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, st
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 inline bool is_gzip(std::span<const std::byte> bytes) {
   return bytes.size() >= 2 && bytes[0] == std::byte{0x1F} && bytes[1] == std::byte{0x8B};
 }
 
 /// The unpacked contents. Allocates no more than deflate can pack into the bytes that are there.
-/// Throws  io_error 402 if the stream ends too early, 403 if it is malformed or its checksum is wrong, 404 for an unknown method,
-///         405 if it unpacks to more than it declares or declares more than it can hold
+/// Throws  io_error 402 if the stream ends too early, 403 if it is malformed or its checksum is wrong, 404 for an
+///         unknown method, 405 if it unpacks to more than it declares or declares more than it can hold
 inline std::vector<std::byte> gunzip_bytes(std::span<const std::byte> bytes, std::string_view name = "gzip") {
   constexpr std::uint8_t has_checksum = 2, has_extra = 4, has_name = 8, has_comment = 16, reserved = 0xE0;
   if (!is_gzip(bytes)) raise<io_error>(403, name, ": does not begin as a gzip file");
@@ -2470,7 +2490,7 @@ inline std::string read_text(const FilePath& path) {
   return is_gzip(file->bytes()) ? gunzip(file->bytes(), path.string()) : std::string(detail::as_text(file->bytes()));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_NPZ_HPP  // <motionlang/io/npz.hpp>
@@ -2488,7 +2508,7 @@ inline std::string read_text(const FilePath& path) {
 #define MOTIONLANG_HAS_IO_DETAIL_NPY_HEADER_HPP
 /// The header of a .npy file: a small parser for the Python dictionary in which NumPy describes an array.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -2590,10 +2610,10 @@ class NpyHeader {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -2776,7 +2796,8 @@ inline std::vector<std::byte> from_fortran_order(std::span<const std::byte> in, 
   return out;
 }
 
-/// Bytes of an array of this shape. Throws io_error 405 if they cannot be counted in 63 bits, 404 for elements of no size.
+/// Bytes of an array of this shape. Throws io_error 405 if they cannot be counted in 63 bits, 404 for elements of no
+/// size.
 inline std::size_t checked_size(std::span<const Index> shape, std::size_t item_size, std::string_view where) {
   if (std::find(shape.begin(), shape.end(), 0) != shape.end()) return 0;
   std::uint64_t size = item_size;
@@ -2841,7 +2862,8 @@ struct NpyParts {
   std::span<const std::byte> raw;
   std::string where;  // for messages
 };
-/// Throws io_error 402 if the file is too short, 403 if the header is malformed, 404 for other versions, 405 for a long header.
+/// Throws io_error 402 if the file is too short, 403 if the header is malformed, 404 for other versions, 405 for a long
+/// header.
 inline NpyParts npy_parts(std::span<const std::byte> bytes, std::string_view file) {
   constexpr std::string_view magic = "\x93NUMPY";
   if (!as_text(bytes).starts_with(magic)) raise<io_error>(403, file, ": not a .npy file (byte 0)");
@@ -2872,7 +2894,8 @@ inline void check_npy_size(std::span<const std::byte> head, std::uint64_t size, 
 ///         types and versions, 405 for impossible sizes
 inline NpyArray parse_npy(std::span<const std::byte> bytes, std::string_view file) {
   detail::NpyParts npy = detail::npy_parts(bytes, file);
-  return detail::stored_array(npy.header.descr, npy.header.fortran_order, std::move(npy.header.shape), npy.raw, npy.where);
+  return detail::stored_array(npy.header.descr, npy.header.fortran_order, std::move(npy.header.shape), npy.raw,
+                              npy.where);
 }
 
 /// The bytes of a .npy file, version 1.0, data at a multiple of 64: exactly what numpy.save writes.
@@ -2891,13 +2914,11 @@ inline std::vector<std::byte> npy_bytes(const NpyArray& array) {
 }
 
 /// Throws io_error 401 to 405.
-inline NpyArray read_npy(const FilePath& path) {
-  return parse_npy(MappedFile::open(path)->bytes(), path.string());
-}
+inline NpyArray read_npy(const FilePath& path) { return parse_npy(MappedFile::open(path)->bytes(), path.string()); }
 /// Throws io_error 401.
 inline void write_npy(const FilePath& path, const NpyArray& array) { write_file(path, npy_bytes(array)); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_ZIP_HPP  // <motionlang/io/zip.hpp>
@@ -2909,7 +2930,7 @@ inline void write_npy(const FilePath& path, const NpyArray& array) { write_file(
 
 #include <unordered_set>  // repeated names
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One member: where its bytes lie in the archive, and what they should be.
 struct ZipEntry {
@@ -2960,7 +2981,8 @@ class ZipArchive {
     check_crc(entry, data);
     return data;
   }
-  /// The first unpacked bytes of a deflated member, at least `count` of them if it has so many; not checked. Throws io_error 402, 403.
+  /// The first unpacked bytes of a deflated member, at least `count` of them if it has so many; not checked. Throws
+  /// io_error 402, 403.
   std::vector<std::byte> head(const ZipEntry& entry, std::size_t count) const {
     const auto raw = bytes_.subspan(static_cast<std::size_t>(entry.offset), static_cast<std::size_t>(entry.packed));
     std::vector<std::byte> out;
@@ -2973,9 +2995,8 @@ class ZipArchive {
     const auto raw = bytes_.subspan(static_cast<std::size_t>(entry.offset), static_cast<std::size_t>(entry.packed));
     const std::string where = name_ + "/" + entry.name;
     const auto size = static_cast<std::size_t>(entry.size);
-    std::vector<std::byte> data = entry.deflated
-                                      ? detail::inflate(raw, size, where, size).data
-                                      : std::vector<std::byte>(raw.begin(), raw.end());
+    std::vector<std::byte> data =
+        entry.deflated ? detail::inflate(raw, size, where, size).data : std::vector<std::byte>(raw.begin(), raw.end());
     if (data.size() != entry.size) {
       raise<io_error>(403, where, " at byte ", entry.offset, ": unpacks to ", data.size(),
                       " bytes, the directory says ", entry.size);
@@ -3165,10 +3186,10 @@ class ZipWriter {
   std::uint16_t count_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// An archive that is being read. Arrays are read when they are asked for: members that we cannot read (objects) do not
 /// disturb the others.
@@ -3216,17 +3237,15 @@ inline std::vector<std::byte> npz_bytes(std::span<const NamedArray> arrays) {
   return zip.finish();
 }
 /// Throws io_error 401 if the file cannot be written, 405 above 4 GiB.
-inline void write_npz(const FilePath& path, std::span<const NamedArray> arrays) {
-  write_file(path, npz_bytes(arrays));
-}
+inline void write_npz(const FilePath& path, std::span<const NamedArray> arrays) { write_file(path, npz_bytes(arrays)); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_PICKLE_ARRAYS_HPP  // <motionlang/io/pickle_arrays.hpp>
 #define MOTIONLANG_HAS_IO_PICKLE_ARRAYS_HPP
-/// Arrays in pickles: NumPy's arrays and scalars, joblib's, which lie between the opcodes, SciPy's sparse matrices, chumpy's
-/// nodes (which SMPL's first files hold).
+/// Arrays in pickles: NumPy's arrays and scalars, joblib's, which lie between the opcodes, SciPy's sparse matrices,
+/// chumpy's nodes (which SMPL's first files hold).
 ///
 ///     Pickle dump = Pickle::open("grouped.pth.tar", {.inline_bytes = joblib_array_bytes});
 ///
@@ -3236,16 +3255,18 @@ inline void write_npz(const FilePath& path, std::span<const NamedArray> arrays) 
 #define MOTIONLANG_HAS_IO_PICKLE_HPP
 /// Python pickles, protocols 0 to 5, read without executing anything.
 ///
-/// A pickle is a program that builds objects. This reader runs the part that builds plain values (numbers, texts, lists,
-/// dictionaries) and turns every class and every call into an inert `object` that remembers what the file asked for: name,
-/// arguments, state, items. What such an object means is the business of the caller, who looks at the names that it knows:
-/// io/pickle_arrays.hpp does so for NumPy, SciPy and chumpy; tensors of PyTorch come as objects whose storages are `persistent`.
+/// A pickle is a program that builds objects. This reader runs the part that builds plain values (numbers, texts,
+/// lists, dictionaries) and turns every class and every call into an inert `object` that remembers what the file asked
+/// for: name, arguments, state, items. What such an object means is the business of the caller, who looks at the names
+/// that it knows: io/pickle_arrays.hpp does so for NumPy, SciPy and chumpy; tensors of PyTorch come as objects whose
+/// storages are `persistent`.
 ///
 ///     Pickle file = Pickle::open("model.pkl");
 ///     NpyArray weights = to_array(file.root()["weights"]);
 ///
-/// Refused are names that only a program that attacks its reader needs (os.system, eval), and whatever is malformed. Memory is
-/// bounded by the size of the file: lengths are checked before anything is allocated, texts and bytes are views into the file.
+/// Refused are names that only a program that attacks its reader needs (os.system, eval), and whatever is malformed.
+/// Memory is bounded by the size of the file: lengths are checked before anything is allocated, texts and bytes are
+/// views into the file.
 ///
 /// Source  CPython Lib/pickle.py and pickletools.py; spec weights.md, section 5
 
@@ -3253,7 +3274,7 @@ inline void write_npz(const FilePath& path, std::span<const NamedArray> arrays) 
 #define MOTIONLANG_HAS_IO_DETAIL_PICKLE_MACHINE_HPP
 /// The stack machine of a pickle: opcodes in, a graph of inert values out. Nothing is called or imported.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class PickleKind : std::uint8_t {
   none,
@@ -3285,13 +3306,14 @@ struct InlineBytes {
 };
 
 struct PickleOptions {
-  /// Names that may occur, "collections.OrderedDict" or, ending with a dot, everything below a module: "numpy.". Empty: all but
-  /// those that execute something; classes that nobody knows are inert objects.
+  /// Names that may occur, "collections.OrderedDict" or, ending with a dot, everything below a module: "numpy.". Empty:
+  /// all but those that execute something; classes that nobody knows are inert objects.
   std::span<const std::string_view> allowed{};
   bool persistent_ids = false;         // PyTorch's storages
   std::size_t max_values = 4'000'000;  // values and links between them; never more than the bytes of the file allow
   std::uint64_t max_memory = 0;        // bytes for them; 0: 24 MiB and as much as the file has
-  /// Called with every object that has got its state: what follows it at `position` (joblib's arrays). Reading goes on behind.
+  /// Called with every object that has got its state: what follows it at `position` (joblib's arrays). Reading goes on
+  /// behind.
   InlineBytes (*inline_bytes)(const PickleValue& object, std::span<const std::byte> file,
                               std::uint64_t position) = nullptr;
 };
@@ -3350,7 +3372,8 @@ class PickleMachine {
   const std::vector<PickleRef>& persistent() const { return persistent_; }
   /// For messages: " at byte 7 (BINGET)".
   std::string place(std::uint64_t at) const {
-    const auto name = at < bytes_.size() ? opcode_name(std::to_integer<unsigned char>(bytes_[static_cast<std::size_t>(at)])) : "";
+    const auto name =
+        at < bytes_.size() ? opcode_name(std::to_integer<unsigned char>(bytes_[static_cast<std::size_t>(at)])) : "";
     return name.empty() ? concat_text(" at byte ", at) : concat_text(" at byte ", at, " (", name, ")");
   }
 
@@ -3619,8 +3642,8 @@ class PickleMachine {
     n.attribute = attribute;
   }
 
-  /// One byte for every code point of a text: how Python 3 writes bytes in protocols 0 to 2. Each text is converted once, however
-  /// often it is asked for.
+  /// One byte for every code point of a text: how Python 3 writes bytes in protocols 0 to 2. Each text is converted
+  /// once, however often it is asked for.
   std::string_view latin1(PickleRef ref) {
     const auto [slot, first] = latin1_.try_emplace(ref);
     if (!first) return slot->second;
@@ -3707,7 +3730,8 @@ class PickleMachine {
   void push_persistent(PickleRef id) {
     if (!options_.persistent_ids) fail(404, "a persistent id, which means something outside this file");
     const std::vector<PickleRef>& parts = nodes_[id].items;
-    if (!parts.empty() && nodes_[parts[0]].text == "module")  // PyTorch's older form refers to the source code of classes
+    // PyTorch's older form refers to the source code of classes
+    if (!parts.empty() && nodes_[parts[0]].text == "module")
       fail(404, "a whole module with its source code, not its tensors: save its state_dict()");
     push_new(PickleKind::persistent).arguments = id;
     persistent_.push_back(stack_.back());
@@ -3841,10 +3865,10 @@ class PickleMachine {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class Pickle;
 
@@ -3880,7 +3904,8 @@ class PickleValue {
     return std::as_bytes(std::span(node().text.data(), node().text.size()));
   }
 
-  /// Number of elements of a list, a tuple or a set, or of entries of a dictionary; of objects, what was appended or set.
+  /// Number of elements of a list, a tuple or a set, or of entries of a dictionary; of objects, what was appended or
+  /// set.
   std::size_t size() const { return node().items.size() / (node().keyed ? 2 : 1); }
   /// Whether the elements are entries: of dictionaries, and of objects that behave like one.
   bool keyed() const { return node().keyed; }
@@ -4000,10 +4025,10 @@ class Pickle {
   detail::PickleRef root_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -4071,13 +4096,16 @@ inline NpyArray numpy_array(const PickleValue& v) {
   return stored_array(a.type, a.fortran_order, std::move(a.shape), a.raw, a.where);
 }
 
-/// A sparse matrix in full. Compressed by columns (csc) or rows (csr): entries indptr[c] ... indptr[c + 1] - 1 lie in column (row) c at
-/// row (column) indices[k]. As a list (coo): entry k at row[k], col[k], which newer files call coords.
+/// A sparse matrix in full. Compressed by columns (csc) or rows (csr): entries indptr[c] ... indptr[c + 1] - 1 lie in
+/// column (row) c at row (column) indices[k]. As a list (coo): entry k at row[k], col[k], which newer files call
+/// coords.
 inline NpyArray dense_matrix(const PickleValue& v) {
   const std::string name = v.name();
   const std::string_view kind = std::string_view(name).substr(name.rfind('.') + 1);
-  const bool by_column = kind == "csc_matrix" || kind == "csc_array", by_row = kind == "csr_matrix" || kind == "csr_array";
-  if (!by_column && !by_row && kind != "coo_matrix" && kind != "coo_array") v.fail(404, "a sparse matrix of class ", name);
+  const bool by_column = kind == "csc_matrix" || kind == "csc_array",
+             by_row = kind == "csr_matrix" || kind == "csr_array";
+  if (!by_column && !by_row && kind != "coo_matrix" && kind != "coo_array")
+    v.fail(404, "a sparse matrix of class ", name);
   const PickleValue state = v.state();
   const auto shape = shape_of(state.find("_shape") ? state["_shape"] : state["shape"]);
   constexpr Index most = 2'000'000;
@@ -4091,8 +4119,8 @@ inline NpyArray dense_matrix(const PickleValue& v) {
   std::vector<std::int64_t> row, column;
   if (by_column || by_row) {
     const auto starts = places(state["indptr"]);
-    if (std::ssize(starts) != (by_column ? columns : rows) + 1 || starts.front() != 0 || starts.back() != std::ssize(data) ||
-        !std::is_sorted(starts.begin(), starts.end())) {
+    if (std::ssize(starts) != (by_column ? columns : rows) + 1 || starts.front() != 0 ||
+        starts.back() != std::ssize(data) || !std::is_sorted(starts.begin(), starts.end())) {
       v.fail(403, "a sparse matrix whose arrays do not fit together");
     }
     (by_column ? row : column) = places(state["indices"]);
@@ -4159,8 +4187,8 @@ inline NpyArray to_array(const PickleValue& v, int depth) {
 
 }  // namespace detail
 
-/// Where the bytes of an array of joblib are: for PickleOptions. In front of them stands, in newer files, a number of bytes that
-/// fill up to an aligned address.
+/// Where the bytes of an array of joblib are: for PickleOptions. In front of them stands, in newer files, a number of
+/// bytes that fill up to an aligned address.
 /// Throws  io_error 403 if its description is damaged, 404 for arrays of objects
 inline InlineBytes joblib_array_bytes(const PickleValue& object, std::span<const std::byte> file,
                                       std::uint64_t position) {
@@ -4175,19 +4203,19 @@ inline InlineBytes joblib_array_bytes(const PickleValue& object, std::span<const
   return {position, detail::checked_size(described.shape, described.item_size, object.file())};
 }
 
-/// The array that a value of a pickle means: of NumPy or joblib, a single number, a sparse matrix of SciPy in full (csc, csr, coo; as
-/// real numbers), or the value of a chumpy node.
-/// Throws  io_error 402, 403 if it is damaged, 404 for elements and classes that are not read, 405 for impossible sizes, 407 if
-///         the value is no array
+/// The array that a value of a pickle means: of NumPy or joblib, a single number, a sparse matrix of SciPy in full
+/// (csc, csr, coo; as real numbers), or the value of a chumpy node.
+/// Throws  io_error 402, 403 if it is damaged, 404 for elements and classes that are not read, 405 for impossible
+///         sizes, 407 if the value is no array
 inline NpyArray to_array(const PickleValue& value) { return detail::to_array(value, 0); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_RUN_FOLDER_HPP  // <motionlang/io/run_folder.hpp>
 #define MOTIONLANG_HAS_IO_RUN_FOLDER_HPP
-/// The folders in which the published systems leave a model: which system it is, and where options, weights and statistics are.
-/// Nothing is opened but the options.
+/// The folders in which the published systems leave a model: which system it is, and where options, weights and
+/// statistics are. Nothing is opened but the options.
 ///
 ///     const RunFolder run = find_run("models/mdm-smpl_clip_smplrifke_humanml3d");   // run.system == "stmc"
 ///
@@ -4195,16 +4223,19 @@ inline NpyArray to_array(const PickleValue& value) { return detail::to_array(val
 /// motionlang     config.json with "format": "motionlang"         weights.safetensors (io/model_folder.hpp)
 /// stmc           config.json with diffusion/...                  logs/checkpoints/last.ckpt, else the latest epoch
 /// tmr            config.json with model/motion_encoder/...       last_weights/*.pt, else as stmc
-/// hugging face   config.json with model_type                     model.safetensors, pytorch_model.bin, with an index where in shards
+/// hugging face   config.json with model_type                     model.safetensors, pytorch_model.bin, with an index
+///                where in shards
 /// mdm            args.json                                       model000475000.pt: the one with the largest number
 /// actor          opt.yaml, or a checkpoint_0100.pth.tar          the checkpoint with the largest number
 /// temos          .hydra/config.yaml (TEMOS, TEACH, SINC)         checkpoints/last.ckpt, else the latest epoch
 /// motiondiffuse  opt.txt with diffusion_steps                    model/latest.tar, else the latest epoch
 /// tm2t           any other opt.txt                               model/finest.tar, latest.tar, else the latest epoch
 ///
-/// Packed         a config.json of "format": "motionlang" that says "published": what io/pack_run.hpp made of the folder of a system; that
-///                system, with its options and weights.safetensors. One of tm2t is packed, whoever trained it
-/// Statistics     mean and std (TEMOS: jfeats_mean, rfeats_mean ...), .pt or .npy, in the folder itself or in stats, *_stats or meta
+/// Packed         a config.json of "format": "motionlang" that says "published": what io/pack_run.hpp made of the
+///                folder of a system; that system, with its options and weights.safetensors. One of tm2t is packed,
+///                whoever trained it
+/// Statistics     mean and std (TEMOS: jfeats_mean, rfeats_mean ...), .pt or .npy, in the folder itself or in stats,
+///                *_stats or meta
 /// Source         spec weights.md 9; actor.md 3.2, temos.md 3.2, tmr.md 3.2, mdm.md 2.2, 3.5, 4.4, tm2t.md 6
 
 #ifndef MOTIONLANG_HAS_IO_OPTIONS_FILE_HPP  // <motionlang/io/options_file.hpp>
@@ -4214,13 +4245,13 @@ inline NpyArray to_array(const PickleValue& value) { return detail::to_array(val
 ///     const auto options = read_options("run/opt.yaml");
 ///     const FileValue* width = find_value(options, "model/latent_dim");
 ///
-/// Of YAML the part that programs write: nested mappings and lists by indentation, plain and quoted texts, numbers, flat lists and
-/// mappings in brackets, tags (which are ignored). No texts of several lines, no anchors.
+/// Of YAML the part that programs write: nested mappings and lists by indentation, plain and quoted texts, numbers,
+/// flat lists and mappings in brackets, tags (which are ignored). No texts of several lines, no anchors.
 /// opt.txt is what text-to-motion, TM2T and MotionDiffuse write: a banner of dashes, lines of "key: value", a banner.
 /// A whole number of more than 64 bits is a text, its digits. A name that stands twice is refused.
 /// OmegaConf's references "${model.latent_dim}" are texts; `find_option` follows them.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -4228,11 +4259,13 @@ inline std::string below(const std::string& path, std::string_view key) {
   return path.empty() ? std::string(key) : concat_text(path, "/", key);
 }
 
-/// Values as they are found. A text of options is small: a large one, or one whose paths or values take much memory, is refused.
+/// Values as they are found. A text of options is small: a large one, or one whose paths or values take much memory, is
+/// refused.
 class OptionValues {
  public:
   OptionValues(std::string_view text, std::string_view file) : file_(file) {
-    if (text.size() > most_text) raise<io_error>(405, file_, ": ", text.size(), " bytes of options, at most ", most_text);
+    if (text.size() > most_text)
+      raise<io_error>(405, file_, ": ", text.size(), " bytes of options, at most ", most_text);
   }
   template <class T>
   void add(const std::string& path, T value) {
@@ -4269,7 +4302,8 @@ class OptionValues {
 inline bool is_quoted(std::string_view text) {
   return text.size() >= 2 && text.front() == text.back() && (text.front() == '"' || text.front() == '\'');
 }
-/// What stands between the quotes: '' is one quote in the single kind, a backslash takes the next character in the double kind.
+/// What stands between the quotes: '' is one quote in the single kind, a backslash takes the next character in the
+/// double kind.
 inline std::string unquoted(std::string_view text) {
   const char quote = text.front();
   text = text.substr(1, text.size() - 2);
@@ -4550,10 +4584,10 @@ inline const FileValue* find_option(const std::vector<FileValue>& values, std::s
   return nullptr;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct RunFolder {
   std::filesystem::path folder;
@@ -4598,12 +4632,12 @@ inline std::vector<std::filesystem::path> listed(const std::filesystem::path& fo
   std::vector<std::filesystem::path> out;
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) out.push_back(entry.path());
-  detail::sort(out, [](const auto& a, const auto& b) {
-    return before_by_number(a.filename().string(), b.filename().string());
-  });
+  detail::sort(
+      out, [](const auto& a, const auto& b) { return before_by_number(a.filename().string(), b.filename().string()); });
   return out;
 }
-/// The file of a folder that comes first in `names`, else the last one whose name begins and ends so; empty if there is none.
+/// The file of a folder that comes first in `names`, else the last one whose name begins and ends so; empty if there is
+/// none.
 inline std::filesystem::path best_file(const std::filesystem::path& folder, std::initializer_list<const char*> names,
                                        std::string_view begin, std::string_view end) {
   std::error_code ignored;
@@ -4671,7 +4705,8 @@ inline void add_statistics(RunFolder& run) {
       const std::string name = p.filename().string();
       for (const char* what : {"mean", "std"}) {
         const std::string capital = std::string(1, static_cast<char>(what[0] - 'a' + 'A')) + (what + 1);
-        for (const std::string& stem : {std::string(what), capital, concat_text("jfeats_", what), concat_text("rfeats_", what)}) {
+        for (const std::string& stem :
+             {std::string(what), capital, concat_text("jfeats_", what), concat_text("rfeats_", what)}) {
           if (name == stem + ".pt" || name == stem + ".npy") run.parts.emplace(prefix + what, p);
         }
       }
@@ -4690,7 +4725,8 @@ inline void find_weights(RunFolder& run) {
   const auto lightning = [&](const fs::path& sub) {
     return best_file(folder / sub, {"last.ckpt"}, "latest-epoch=", ".ckpt");
   };
-  const fs::path whole = best_file(folder, {"weights.safetensors", "model.safetensors"}, "model", ".safetensors.index.json");
+  const fs::path whole =
+      best_file(folder, {"weights.safetensors", "model.safetensors"}, "model", ".safetensors.index.json");
   const fs::path checkpoint = best_file(folder, {}, "checkpoint_", ".pth.tar");
   const fs::path model = best_file(folder, {}, "model0", ".pt");
   fs::path split;  // a folder of one file for each module
@@ -4744,7 +4780,8 @@ inline RunFolder find_run(const FilePath& path) {
   if (problem) raise<io_error>(401, "cannot list ", path.string(), ": ", problem.message());
   std::error_code ignored;
   for (const char* name : {"config.json", "args.json", "opt.yaml", "opt.txt", ".hydra/config.yaml"}) {
-    if (run.options_file.empty() && fs::is_regular_file(run.folder / name, ignored)) run.options_file = run.folder / name;
+    if (run.options_file.empty() && fs::is_regular_file(run.folder / name, ignored))
+      run.options_file = run.folder / name;
   }
   if (!run.options_file.empty()) {
     run.options = read_options(run.options_file);
@@ -4755,29 +4792,30 @@ inline RunFolder find_run(const FilePath& path) {
   return run;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_TORCH_FILE_HPP  // <motionlang/io/torch_file.hpp>
 #define MOTIONLANG_HAS_IO_TORCH_FILE_HPP
-/// PyTorch's files: zip archives (torch >= 1.6), TorchScript archives, and the older form of five pickles and raw storages.
+/// PyTorch's files: zip archives (torch >= 1.6), TorchScript archives, and the older form of five pickles and raw
+/// storages.
 ///
 ///     const TorchFile file = TorchFile::open("model.ckpt");
 ///     const TensorView bias = file.tensor(file.root()["state_dict"]["head.bias"]);
 ///
-/// The objects in the file are a pickle, which is read without executing anything (io/pickle.hpp); this class gives its tensors.
-/// Those that lie in order in the file are views of it, without a copy; others (transposed, expanded, big-endian) are gathered.
-/// io/weight_file.hpp finds all tensors of a file by their names.
+/// The objects in the file are a pickle, which is read without executing anything (io/pickle.hpp); this class gives its
+/// tensors. Those that lie in order in the file are views of it, without a copy; others (transposed, expanded,
+/// big-endian) are gathered. io/weight_file.hpp finds all tensors of a file by their names.
 ///
 /// Checked  sizes, strides and offsets against the storage, storages against the archive, the checksum of the pickle
 /// Source   spec weights.md, sections 3 and 4
 
 #ifndef MOTIONLANG_HAS_IO_TENSOR_MEMORY_HPP  // <motionlang/io/tensor_memory.hpp>
 #define MOTIONLANG_HAS_IO_TENSOR_MEMORY_HPP
-/// What keeps the bytes of tensors alive, and an account of what a file may cost: whoever reads weights asks here before it
-/// allocates.
+/// What keeps the bytes of tensors alive, and an account of what a file may cost: whoever reads weights asks here
+/// before it allocates.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The file in which most tensors lie, and the bytes of those that had to be unpacked or put into another order.
 class TensorMemory {
@@ -4813,10 +4851,10 @@ class TensorMemory {
   std::deque<std::shared_ptr<const void>> kept_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -4918,7 +4956,8 @@ inline std::vector<std::byte> gathered(const StridedTensor& t) {
   return out;
 }
 
-/// Pairs of a size and a stride are in range: every element lies in a storage of `count` elements. Gives back the reason if not.
+/// Pairs of a size and a stride are in range: every element lies in a storage of `count` elements. Gives back the
+/// reason if not.
 inline const char* out_of_range(const StridedTensor& t, std::uint64_t count) {
   constexpr std::uint64_t most_repeated = std::uint64_t{1}
                                           << 20;  // elements of a tensor that repeats those of its storage
@@ -5033,7 +5072,8 @@ class TorchTensors {
     t.shape = sizes(given[2]);
     t.strides = sizes(given[3]);
     t.swapped = swapped_ && bytes_of(t.dtype) > 1;
-    constexpr std::size_t metadata = 6;  // of _rebuild_tensor_v2, since PyTorch 2: elements are to be negated or conjugated on reading
+    // of _rebuild_tensor_v2, since PyTorch 2: elements are to be negated or conjugated on reading
+    constexpr std::size_t metadata = 6;
     if (function.ends_with("_v2") && given.size() > metadata && given[metadata].size() > 0)
       v.fail(404, "a tensor that is negated or conjugated when it is read");
     if (t.shape.rank() != t.strides.rank())
@@ -5123,13 +5163,14 @@ inline TorchTensors::Storage TorchTensors::nested_storage(const PickleValue& v) 
 
 class TorchFile {
  public:
-  /// Throws  io_error 401; 402, 403, 405 if the file is damaged; 404 for what is not supported, and for names that only code
-  ///         that attacks its reader needs
+  /// Throws  io_error 401; 402, 403, 405 if the file is damaged; 404 for what is not supported, and for names that only
+  ///         code that attacks its reader needs
   static TorchFile open(const FilePath& path) {
     const auto file = MappedFile::open(path);
     return from_bytes(file->bytes(), path.string(), file);
   }
-  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in messages.
+  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
+  /// messages.
   static TorchFile from_bytes(std::span<const std::byte> bytes, std::string name,
                               std::shared_ptr<const void> owner = {}) {
     const auto memory = std::make_shared<TensorMemory>(std::move(owner), bytes.size(), name);
@@ -5148,7 +5189,8 @@ class TorchFile {
     if (folder.empty()) raise<io_error>(403, zip.name(), ": no data.pkl in the archive: not a file of PyTorch");
     for (const ZipEntry& e : zip.entries()) {
       if (is_root_pickle(e.name) && !e.name.starts_with(folder))
-        raise<io_error>(403, zip.name(), ": both '", folder, "data.pkl' and '", e.name, "' at byte ", e.offset, ": which is meant?");
+        raise<io_error>(403, zip.name(), ": both '", folder, "data.pkl' and '", e.name, "' at byte ", e.offset,
+                        ": which is meant?");
     }
     detail::TorchTensors tensors(memory);
     const std::string data = folder + "data/";
@@ -5157,7 +5199,7 @@ class TorchFile {
       script = script || e.name == folder + "constants.pkl" || e.name.starts_with(folder + "code/");
       if (!e.name.starts_with(data)) continue;
       if (e.deflated) memory->spend(e.size);
-      tensors.add_storage(e.name.substr(data.size()), e.deflated   ? std::span<const std::byte>(memory->keep(zip.read(e)))
+      tensors.add_storage(e.name.substr(data.size()), e.deflated ? std::span<const std::byte>(memory->keep(zip.read(e)))
                                                       : checksums ? zip.checked(e)
                                                                   : zip.stored(e));
     }
@@ -5198,8 +5240,8 @@ class TorchFile {
   PickleValue root() const { return object_.root(); }
   static bool is_tensor(const PickleValue& v) { return detail::TorchTensors::is_tensor(v); }
   /// Not for several threads at once: what is allocated for tensors is counted.
-  /// Throws  io_error 403, 405 if the tensor does not fit its storage, 404 if its elements are of no type that is known, 407 if
-  ///         the value is no tensor
+  /// Throws  io_error 403, 405 if the tensor does not fit its storage, 404 if its elements are of no type that is
+  ///         known, 407 if the value is no tensor
   TensorView tensor(const PickleValue& v) const { return tensors_.tensor(v); }
   /// Keeps the bytes of all tensors alive.
   const std::shared_ptr<TensorMemory>& owner() const { return memory_; }
@@ -5222,14 +5264,14 @@ class TorchFile {
   std::uint64_t behind_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct WeightOptions {
-  /// Keys from the root of the file to the dictionary of tensors, "state_dict" or "a/b"; "" means the root. Unless given: the
-  /// root if it holds tensors itself, else its "state_dict", "model_state_dict" or "model", else the root.
+  /// Keys from the root of the file to the dictionary of tensors, "state_dict" or "a/b"; "" means the root. Unless
+  /// given: the root if it holds tensors itself, else its "state_dict", "model_state_dict" or "model", else the root.
   std::optional<std::string> path{};
   bool strict = false;     // refuse what is skipped otherwise
   bool checksums = false;  // compare those of PyTorch's storages, too: reads the whole file
@@ -5252,12 +5294,12 @@ namespace detail {
 class WeightReader;
 }
 
-/// Tensors of a file, sorted by name, and what else it says. A tensor in dictionaries is called by their keys, joined with '.' in
-/// PyTorch's files and with '/' in others; a tensor on its own is called "array".
+/// Tensors of a file, sorted by name, and what else it says. A tensor in dictionaries is called by their keys, joined
+/// with '.' in PyTorch's files and with '/' in others; a tensor on its own is called "array".
 class WeightFile : public TensorSet {
  public:
-  /// "safetensors", "torch zip", "TorchScript", "torch legacy", "npy", "npz", "pickle", "joblib", "shards", "folder", or "TMR run
-  /// folder" and the like.
+  /// "safetensors", "torch zip", "TorchScript", "torch legacy", "npy", "npz", "pickle", "joblib", "shards", "folder",
+  /// or "TMR run folder" and the like.
   const std::string& format() const { return format_; }
   /// The first 10,000 of them, in the order of the file.
   const std::vector<FileValue>& values() const { return values_; }
@@ -5266,9 +5308,10 @@ class WeightFile : public TensorSet {
   /// The first 1,000 values that were passed over, in the order of the file.
   const std::vector<SkippedValue>& skipped() const { return skipped_; }
 
-  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in messages.
-  /// Throws  io_error 402, 403, 405 if the file is damaged, 404 if its format is not known or not supported, or if it tries to
-  ///         execute code, 406 if it holds no tensors or `options.path` leads nowhere
+  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
+  /// messages.
+  /// Throws  io_error 402, 403, 405 if the file is damaged, 404 if its format is not known or not supported, or if it
+  ///         tries to execute code, 406 if it holds no tensors or `options.path` leads nowhere
   static WeightFile from_bytes(std::span<const std::byte> bytes, std::string name,
                                std::shared_ptr<const void> owner = {}, const WeightOptions& options = {});
   /// The files of a folder. Throws io_error 404 if there are none, and what open_weights throws.
@@ -5536,7 +5579,8 @@ class WeightReader {
   }
   /// Elements of an array as a tensor.
   void add_elements(char kind, std::size_t size, const std::vector<Index>& shape, std::span<const std::byte> bytes) {
-    if (shape.size() > FileShape::max_rank) raise<io_error>(404, out_.name(), ": an array with ", shape.size(), " axes");
+    if (shape.size() > FileShape::max_rank)
+      raise<io_error>(404, out_.name(), ": an array with ", shape.size(), " axes");
     DType dtype = kind == 'b' ? DType::BOOL : DType::F16;
     if (kind != 'b' && !(kind == 'f' && size == 2)) {
       with_npy_number(kind, size, [&](auto number) {
@@ -5620,7 +5664,8 @@ inline bool is_zlib(std::span<const std::byte> bytes) {
   const auto first = std::to_integer<unsigned>(bytes[0]), second = std::to_integer<unsigned>(bytes[1]);
   return first == 0x78 && (first * 256 + second) % 31 == 0;
 }
-/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`. Looks how long it is before it allocates.
+/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`. Looks how long it is before it
+/// allocates.
 inline std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::size_t limit, const std::string& name) {
   ByteCount size;
   inflate_to(size, bytes.subspan(2), limit, name);
@@ -5641,9 +5686,13 @@ inline std::vector<std::byte> from_gzip(std::span<const std::byte> bytes, std::s
 /// What packed the bytes, if it is something that is not unpacked here; else empty.
 inline std::string_view unread_packing(std::string_view text) {
   using namespace std::string_view_literals;
-  constexpr std::pair<std::string_view, std::string_view> marks[] = {
-      {"BZh"sv, "bzip2"}, {"\xFD" "7zXZ\0"sv, "xz"}, {"\x5D\0\0"sv, "lzma"}, {"\x04\x22\x4D\x18"sv, "lz4"},
-      {"\x28\xB5\x2F\xFD"sv, "zstd"}};
+  constexpr std::pair<std::string_view, std::string_view> marks[] = {{"BZh"sv, "bzip2"},
+                                                                     {"\xFD"
+                                                                      "7zXZ\0"sv,
+                                                                      "xz"},
+                                                                     {"\x5D\0\0"sv, "lzma"},
+                                                                     {"\x04\x22\x4D\x18"sv, "lz4"},
+                                                                     {"\x28\xB5\x2F\xFD"sv, "zstd"}};
   for (const auto& [mark, name] : marks) {
     if (text.starts_with(mark)) return name;
   }
@@ -5666,12 +5715,14 @@ inline bool has_header_length(std::span<const std::byte> bytes) {
 /// Whether bytes begin like a file of weights in a binary format, or with a zero byte in them, which no text has.
 inline bool begins_weights(std::span<const std::byte> bytes) {
   const std::string_view text = as_text(bytes);
-  const bool damaged = text.size() > 8 && text[8] == '{' && (text[7] == '\0' || !is_utf8(text.substr(0, 8)));  // a wrong length
+  // a wrong length
+  const bool damaged = text.size() > 8 && text[8] == '{' && (text[7] == '\0' || !is_utf8(text.substr(0, 8)));
   return is_safetensors(bytes) || damaged || text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") ||
          text.starts_with('\x80') || is_zlib(bytes) || is_gzip(bytes) || text.substr(0, 4096).find('\0') != text.npos;
 }
 
-/// Whether the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a name.
+/// Whether the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a
+/// name.
 inline bool begins_pickle(std::string_view text) {
   if (text.empty()) return false;
   if (text[0] == '\x80') return text.size() > 1 && text[1] >= 1 && text[1] <= 5;
@@ -5708,8 +5759,9 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
     out.format_ = file.format();
     reader.read(file);
     if (out.tensors_.empty() && !out.skipped_.empty())
-      raise<io_error>(406, name, ": no tensors that can be read in this ", out.format_, "; skipped: ",
-                      to_string(out.skipped_.front()), " (of a whole module or model, save its state_dict())");
+      raise<io_error>(406, name, ": no tensors that can be read in this ", out.format_,
+                      "; skipped: ", to_string(out.skipped_.front()),
+                      " (of a whole module or model, save its state_dict())");
     if (out.tensors_.empty()) raise<io_error>(406, name, ": no tensors in this ", out.format_);
     if (file.bytes_behind() > 0)
       out.skipped_.push_back({"", concat_text(file.bytes_behind(), " bytes behind the end of data.pkl")});
@@ -5741,8 +5793,9 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
     // What any pickle may need for its values; with it, and 10 MiB that are not counted, twice the size and 64 MiB.
     constexpr std::uint64_t values = std::uint64_t{24} << 20;
     memory->allow(bytes.size() + (std::uint64_t{18} << 20));
-    const std::vector<std::byte>& unpacked = memory->keep(
-        is_gzip(bytes) ? detail::from_gzip(bytes, memory->left(), name) : detail::from_zlib(bytes, memory->left(), name));
+    const std::vector<std::byte>& unpacked =
+        memory->keep(is_gzip(bytes) ? detail::from_gzip(bytes, memory->left(), name)
+                                    : detail::from_zlib(bytes, memory->left(), name));
     memory->spend(unpacked.size());
     const std::uint64_t most = values + std::min<std::uint64_t>(bytes.size(), memory->left());
     Pickle pickle(unpacked, name, {.max_memory = most, .inline_bytes = joblib_array_bytes});
@@ -5750,7 +5803,8 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
     read_torch(TorchFile::from_pickle(std::move(pickle), memory));
   } else if (detail::begins_pickle(text)) {
     Pickle pickle(bytes, name, {.inline_bytes = joblib_array_bytes});
-    const bool number = pickle.root().is(PickleKind::integer) || pickle.root().is(PickleKind::bytes);  // of 8 bytes, or more
+    // of 8 bytes, or more
+    const bool number = pickle.root().is(PickleKind::integer) || pickle.root().is(PickleKind::bytes);
     if (number && pickle.end() < bytes.size() && bytes[static_cast<std::size_t>(pickle.end())] == std::byte{0x80})
       pickle.root().fail(404, "not the magic number of PyTorch's older files, although pickles follow it,");
     read_torch(TorchFile::from_pickle(std::move(pickle), memory));
@@ -5773,8 +5827,10 @@ inline void WeightFile::add(const WeightFile& file, const std::string& prefix,
     if (!prefix.empty()) t.name = t.name == "array" ? prefix : prefix + "." + t.name;
     tensors_.push_back(std::move(t));
   }
-  for (const FileValue& v : file.values()) values_.push_back({prefix.empty() ? v.path : prefix + "/" + v.path, v.value});
-  for (const SkippedValue& v : file.skipped()) skipped_.push_back({prefix.empty() ? v.path : prefix + "/" + v.path, v.type});
+  for (const FileValue& v : file.values())
+    values_.push_back({prefix.empty() ? v.path : prefix + "/" + v.path, v.value});
+  for (const SkippedValue& v : file.skipped())
+    skipped_.push_back({prefix.empty() ? v.path : prefix + "/" + v.path, v.type});
 }
 
 /// The files that "weight_map" of an index.json names, each with the tensors that are said to be in it.
@@ -5800,8 +5856,8 @@ inline WeightFile WeightFile::from_shards(const FilePath& index, const WeightOpt
   return out;
 }
 
-/// The files of a training run: its weights under their own names, parts and statistics (TMR's last_weights/motion_encoder.pt,
-/// stats/mean.pt) behind the name of the part: "motion_encoder.tokens", "stats.mean".
+/// The files of a training run: its weights under their own names, parts and statistics (TMR's
+/// last_weights/motion_encoder.pt, stats/mean.pt) behind the name of the part: "motion_encoder.tokens", "stats.mean".
 inline WeightFile WeightFile::from_run(const RunFolder& run, const WeightOptions& options) {
   if (run.weights.empty() && run.parts.empty())
     raise<io_error>(404, run.folder.string(), ": no weights in this folder (.pt, .ckpt, .tar, .safetensors)");
@@ -5835,7 +5891,8 @@ inline bool may_be_weights(const FilePath& path) {
 }
 
 /// Opens a file, the index.json of weights in shards, or the folder of a training run (io/run_folder.hpp).
-/// Throws  io_error 401 if it cannot be opened, 406 if a shard lacks a tensor, and what WeightFile::from_bytes and find_run throw
+/// Throws  io_error 401 if it cannot be opened, 406 if a shard lacks a tensor, and what WeightFile::from_bytes and
+///         find_run throw
 inline WeightFile open_weights(const FilePath& path, const WeightOptions& options) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path.string(), ignored)) return WeightFile::from_run(find_run(path), options);
@@ -5844,10 +5901,11 @@ inline WeightFile open_weights(const FilePath& path, const WeightOptions& option
   return WeightFile::from_bytes(file->bytes(), path.string(), file, options);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// The folder around one, also of "a/b/" and ".".
 inline std::filesystem::path folder_around(const std::filesystem::path& folder) {
@@ -5964,7 +6022,8 @@ std::optional<Normalizer<B>> find_normalizer(const TensorSet& file, Index width,
     Normalizer<B> out = Normalizer<B>::identity(width);
     for (const TensorView* t : {mean, std}) {
       if (t->shape.count() != width)
-        raise<io_error>(407, file.name(), ": tensor '", t->name, "' is ", t->shape, ", the model has ", width, " features");
+        raise<io_error>(407, file.name(), ": tensor '", t->name, "' is ", t->shape, ", the model has ", width,
+                        " features");
     }
     using S = typename B::scalar;
     out.mean = Tensor<B, 1>::from(values_of<S>(*mean), {width});
@@ -6010,10 +6069,11 @@ void load_run_module(M& module, const TensorSet& file, const std::string& prefix
   if (!report.missing.empty() || !report.unexpected.empty()) raise_key_mismatch(file.name(), report);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -6114,8 +6174,9 @@ inline void check_actor_room(const TensorSet& file, const ActorConfig& c) {
 
 }  // namespace detail
 
-/// Frames of the longest motions that a run learned from: num_frames. Where that is -1 (whole clips) or -2 (windows of any length)
-/// it is max_len, and where this is -1 as well what the table of positions has room for, beside two tokens. Spec actor.md 6.3
+/// Frames of the longest motions that a run learned from: num_frames. Where that is -1 (whole clips) or -2 (windows of
+/// any length) it is max_len, and where this is -1 as well what the table of positions has room for, beside two tokens.
+/// Spec actor.md 6.3
 inline Index actor_longest(const RunFolder& run, const TensorSet& weights, const ActorConfig& config) {
   const detail::RunReader r(run, weights, "");
   const auto frames = [&r](const char* key, Index otherwise, Index least) {
@@ -6208,7 +6269,7 @@ StGcn<B> load_stgcn(const TensorSet& file) {
   return model;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_AMASS_HPP  // <motionlang/io/amass.hpp>
@@ -6222,12 +6283,12 @@ StGcn<B> load_stgcn(const TensorSet& file) {
 
 #ifndef MOTIONLANG_HAS_IO_AMASS_SEQUENCE_HPP  // <motionlang/io/amass_sequence.hpp>
 #define MOTIONLANG_HAS_IO_AMASS_SEQUENCE_HPP
-/// AMASS files as they stand, for a body model: all rotation vectors, shape and gender, world Z up. As a Motion on SMPL's
-/// bones: amass.hpp.
+/// AMASS files as they stand, for a body model: all rotation vectors, shape and gender, world Z up. As a Motion on
+/// SMPL's bones: amass.hpp.
 ///
 /// Source  Mahmood et al. (ICCV 2019); spec body-models.md 6
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -6270,8 +6331,8 @@ void join_pose_parts(const NpzArchive& npz, const PosePartNames& names, const Ma
   }
 }
 
-/// The gender of a file that has one: a text, or an array of one, or either as an object of Python, which is read and not
-/// run. Throws io_error 402 to 407 for anything else.
+/// The gender of a file that has one: a text, or an array of one, or either as an object of Python, which is read and
+/// not run. Throws io_error 402 to 407 for anything else.
 inline std::string amass_gender(const ZipArchive& zip) {
   const std::vector<std::byte> bytes = zip.read(*zip.find("gender.npy"));
   const std::string where = concat_text(zip.name(), "/gender");
@@ -6290,8 +6351,8 @@ inline void require_finite_betas(const std::string& file, std::span<const double
 
 }  // namespace detail
 
-/// The array that the poses of a sequence begin with: "poses", or "root_orient" or "global_orient" where they are stored
-/// in parts. "" where the archive holds no sequence, as the shape.npz files beside them.
+/// The array that the poses of a sequence begin with: "poses", or "root_orient" or "global_orient" where they are
+/// stored in parts. "" where the archive holds no sequence, as the shape.npz files beside them.
 inline std::string_view amass_poses(const NpzArchive& npz) {
   if (npz.has("poses")) return "poses";
   for (const detail::PosePartNames& names : detail::pose_part_names) {
@@ -6310,12 +6371,12 @@ inline std::optional<double> amass_rate(const NpzArchive& npz) {
 
 /// A sequence of SMPL (72 columns), SMPL-H (156, mocap_framerate) or SMPL-X (165, mocap_frame_rate), whose poses
 /// may be stored in parts (root_orient, pose_body, ...), also by the names that smplx has for them (global_orient,
-/// body_pose, transl, ...). The gender may be a text or an array of one, as in SSM_synced, or that as an object of Python.
-/// Of betas for each frame, the first are taken.
+/// body_pose, transl, ...). The gender may be a text or an array of one, as in SSM_synced, or that as an object of
+/// Python. Of betas for each frame, the first are taken.
 /// fps     frames per second of a file that does not say them; 0: it is refused
-/// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are no
-///         motion), 407 if one has another shape, 403 for an impossible frame rate; config_error 102 if the file says
-///         another rate; numeric_error 301 if a number of betas is not finite
+/// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are
+///         no motion), 407 if one has another shape, 403 for an impossible frame rate; config_error 102 if the file
+///         says another rate; numeric_error 301 if a number of betas is not finite
 inline AmassSequence read_amass_sequence(const FilePath& path, double fps = 0) {
   const ZipArchive zip = ZipArchive::open(path);
   const NpzArchive npz(zip);
@@ -6364,10 +6425,10 @@ inline AmassSequence read_amass_sequence(const FilePath& path, double fps = 0) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Y up (this library) to Z up (AMASS) and back: a quarter turn about x.
 inline Vec3<double> y_up_to_z_up(const Vec3<double>& v) { return {v.x, -v.z, v.y}; }
@@ -6451,8 +6512,9 @@ inline Quaternion<double> amass_rotation(const AmassSequence& sequence, Index fr
 
 }  // namespace detail
 
-/// The body joints of a sequence: SMPL (72 columns), SMPL-H (156) or SMPL-X (165); fingers and face are dropped, the two hand
-/// joints stay at rest. Bones are those of smpl24_skeleton(), whatever betas say. Throws numeric_error 301 if a value is not finite
+/// The body joints of a sequence: SMPL (72 columns), SMPL-H (156) or SMPL-X (165); fingers and face are dropped, the
+/// two hand joints stay at rest. Bones are those of smpl24_skeleton(), whatever betas say. Throws numeric_error 301 if
+/// a value is not finite
 inline Motion amass_motion(const AmassSequence& sequence, std::string name, const Vec3<double>& rest_pelvis = {}) {
   Motion motion{smpl24_skeleton(), sequence.fps, {}, {}, std::move(name)};
   const Index joints = motion.skeleton.size();
@@ -6471,8 +6533,8 @@ inline Motion amass_motion(const AmassSequence& sequence, std::string name, cons
   return motion;
 }
 
-/// Reads the body joints of an AMASS file. fps: as for read_amass_sequence. Throws as that does, and numeric_error 301 if
-/// a value is not finite.
+/// Reads the body joints of an AMASS file. fps: as for read_amass_sequence. Throws as that does, and numeric_error 301
+/// if a value is not finite.
 inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}, double fps = 0) {
   AmassSequence sequence = read_amass_sequence(path, fps);
   AmassClip clip{amass_motion(sequence, path.stem(), rest_pelvis), {}};
@@ -6481,8 +6543,9 @@ inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvi
   return clip;
 }
 
-/// Joint positions as (frames, joints, 3) in float32, Z up: what STMC saves and its evaluation reads. Joints stand in the order of the
-/// skeleton; readers take 22 or 24 for SMPL's. Throws io_error 401, numeric_error 301 for a position that float32 cannot hold.
+/// Joint positions as (frames, joints, 3) in float32, Z up: what STMC saves and its evaluation reads. Joints stand in
+/// the order of the skeleton; readers take 22 or 24 for SMPL's. Throws io_error 401, numeric_error 301 for a position
+/// that float32 cannot hold.
 inline void write_joints_npy(const FilePath& path, const Motion& motion) {
   motion.validate();
   std::vector<float> values;
@@ -6515,7 +6578,7 @@ inline JointPositions read_joints_npy(const FilePath& path) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_AMASS_BODY_HPP  // <motionlang/io/amass_body.hpp>
@@ -6527,14 +6590,15 @@ inline JointPositions read_joints_npy(const FilePath& path) {
 ///
 /// Source  Mahmood et al. (ICCV 2019); spec body-models.md 1, 2, 6
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct AmassOnBody {
-  Motion motion;                           // on the body's joints, turned to Y up
-  std::vector<typename B::scalar> betas;   // the file's, as many as the body has, if it has these shapes; the others are 0
-  std::vector<std::string> parts{};        // that move in the file besides the 22 body joints: "left hand", ...
-  std::vector<std::string> left_out{};     // those of them that the body does not have
+  Motion motion;  // on the body's joints, turned to Y up
+  std::vector<typename B::scalar>
+      betas;                            // the file's, as many as the body has, if it has these shapes; the others are 0
+  std::vector<std::string> parts{};     // that move in the file besides the 22 body joints: "left hand", ...
+  std::vector<std::string> left_out{};  // those of them that the body does not have
 };
 
 namespace detail {
@@ -6571,22 +6635,26 @@ inline bool has_shapes_of(const AmassSequence& sequence, BodyKind body) {
   return (body_kind_of(sequence.columns / 3) == BodyKind::smplx) == (body == BodyKind::smplx);
 }
 
-/// A part whose numbers are all 0 in the file is not in it: hands then have the mean pose of the body's, as in motion_on_body.
+/// A part whose numbers are all 0 in the file is not in it: hands then have the mean pose of the body's, as in
+/// motion_on_body.
 /// Throws  config_error 106 for a body of another kind, numeric_error 301 if a value is not finite
 template <Backend B>
 AmassOnBody<B> amass_on_body(const AmassSequence& sequence, const std::string& name, const Body<B>& body) {
   using S = typename B::scalar;
   if (body.kind == BodyKind::other)
-    raise<config_error>(106, "amass_on_body: a body of ", body.model.joints(), " joints is none of SMPL, SMPL-H and SMPL-X");
+    raise<config_error>(106, "amass_on_body: a body of ", body.model.joints(),
+                        " joints is none of SMPL, SMPL-H and SMPL-X");
   const Index coefficients = body.model.shapedirs.size(1);
   std::vector<S> betas(static_cast<std::size_t>(coefficients), S(0));
   const Index common =
       has_shapes_of(sequence, body.kind) ? std::min(std::ssize(sequence.betas), coefficients - body.expressions) : 0;
-  std::transform(sequence.betas.begin(), sequence.betas.begin() + common, betas.begin(), [](double b) { return static_cast<S>(b); });
+  std::transform(sequence.betas.begin(), sequence.betas.begin() + common, betas.begin(),
+                 [](double b) { return static_cast<S>(b); });
 
   const Skeleton skeleton = body_skeleton(body, std::span<const S>(betas));
   Motion motion = amass_motion(sequence, name, skeleton.offset(0));
-  std::copy_n(skeleton.offsets.begin(), detail::amass_joints, motion.skeleton.offsets.begin());  // its legs: the path is not scaled
+  // its legs: the path is not scaled
+  std::copy_n(skeleton.offsets.begin(), detail::amass_joints, motion.skeleton.offsets.begin());
   AmassOnBody<B> out{motion_on_body(body, motion, std::span<const S>(betas)), betas};
   const auto names = body_joint_names(body_kind_of(sequence.columns / 3), sequence.columns / 3);
   for (const detail::AmassPart& part : detail::amass_parts(sequence.columns)) {
@@ -6595,14 +6663,15 @@ AmassOnBody<B> amass_on_body(const AmassSequence& sequence, const std::string& n
     (own >= 0 ? out.parts : out.left_out).emplace_back(part.name);
     for (Index frame = 0; own >= 0 && frame < sequence.frames; ++frame) {
       for (Index j = 0; j < part.count; ++j)
-        out.motion.rotations(frame)[static_cast<std::size_t>(own + j)] = detail::amass_rotation(sequence, frame, part.first + j);
+        out.motion.rotations(frame)[static_cast<std::size_t>(own + j)] =
+            detail::amass_rotation(sequence, frame, part.first + j);
     }
   }
   out.motion.validate();
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_AMC_HPP  // <motionlang/io/amc.hpp>
@@ -6624,7 +6693,8 @@ AmassOnBody<B> amass_on_body(const AmassSequence& sequence, const std::string& n
 /// Reads words, numbers and lines of a text and says where it stands when something is wrong. For formats made of words
 /// between blanks (BVH, ASF, AMC); knows no format itself.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// More joints than any file has; keeps searches for names in a hostile one short.
 inline constexpr std::size_t max_text_joints = 4096;
@@ -6753,8 +6823,8 @@ class TextScanner {
   void skip_blanks() {
     while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
   }
-  /// Takes a number that is written as most are, in one pass: up to 15 digits with a point at most, before a blank. Digits
-  /// and power of ten are then exact doubles, so that their quotient is the double nearest to the text.
+  /// Takes a number that is written as most are, in one pass: up to 15 digits with a point at most, before a blank.
+  /// Digits and power of ten are then exact doubles, so that their quotient is the double nearest to the text.
   bool plain_decimal(double& value) {
     static constexpr double powers[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                         1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
@@ -6804,10 +6874,11 @@ class TextScanner {
   std::size_t last_ = 0;  // where the last word began
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One number of a bone in an AMC frame: along or about an axis (0, 1, 2). A changing length (dof "l") is read, not
 /// used.
@@ -7040,10 +7111,10 @@ class AsfParser {
 };
 
 }  // namespace detail
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct AmcReadOptions {
   double fps = 120;  // the format does not say it
@@ -7161,8 +7232,8 @@ class AmcParser {
 
   TextScanner scan_;
   const AsfSkeleton& asf_;
-  std::size_t limit_;  // of rotations
-  double unit_;        // radians per unit of the angles
+  std::size_t limit_;               // of rotations
+  double unit_;                     // radians per unit of the angles
   std::uint64_t number_ = 0;        // of the frame
   std::vector<std::size_t> named_;  // frames that there were when a bone was named last
   Motion motion_;
@@ -7170,10 +7241,10 @@ class AmcParser {
 
 }  // namespace detail
 
-/// Reads the text of an AMC file that belongs to the skeleton. Bones that no frame names rest; translations count for the
-/// root only. Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after the
-/// other, bones that a frame names twice or, unlike others, not at all), 405 (far more bones than numbers), config_error 101 (fps),
-/// numeric_error 301 (numbers so large that they overflow).
+/// Reads the text of an AMC file that belongs to the skeleton. Bones that no frame names rest; translations count for
+/// the root only. Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after
+/// the other, bones that a frame names twice or, unlike others, not at all), 405 (far more bones than numbers),
+/// config_error 101 (fps), numeric_error 301 (numbers so large that they overflow).
 inline Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options = {},
                         std::string_view name = "AMC text") {
   return detail::AmcParser(text, name, asf).parse(options.fps);
@@ -7183,13 +7254,13 @@ inline Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcRe
   return parse_amc(read_file(path), asf, options, path.string());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_ANNOTATIONS_HPP  // <motionlang/io/annotations.hpp>
 #define MOTIONLANG_HAS_IO_ANNOTATIONS_HPP
-/// The annotation JSON of TMR and STMC: which texts describe which seconds of which AMASS sequence. Read entry by entry,
-/// written in the published layout.
+/// The annotation JSON of TMR and STMC: which texts describe which seconds of which AMASS sequence. Read entry by
+/// entry, written in the published layout.
 ///
 ///     {"000000": {"path": "KIT/3/kick_high_left02_poses", "duration": 5.82, "annotations": [
 ///         {"seg_id": "000000_0", "text": "a man kicks.", "start": 0.0, "end": 5.82}, ...]}, ...}
@@ -7205,7 +7276,8 @@ inline Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcRe
 #define MOTIONLANG_HAS_IO_DETAIL_ANNOTATED_TIMES_HPP
 /// The check of times in annotation files.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// Throws io_error 403 unless 0 <= start <= end are times, with the place in the message.
 inline void require_times(std::string_view place, double start, double end) {
@@ -7213,14 +7285,15 @@ inline void require_times(std::string_view place, double start, double end) {
     raise<io_error>(403, place, ": from ", start, " to ", end, " seconds");
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_ID_LIST_HPP  // <motionlang/io/id_list.hpp>
 #define MOTIONLANG_HAS_IO_ID_LIST_HPP
 /// Lists of clips: the split files of data sets (train.txt, val.txt, test.txt, ...), one id on each line.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -7267,7 +7340,7 @@ inline void write_ids(const FilePath& path, std::span<const std::string> ids) {
 /// Mirrored clips have an M in front of their ids.
 inline std::string mirrored_id(std::string_view id) { return concat_text("M", id); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_JSON_MEMBERS_HPP  // <motionlang/io/json_members.hpp>
@@ -7278,7 +7351,7 @@ inline std::string mirrored_id(std::string_view id) { return concat_text("M", id
 ///     const auto file = JsonMembers::open("annotations.json");
 ///     for (const std::string& id : file.keys()) use(file.load(id));
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class JsonMembers {
  public:
@@ -7387,10 +7460,10 @@ class JsonMembers {
   std::unordered_map<std::string, Part> parts_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct Annotation {
   std::string seg_id;  // "<id>_<number>"
@@ -7517,7 +7590,7 @@ inline void write_annotations(const FilePath& path, std::span<const AnnotatedMot
   write_file(path, annotations_json(motions));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_BABEL_HPP  // <motionlang/io/babel.hpp>
@@ -7534,7 +7607,7 @@ inline void write_annotations(const FilePath& path, std::span<const AnnotatedMot
 /// Source  Punnakkal et al. (CVPR 2021), babel v1.0; TEACH and SINC, extract_frame_labels; spec exchange-formats.md 5.1
 ///         and 5.4, teach.md 4, sinc.md 5, tmr.md 8.1
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct BabelLabel {
   std::string raw_label, proc_label, seg_id;
@@ -7561,7 +7634,8 @@ struct BabelSequence {
   bool operator==(const BabelSequence&) const = default;
 };
 
-/// A file that is being read: train, val, test (no labels), extra_train, extra_val (several annotations for a sequence).
+/// A file that is being read: train, val, test (no labels), extra_train, extra_val (several annotations for a
+/// sequence).
 class BabelFile {
  public:
   /// What is open already.
@@ -7643,8 +7717,8 @@ class BabelFile {
 /// What a word of a label is replaced by: "foward" by "forward", or by several words, or by none.
 using SpellingTable = std::unordered_map<std::string, std::string>;
 
-/// The label word by word through the table, joined by single blanks, which also surround words that are replaced by nothing. The
-/// published table is the user's to supply.
+/// The label word by word through the table, joined by single blanks, which also surround words that are replaced by
+/// nothing. The published table is the user's to supply.
 inline std::string clean_babel_label(std::string_view label, const SpellingTable& spelling = {}) {
   std::string out;
   const char* blank = "";
@@ -7657,8 +7731,8 @@ inline std::string clean_babel_label(std::string_view label, const SpellingTable
 }
 
 /// The stretches of an annotation in a motion of `frames` frames, in the order of the file and nothing left out:
-/// int(start fps) up to int(end fps), cut at the end of the motion, perhaps empty. Throws config_error 101 for a rate that is
-/// none.
+/// int(start fps) up to int(end fps), cut at the end of the motion, perhaps empty. Throws config_error 101 for a rate
+/// that is none.
 inline std::vector<BabelSegment> babel_intervals(std::span<const BabelLabel> labels, double fps, Index frames,
                                                  const SpellingTable& spelling = {}) {
   if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "babel_intervals: ", fps, " frames per second");
@@ -7703,7 +7777,9 @@ inline AnnotatedMotion annotated_motion(const BabelSequence& sequence, const Spe
     raise<io_error>(403, "BABEL: ", id, ": ", sequence.feat_p.empty() ? "no feat_p" : "no dur");
   const bool number = id.find_first_not_of("0123456789") == id.npos;
   AnnotatedMotion out{number && id.size() < 5 ? std::string(5 - id.size(), '0') + id : id,
-                      sequence.feat_p.substr(sequence.feat_p.find('/') + 1), sequence.dur, {}};
+                      sequence.feat_p.substr(sequence.feat_p.find('/') + 1),
+                      sequence.dur,
+                      {}};
   if (out.path.ends_with(".npz")) out.path.resize(out.path.size() - 4);
   for (const auto* annotations : {&sequence.sequence_annotations, &sequence.frame_annotations}) {
     for (const BabelAnnotation& a : *annotations) {
@@ -7718,14 +7794,14 @@ inline AnnotatedMotion annotated_motion(const BabelSequence& sequence, const Spe
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_BODY_FILE_HPP  // <motionlang/io/body_file.hpp>
 #define MOTIONLANG_HAS_IO_BODY_FILE_HPP
-/// The user's own SMPL, SMPL-H and SMPL-X files, .npz or .pkl, as body models. The form of a file is told by its content,
-/// the kind of body by its number of joints; a body of any other number of joints is read, too. No file of these is or may be
-/// part of this library.
+/// The user's own SMPL, SMPL-H and SMPL-X files, .npz or .pkl, as body models. The form of a file is told by its
+/// content, the kind of body by its number of joints; a body of any other number of joints is read, too. No file of
+/// these is or may be part of this library.
 ///
 ///     auto file = find_body_file("models", BodyKind::smplh);
 ///     auto body = read_body<EigenBackend<float>>(file, {.betas = 16});
@@ -7733,14 +7809,15 @@ inline AnnotatedMotion annotated_motion(const BabelSequence& sequence, const Spe
 ///
 /// Coefficients are those of shape and then those of expression. Source: spec weights.md 8, body-models.md 2, 4, 7.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct BodyFileOptions {
-  Index betas = 10;       // coefficients of shape, which the file must have
-  Index most_betas = 0;   // so many of a file that has more of them than `betas`
+  Index betas = 10;      // coefficients of shape, which the file must have
+  Index most_betas = 0;  // so many of a file that has more of them than `betas`
   /// SMPL-X: coefficients of expression, which follow those of shape. -1: those that the file has, up to 10.
   Index expressions = -1;
-  /// SMPL-X: directions of shape in the file. 0: known of files with 400 directions (300) and 20 (10), in others all of them.
+  /// SMPL-X: directions of shape in the file. 0: known of files with 400 directions (300) and 20 (10), in others all of
+  /// them.
   Index shape_directions = 0;
   bool extra_points =
       true;  // nose, eyes, ears, feet, finger tips (kinematics/body.hpp), if the vertices are those of the kind
@@ -7762,14 +7839,16 @@ class BodyArrays {
     if (const auto* npz = std::get_if<NpzArchive>(&source_)) return npz->read(name);
     return to_array(std::get<Pickle>(source_).root()[name]);
   }
-  /// An array of this shape; a size below 0 may be any. Throws io_error 407, numeric_error 301 if a number is not finite.
+  /// An array of this shape; a size below 0 may be any. Throws io_error 407, numeric_error 301 if a number is not
+  /// finite.
   template <class T>
   std::vector<T> read(const char* name, std::vector<Index> wanted, std::vector<Index>* found = nullptr) const {
     const NpyArray array = read(name);
     bool fits = array.shape.size() == wanted.size();
     for (std::size_t i = 0; fits && i < wanted.size(); ++i) fits = wanted[i] < 0 || array.shape[i] == wanted[i];
-    if (!fits) raise<io_error>(407, file_, ": '", name, "' is ", detail::shape_text(array.shape), ", expected ",
-                               detail::shape_text(wanted));
+    if (!fits)
+      raise<io_error>(407, file_, ": '", name, "' is ", detail::shape_text(array.shape), ", expected ",
+                      detail::shape_text(wanted));
     if (found != nullptr) *found = array.shape;
     std::vector<T> values = array.to<T>();
     for (const T x : values) {
@@ -7855,7 +7934,8 @@ std::optional<HandPoses<B>> hand_poses(const BodyArrays& arrays, const char* com
   return HandPoses<B>{Tensor<B, 2>::from(rows, {shape[0], 45}), Tensor<B, 1>::from(arrays.read<S>(mean, {45}), {45})};
 }
 
-/// Where the directions of expression begin: 300 shape and 100 expression directions in new files, 10 and 10 in old ones.
+/// Where the directions of expression begin: 300 shape and 100 expression directions in new files, 10 and 10 in old
+/// ones.
 inline Index first_expression(BodyKind kind, Index directions, Index told) {
   if (kind != BodyKind::smplx) return directions;
   if (told > 0) return std::min(told, directions);
@@ -7889,8 +7969,8 @@ inline bool readable(const FilePath& path) { return ::access(path.c_str(), R_OK)
 
 }  // namespace detail
 
-/// Throws  io_error 401 to 407 for files that cannot be read or are not a body, numeric_error 301 for numbers that are not finite,
-///         config_error 101 if the file has fewer coefficients than asked for
+/// Throws  io_error 401 to 407 for files that cannot be read or are not a body, numeric_error 301 for numbers that are
+///         not finite, config_error 101 if the file has fewer coefficients than asked for
 template <Backend B>
 Body<B> read_body(const FilePath& path, const BodyFileOptions& options = {}) {
   using S = typename B::scalar;
@@ -7961,7 +8041,8 @@ HandPoses<B> read_hand(const FilePath& path) {
 
 /// The file of a body below a folder, under one of its usual names: smpl/SMPL_NEUTRAL.pkl, smplh/SMPLH_MALE.npz,
 /// smplh/female/model.npz, smplx/SMPLX_NEUTRAL.npz, and the names of the downloads.
-/// Throws  io_error 401, which says where the file can be had, if there is none; config_error 101 for a body of kind `other`
+/// Throws  io_error 401, which says where the file can be had, if there is none; config_error 101 for a body of kind
+///         `other`
 inline FilePath find_body_file(const FilePath& root, BodyKind kind, BodyGender gender = BodyGender::neutral) {
   if (kind == BodyKind::other) raise<config_error>(101, "find_body_file: a body of kind 'other' has no usual name");
   struct Names {
@@ -7988,14 +8069,15 @@ inline FilePath find_body_file(const FilePath& root, BodyKind kind, BodyGender g
                   ": register at ", info.site, " to download it (free for research, no redistribution)");
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_BODY_GLB_HPP  // <motionlang/io/body_glb.hpp>
 #define MOTIONLANG_HAS_IO_BODY_GLB_HPP
 /// The user's body in motion: as a GLB file with its skin, and as one OBJ file for each frame.
 ///
-///     write_body_glb("walk.glb", body, motion);                 // moves in every viewer; pose blend shapes are left out
+///     write_body_glb("walk.glb", body, motion);                 // moves in every viewer; pose blend shapes are left
+///     out
 ///     write_body_objs("walk.obj", body, motion);                // walk_0000.obj, ...: exactly the model's vertices
 ///
 /// A vertex in a GLB file follows at most four joints: the four largest weights, which is all that SMPL has.
@@ -8008,9 +8090,11 @@ inline FilePath find_body_file(const FilePath& root, BodyKind kind, BodyGender g
 #define MOTIONLANG_HAS_IO_DETAIL_SKINNED_MESH_HPP
 /// A surface that follows joints, as files and pages take it.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
-/// A surface at rest whose vertices follow four joints each. W: std::uint8_t or std::uint16_t, of which the largest is 1.
+/// A surface at rest whose vertices follow four joints each. W: std::uint8_t or std::uint16_t, of which the largest is
+/// 1.
 template <class W>
 struct SkinnedMesh {
   std::vector<Vec3<float>> positions, normals;
@@ -8019,10 +8103,12 @@ struct SkinnedMesh {
   std::vector<std::uint32_t> triangles;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// The four largest weights of a vertex with their joints, as shares of 65535.
 struct FourWeights {
@@ -8085,7 +8171,8 @@ SkinnedMesh<std::uint16_t> body_mesh(const Body<B>& body, std::span<const typena
   return mesh;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_GLB_WRITER_HPP  // <motionlang/io/glb_writer.hpp>
@@ -8102,7 +8189,7 @@ SkinnedMesh<std::uint16_t> body_mesh(const Body<B>& body, std::span<const typena
 /// A body for any skeleton: round cones along the bones, thick where much hangs on them, and a head. It is what the
 /// film strip, the viewer and GLB files show. Only the search for the head looks at names.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The hull of two spheres that move with one joint. All in the frame of the joint, metres.
 struct RoundCone {
@@ -8194,7 +8281,8 @@ inline std::optional<RoundCone> sole(const Anatomy& anatomy, const RoundCone& bo
   const Vec3<double> forward{bone.to.x, 0, bone.to.z};
   if (start - floor > 0.15 * unit || reach > 0.12 * unit || bone.side == Side::middle) return std::nullopt;
   if (norm(forward) < 0.05 * unit) return std::nullopt;
-  return RoundCone{bone.joint, bone.to - 1.25 * forward, bone.to + 0.3 * forward, 0.034 * unit, 0.026 * unit, bone.side};
+  return RoundCone{bone.joint, bone.to - 1.25 * forward, bone.to + 0.3 * forward, 0.034 * unit, 0.026 * unit,
+                   bone.side};
 }
 
 }  // namespace detail
@@ -8243,10 +8331,10 @@ inline Figure make_figure(const Skeleton& skeleton) {
   return figure;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -8303,7 +8391,7 @@ inline FigureMesh make_mesh(const Figure& figure, const Skeleton& skeleton) {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_GLB_CONTAINER_HPP  // <motionlang/io/detail/glb_container.hpp>
@@ -8311,7 +8399,7 @@ inline FigureMesh make_mesh(const Figure& figure, const Skeleton& skeleton) {
 /// The two chunks of a GLB file: a JSON document and binary data. A .gltf file is the document alone. Source: glTF 2.0,
 /// section 4.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -8370,10 +8458,10 @@ inline std::vector<std::byte> glb_file(std::string document, std::vector<std::by
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct GlbWriteOptions {
   Vec3<double> colour{0.62, 0.66, 0.72};  // of the body: red, green, blue, linear, 0 to 1
@@ -8593,8 +8681,8 @@ std::vector<std::byte> skinned_glb(std::span<const Motion> motions, F mesh_of, c
 
 }  // namespace detail
 
-/// The bytes of a GLB file with one animation for every motion; all on the same skeleton. The user's own body instead of the figure:
-/// body_glb.hpp.
+/// The bytes of a GLB file with one animation for every motion; all on the same skeleton. The user's own body instead
+/// of the figure: body_glb.hpp.
 /// Throws  config_error 101 without any motion or frame, or for an impossible frame rate; 102 if skeletons differ; what
 ///         Motion::validate throws
 inline std::vector<std::byte> glb_bytes(std::span<const Motion> motions, const GlbWriteOptions& options = {}) {
@@ -8609,14 +8697,14 @@ inline void write_glb(const FilePath& path, const Motion& motion, const GlbWrite
   write_glb(path, std::span(&motion, 1), options);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_OBJ_HPP  // <motionlang/io/obj.hpp>
 #define MOTIONLANG_HAS_IO_OBJ_HPP
 /// Wavefront OBJ: a surface in one pose, for every program that shows meshes. Y up, metres.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// vertices (V, 3), one after the other; faces: three vertices each, counted from 0.
 /// Throws shape_error 205 if vertices are not triples or a face has a vertex that is none, numeric_error 301
@@ -8646,10 +8734,10 @@ void write_obj(const FilePath& path, std::span<const S> vertices, std::span<cons
   write_file(path, obj_text(vertices, faces));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// motions  as motion_on_body takes them
 /// Throws   what glb_bytes and motion_on_body throw; config_error 101 for a body without faces
@@ -8699,7 +8787,7 @@ Index write_body_objs(const FilePath& path, const Body<B>& body, const Motion& m
   return own.frames();
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_BODY_PART_TABLE_HPP  // <motionlang/io/body_part_table.hpp>
@@ -8710,7 +8798,7 @@ Index write_body_objs(const FilePath& path, const Body<B>& body, const Motion& m
 ///
 /// Source  SINC (Athanasiou et al., ICCV 2023); spec sinc.md 6.1. The published table is the user's to supply.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Throws io_error 401, 403 (JsonMembers), config_error 107 if there is no such answer, 103 if it names no part.
 inline BodyPartTable read_body_part_table(const JsonMembers& file, Index answer = 2) {
@@ -8725,13 +8813,13 @@ inline BodyPartTable open_body_part_table(const FilePath& path, Index answer = 2
   return read_body_part_table(JsonMembers::open(path), answer);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_BODY_VIEWER_HPP  // <motionlang/io/body_viewer.hpp>
 #define MOTIONLANG_HAS_IO_BODY_VIEWER_HPP
-/// A page that shows motions on the user's own body instead of the figure of cones (which a browser without WebGL still shows).
-/// The page contains the surface at rest: whoever may not pass the body on may not pass the page on.
+/// A page that shows motions on the user's own body instead of the figure of cones (which a browser without WebGL still
+/// shows). The page contains the surface at rest: whoever may not pass the body on may not pass the page on.
 
 #ifndef MOTIONLANG_HAS_IO_VIEWER_HPP  // <motionlang/io/viewer.hpp>
 #define MOTIONLANG_HAS_IO_VIEWER_HPP
@@ -8742,7 +8830,7 @@ inline BodyPartTable open_body_part_table(const FilePath& path, Index answer = 2
 #define MOTIONLANG_HAS_IO_DETAIL_FIGURE_POSE_HPP
 /// A figure in the pose of a frame: where its cones are, and the floor on which it stands.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -8755,8 +8843,8 @@ inline ConeEnds cone_ends(const JointTransforms<double>& world, const RoundCone&
   return {world.position[j] + world.rotation[j] * c.from, world.position[j] + world.rotation[j] * c.to};
 }
 
-/// The floor under a body, and its highest point in all frames. The floor is where the lowest point of the body is in most
-/// frames (the lower quartile): the tip of a foot that pushes off dips below it for a moment.
+/// The floor under a body, and its highest point in all frames. The floor is where the lowest point of the body is in
+/// most frames (the lower quartile): the tip of a foot that pushes off dips below it for a moment.
 struct Heights {
   double floor = 0, high = std::numeric_limits<double>::lowest();
 };
@@ -8792,14 +8880,14 @@ inline Heights heights(const Motion& motion, const Figure& figure) {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_MARKUP_HPP  // <motionlang/io/detail/markup.hpp>
 #define MOTIONLANG_HAS_IO_DETAIL_MARKUP_HPP
 /// Text and numbers as they stand in SVG and HTML.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -8852,7 +8940,7 @@ inline std::string fixed(double value, int decimals = 1) {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_VIEWER_PAGE_HPP  // <motionlang/io/detail/viewer_page.hpp>
@@ -8860,7 +8948,7 @@ inline std::string fixed(double value, int decimals = 1) {
 /// The source of the viewer's page: style, elements, program. viewer.hpp puts title and data between them. Plain HTML
 /// and JavaScript without libraries; the page asks nothing of any network.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -9123,7 +9211,7 @@ layout(location = 1) in vec4 from;      // centre, radius
 layout(location = 2) in vec4 to;
 layout(location = 3) in vec3 colour;
 uniform mat4 camera;
-uniform vec4 shadow;                    // x, z, half width of the shadow map, height of the floor; width 0: no shadow pass
+uniform vec4 shadow;  // x, z, half width of the shadow map, height of the floor; width 0: no shadow pass
 uniform vec3 light;
 out vec3 normal, world, tint;
 void main() {
@@ -9435,7 +9523,8 @@ const clips = page.motions.map((m) => new Clip(m));
 const camera = new Camera(), canvas = element("view");
 const hues = ["#2b78c5", "#d0621c", "#2f9157", "#8a58c2", "#c0436d", "#97801b"];
 const dark = matchMedia("(prefers-color-scheme: dark)");
-let clip = clips[0], time = 0, playing = false, looping = true, following = true, speed = 1, scheduled = false, before = 0;
+let clip = clips[0], time = 0, playing = false, looping = true, following = true, speed = 1;
+let scheduled = false, before = 0;
 let pace = 16, quality = 1;  // milliseconds between frames, pixels drawn per pixel of the screen
 
 let renderer;
@@ -9577,7 +9666,8 @@ element("timeline").addEventListener("pointerdown", (event) => {
 });
 const step = (frames) => { play(false); seek((Math.round(time * clip.fps) + frames) / clip.fps); };
 const keys = {
-  " ": () => play(!playing), ",": () => step(-1), ".": () => step(1), Home: () => seek(0), End: () => seek(clip.seconds),
+  " ": () => play(!playing), ",": () => step(-1), ".": () => step(1),
+  Home: () => seek(0), End: () => seek(clip.seconds),
   f: () => element("follow").click(), l: () => element("loop").click(), r: () => element("reset").click() };
 const viewKeys = {
   ArrowLeft: () => camera.orbit(-20, 0), ArrowRight: () => camera.orbit(20, 0), ArrowUp: () => camera.orbit(0, 20),
@@ -9615,7 +9705,9 @@ view.addEventListener("pointermove", (event) => {
   else camera.orbit(dx, dy);
   refresh();
 });
-for (const end of ["pointerup", "pointercancel"]) view.addEventListener(end, (event) => pointers.delete(event.pointerId));
+for (const end of ["pointerup", "pointercancel"]) {
+  view.addEventListener(end, (event) => pointers.delete(event.pointerId));
+}
 view.addEventListener("contextmenu", (event) => event.preventDefault());
 view.addEventListener("wheel", (event) => {
   event.preventDefault();
@@ -9642,14 +9734,14 @@ play(page.autoplay && !matchMedia("(prefers-reduced-motion: reduce)").matches);
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_TRACK_HPP  // <motionlang/io/track.hpp>
 #define MOTIONLANG_HAS_IO_TRACK_HPP
 /// A row of a timeline as pictures show it: a text, when it holds, and for which parts of the body.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct Track {
   std::string text;
@@ -9668,10 +9760,10 @@ inline void require_finite_times(const char* who, std::span<const Track> tracks)
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct ViewerOptions {
   std::string title{};    // "": the name of the first motion
@@ -9779,8 +9871,8 @@ inline std::string viewer_page(std::span<const ViewerEntry> entries, const Viewe
 
 /// The page as text.
 /// tracks  rows below the figure; times in seconds from the start of the motion
-/// Throws  config_error 101 without any motion or frame, or for times that are not finite; what Motion::validate throws;
-///         numeric_error 301 for a place that single precision cannot hold
+/// Throws  config_error 101 without any motion or frame, or for times that are not finite; what Motion::validate
+///         throws; numeric_error 301 for a place that single precision cannot hold
 inline std::string viewer_html(const Motion& motion, std::span<const Track> tracks = {},
                                const ViewerOptions& options = {}) {
   const detail::ViewerEntry entry{motion, tracks, {}};
@@ -9803,10 +9895,10 @@ inline void write_viewer(const FilePath& path, std::span<const ViewerMotion> mot
   write_file(path, viewer_html(motions, options));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// motions  as motion_on_body takes them
 /// Throws   what viewer_html and motion_on_body throw; config_error 101 for a body without faces
@@ -9835,7 +9927,7 @@ void write_body_viewer(const FilePath& path, const Body<B>& body, std::span<cons
   write_file(path, body_viewer_html(body, motions, betas, options));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_BVH_HPP  // <motionlang/io/bvh.hpp>
@@ -9851,7 +9943,7 @@ void write_body_viewer(const FilePath& path, const Body<B>& body, std::span<cons
 /// BVH files (Biovision hierarchy) as they stand: hierarchy, channels and numbers, read and written without loss. What
 /// they mean as a `Motion` is in bvh.hpp.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One column of the motion table. The axis is value % 3.
 enum class BvhChannel : std::uint8_t { x_position, y_position, z_position, x_rotation, y_rotation, z_rotation };
@@ -10087,10 +10179,10 @@ inline std::string format_bvh(const Bvh& file) {
 /// Throws io_error 401, and what format_bvh throws.
 inline void write_bvh(const FilePath& path, const Bvh& file) { write_file(path, format_bvh(file)); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct BvhReadOptions {
   double scale = 0.01;  // metres per unit of the file; 0.01: the file is in centimetres
@@ -10100,8 +10192,9 @@ struct BvhReadOptions {
 struct BvhWriteOptions {
   double scale = 100;              // units per metre; 100: centimetres (Blender: import with scale 0.01)
   std::string_view order = "ZXY";  // of the rotation channels: three different axes
-  double end_length = 0.1;         // of the bones after leaf joints where the skeleton has none, metres, but no longer than the bone
-                                   // before; of length 0, Blender invents its own
+  // Metres, of the bones after leaf joints where the skeleton has none, but no longer than the bone before: for bones of
+  // length 0, Blender invents a length of its own.
+  double end_length = 0.1;
 };
 
 namespace detail {
@@ -10234,7 +10327,8 @@ inline Vec3<double> constant_offset(const BvhJoint& joint, const BvhTable& table
 inline std::vector<Vec3<double>> bvh_ends(const Bvh& file, std::span<const BvhJoint> joints, double scale) {
   std::vector<Vec3<double>> ends;
   std::vector<int> joint_of(file.nodes.size(), -1);  // that has no end yet
-  for (std::size_t j = 0; j < joints.size(); ++j) joint_of[static_cast<std::size_t>(joints[j].number)] = static_cast<int>(j);
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    joint_of[static_cast<std::size_t>(joints[j].number)] = static_cast<int>(j);
   for (const BvhNode& node : file.nodes) {
     if (!node.end_site || node.parent < 0) continue;
     const int joint = std::exchange(joint_of[static_cast<std::size_t>(node.parent)], -1);
@@ -10247,9 +10341,9 @@ inline std::vector<Vec3<double>> bvh_ends(const Bvh& file, std::span<const BvhJo
 
 }  // namespace detail
 
-/// What the file means. End sites are the ends of bones, no joints; joints of one name get numbers ("Hand", "Hand_2"). Below the root,
-/// positions that change (stretching bones) are replaced by their mean. A root that merely carries another moving root
-/// is joined with it, so that the root of the motion is the one that moves.
+/// What the file means. End sites are the ends of bones, no joints; joints of one name get numbers ("Hand", "Hand_2").
+/// Below the root, positions that change (stretching bones) are replaced by their mean. A root that merely carries
+/// another moving root is joined with it, so that the root of the motion is the one that moves.
 /// Throws  config_error 101 (scale, number of the root), io_error 405 (far more joints than channels),
 ///         numeric_error 301 (numbers so large that they overflow)
 inline Motion to_motion(const Bvh& file, const BvhReadOptions& options = {}) {
@@ -10293,9 +10387,7 @@ inline Motion to_motion(const Bvh& file, const BvhReadOptions& options = {}) {
   return motion;
 }
 /// How many ROOTs the file has: each is a motion of its own.
-inline int bvh_roots(const Bvh& file) {
-  return static_cast<int>(std::ranges::count(file.nodes, -1, &BvhNode::parent));
-}
+inline int bvh_roots(const Bvh& file) { return static_cast<int>(std::ranges::count(file.nodes, -1, &BvhNode::parent)); }
 /// Names of the joints below a root that move through positions of their own, as bones that stretch do: to_motion
 /// leaves this out. Throws config_error 101 (number of the root).
 inline std::vector<std::string> stretched_joints(const Bvh& file, int root = 0) {
@@ -10355,7 +10447,8 @@ inline std::vector<int> depth_first_order(const Skeleton& skeleton) {
   return order;
 }
 
-/// Where a leaf's bone ends: as the skeleton says, else `length` metres along the bone before it, upwards if there is none.
+/// Where a leaf's bone ends: as the skeleton says, else `length` metres along the bone before it, upwards if there is
+/// none.
 inline Vec3<double> end_offset(const Skeleton& skeleton, int joint, double length) {
   if (!skeleton.ends.empty() && norm(skeleton.ends[static_cast<std::size_t>(joint)]) > 0)
     return skeleton.ends[static_cast<std::size_t>(joint)];
@@ -10418,48 +10511,55 @@ inline void write_bvh(const FilePath& path, const Motion& motion, const BvhWrite
   write_bvh(path, to_bvh(motion, options));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_DIFFUSION_FOLDER_HPP  // <motionlang/io/diffusion_folder.hpp>
 #define MOTIONLANG_HAS_IO_DIFFUSION_FOLDER_HPP
-/// A published diffusion model as a model folder of ours: one file of weights with the statistics, its sizes, its licence.
+/// A published diffusion model as a model folder of ours: one file of weights with the statistics, its sizes, its
+/// licence.
 ///
-///     pack_diffusion_run<B>(find_run("mdm/humanml_trans_enc_512"), "mdm", {.license = "MIT", .provenance = "github.com/..."});
-///     const auto stmc = load_diffusion_run<B>("mdm");
+///     pack_diffusion_run<B>(find_run("mdm/humanml_trans_enc_512"), "mdm", {.license = "MIT", .provenance =
+///     "github.com/..."}); const auto stmc = load_diffusion_run<B>("mdm");
 
 #ifndef MOTIONLANG_HAS_IO_DIFFUSION_RUN_HPP  // <motionlang/io/diffusion_run.hpp>
 #define MOTIONLANG_HAS_IO_DIFFUSION_RUN_HPP
-/// The published diffusion models from the folders in which their repositories leave them: STMC's MDM-SMPL, MDM, MotionDiffuse. And
-/// from model folders of ours that were made of them (io/diffusion_folder.hpp).
+/// The published diffusion models from the folders in which their repositories leave them: STMC's MDM-SMPL, MDM,
+/// MotionDiffuse. And from model folders of ours that were made of them (io/diffusion_folder.hpp).
 ///
-///     const auto stmc = load_diffusion_run<B>("models/mdm-smpl_clip_smplrifke_humanml3d", {.text_encoder = "ViT-B-32.pt"});
+///     const auto stmc = load_diffusion_run<B>("models/mdm-smpl_clip_smplrifke_humanml3d", {.text_encoder =
+///     "ViT-B-32.pt"});
 ///     const auto features = stmc.generate(timeline, Philox{.seed = 7});        // (frames, stmc.layout.size)
 ///
-/// Sizes       from the shapes of the tensors; where options state them, too, both have to agree. Number of heads, steps, schedule and
-///             representation from the options, else as published
-/// Statistics  from the checkpoint (STMC), mean and std beside it (MDM: those of HumanML3D, which are not in its folder)
+/// Sizes       from the shapes of the tensors; where options state them, too, both have to agree. Number of heads,
+///             steps, schedule and representation from the options, else as published
+/// Statistics  from the checkpoint (STMC), mean and std beside it (MDM: those of HumanML3D, which are not in its
+///             folder)
 /// Source      spec mdm.md 2.1, 2.2, 3.5, 3.6, 4.4; stmc.md 6
-/// Throws      io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407 for tensors;
-///             config_error 102 where options and tensors differ, 101, 103, 107
+/// Throws      io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407
+///             for tensors; config_error 102 where options and tensors differ, 101, 103, 107
 
 #ifndef MOTIONLANG_HAS_IO_TEXT_ENCODER_FOLDER_HPP  // <motionlang/io/text_encoder_folder.hpp>
 #define MOTIONLANG_HAS_IO_TEXT_ENCODER_FOLDER_HPP
 /// Text encoders from the folders and files in which they are published, whatever network is in them.
 ///
-///     const auto clip = load_text_encoder<B>("clip-vit-base-patch32", clip_sentences());       // Hugging Face: a folder
-///     const auto same = load_text_encoder<B>("ViT-B-32.pt", clip_sentences());                 // OpenAI: vocabulary beside it
-///     const auto words = load_text_encoder<B>("distilbert-base-uncased");                      // the states of all words
+///     const auto clip = load_text_encoder<B>("clip-vit-base-patch32", clip_sentences());       // Hugging Face: a
+///     folder
+///     const auto same = load_text_encoder<B>("ViT-B-32.pt", clip_sentences());                 // OpenAI: vocabulary
+///     beside it
+///     const auto words = load_text_encoder<B>("distilbert-base-uncased");                      // the states of all
+///     words
 ///
-/// Hugging Face  config.json with model_type clip, clip_text_model, distilbert, bert or mpnet; weights (io/run_folder.hpp); a
-///               tokenizer.json, vocab.txt, or vocab.json with merges.txt
-/// OpenAI        a file or a folder with the tensors of CLIP (ViT-B-32.pt), and bpe_simple_vocab_16e6.txt.gz in the same folder
+/// Hugging Face  config.json with model_type clip, clip_text_model, distilbert, bert or mpnet; weights
+///               (io/run_folder.hpp); a tokenizer.json, vocab.txt, or vocab.json with merges.txt
+/// OpenAI        a file or a folder with the tensors of CLIP (ViT-B-32.pt), and bpe_simple_vocab_16e6.txt.gz in the
+///               same folder
 
 #ifndef MOTIONLANG_HAS_IO_TOKENIZER_JSON_HPP  // <motionlang/io/tokenizer_json.hpp>
 #define MOTIONLANG_HAS_IO_TOKENIZER_JSON_HPP
-/// Tokenizers from the JSON files of Hugging Face: tokenizer.json, tokenizer_config.json, vocab.json. Only the kinds that BERT,
-/// MPNet and CLIP have; any other normaliser, splitter or frame is refused by its name, because without it ids would be wrong and
-/// look right.
+/// Tokenizers from the JSON files of Hugging Face: tokenizer.json, tokenizer_config.json, vocab.json. Only the kinds
+/// that BERT, MPNet and CLIP have; any other normaliser, splitter or frame is refused by its name, because without it
+/// ids would be wrong and look right.
 ///
 ///     const AnyTokenizer tokenizer = read_tokenizer("all-mpnet-base-v2");   // a folder
 ///
@@ -10467,12 +10567,12 @@ inline void write_bvh(const FilePath& path, const Motion& motion, const BvhWrite
 
 #ifndef MOTIONLANG_HAS_IO_TOKENIZER_FILES_HPP  // <motionlang/io/tokenizer_files.hpp>
 #define MOTIONLANG_HAS_IO_TOKENIZER_FILES_HPP
-/// Vocabularies of tokenizers as plain text: vocab.txt of BERT, merges.txt, bpe_simple_vocab_16e6.txt(.gz) of CLIP. The JSON files
-/// are another header, io/tokenizer_json.hpp.
+/// Vocabularies of tokenizers as plain text: vocab.txt of BERT, merges.txt, bpe_simple_vocab_16e6.txt(.gz) of CLIP. The
+/// JSON files are another header, io/tokenizer_json.hpp.
 ///
 /// Source  spec text-encoders.md 7, 9, 10
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One piece on each line; its id is the number of the line, from 0.
 /// Throws io_error 403, with the line, for a piece that is empty, stands twice or is not UTF-8
@@ -10505,8 +10605,8 @@ inline std::pair<std::string, std::string> parse_merge(std::string_view line, st
 
 }  // namespace detail
 
-/// Two symbols with a blank between on each line, in the order of their rank, up to the first empty line. A line that begins with
-/// "#version", or in a text of OpenAI's with "\"bpe_simple_vocab", is a comment.
+/// Two symbols with a blank between on each line, in the order of their rank, up to the first empty line. A line that
+/// begins with "#version", or in a text of OpenAI's with "\"bpe_simple_vocab", is a comment.
 /// most    further lines are not read
 /// Throws  io_error 403, with the line, for a line of another form or a pair that stands twice
 inline BytePairMerges parse_merges(std::string_view text, std::string_view name = "merges.txt",
@@ -10540,10 +10640,10 @@ inline BertTokenizer read_bert_tokenizer(const FilePath& path, BertTokenizerOpti
   return BertTokenizer(read_vocabulary(path), std::move(options), path.string());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One of the tokenizers that files describe.
 class AnyTokenizer {
@@ -10577,7 +10677,8 @@ struct TokenizerLimits {
   std::optional<Index> longest = {};  // ids of a text with its frame; unless set 512 of BERT and MPNet, 77 of CLIP
   std::optional<bool> truncate = {};  // unless set: BERT and MPNet refuse, CLIP cuts
   bool stored = false;                // take both from the block "truncation" of the file, if it has one
-  ClipCleaning cleaning = ClipCleaning::hugging_face;  // of CLIP: as these files say; MDM and STMC were trained with the original
+  // of CLIP: as these files say; MDM and STMC were trained with the original
+  ClipCleaning cleaning = ClipCleaning::hugging_face;
 };
 
 namespace detail {
@@ -10597,7 +10698,8 @@ void require_value(const JsonView& view, const std::string& key, const T& value)
     raise<io_error>(404, view.path(), ": '", key, "' has a value that is not known here");
 }
 
-/// Pieces by id from an object of ids, and added tokens that it lacks. Throws io_error 403 unless every id from 0 on has one.
+/// Pieces by id from an object of ids, and added tokens that it lacks. Throws io_error 403 unless every id from 0 on
+/// has one.
 inline std::vector<std::string> pieces_by_id(const JsonView& vocabulary, std::span<const AddedToken> added = {}) {
   if (!vocabulary.is_object()) raise<config_error>(107, vocabulary.path(), ": expected an object of pieces and ids");
   std::size_t count = vocabulary.json().size();
@@ -10792,8 +10894,8 @@ inline ClipTokenizer clip_from_json(const JsonView& document, const TokenizerLim
 }  // namespace detail
 
 /// The tokenizer that a tokenizer.json describes.
-/// Throws  io_error 403 if it is malformed, 404, naming the type, if it asks for a kind that is not known here; config_error 107 for
-///         values of the wrong kind, missing pieces, merges of unknown ones
+/// Throws  io_error 403 if it is malformed, 404, naming the type, if it asks for a kind that is not known here;
+///         config_error 107 for values of the wrong kind, missing pieces, merges of unknown ones
 inline AnyTokenizer tokenizer_from_json(const JsonView& document, const TokenizerLimits& limits = {}) {
   const JsonView model = document["model"];
   if (detail::has_type(model, "WordPiece")) return detail::bert_from_json(document, limits);
@@ -10847,8 +10949,9 @@ inline BertTokenizer bert_from_folder(const std::string& folder, const Tokenizer
                                       const TokenizerLimits& limits) {
   std::vector<std::string> vocabulary = read_vocabulary(folder + "/vocab.txt");
   const std::vector<std::string> marks = mpnet_vocabulary({});  // the last one stands at the end
-  const bool mpnet = config.tokenizer_class.starts_with("MPNet") ||
-                     (vocabulary.size() >= marks.size() && std::equal(marks.begin(), marks.end() - 1, vocabulary.begin()));
+  const bool mpnet =
+      config.tokenizer_class.starts_with("MPNet") ||
+      (vocabulary.size() >= marks.size() && std::equal(marks.begin(), marks.end() - 1, vocabulary.begin()));
   BertTokenizerOptions o = mpnet ? BertTokenizerOptions::mpnet() : BertTokenizerOptions();
   o.lower_case = config.lower_case.value_or(o.lower_case);
   o.strip_accents = config.strip_accents;
@@ -10880,9 +10983,9 @@ inline ClipTokenizer clip_from_folder(const std::string& folder, const Tokenizer
 
 }  // namespace detail
 
-/// The tokenizer in the folder of a model: its tokenizer.json, else vocab.txt (BERT, MPNet) or vocab.json and merges.txt (CLIP), as
-/// its tokenizer_config.json says. model_max_length is not applied, as the published systems do not.
-/// Throws io_error 401 if there is none of these files, and as their readers
+/// The tokenizer in the folder of a model: its tokenizer.json, else vocab.txt (BERT, MPNet) or vocab.json and
+/// merges.txt (CLIP), as its tokenizer_config.json says. model_max_length is not applied, as the published systems do
+/// not. Throws io_error 401 if there is none of these files, and as their readers
 inline AnyTokenizer read_tokenizer(const FilePath& folder, const TokenizerLimits& limits = {}) {
   const std::string name = folder.string();
   if (detail::file_exists(name + "/tokenizer.json")) return read_tokenizer_json(name + "/tokenizer.json", limits);
@@ -10896,10 +10999,10 @@ inline AnyTokenizer read_tokenizer(const FilePath& folder, const TokenizerLimits
   raise<io_error>(401, name, ": neither tokenizer.json nor vocab.txt nor vocab.json");
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One of the networks, where which one it is shows only when a file is read.
 template <Backend B>
@@ -10929,10 +11032,11 @@ struct TextEncoderOptions {
   TextOptions text{};
   TokenizerLimits limits{};
 };
-/// One vector of CLIP for each text: MDM-SMPL; MDM has its texts cut to 22 ids. Texts are cleaned as by OpenAI, whose CLIP these systems
-/// were trained with, wherever the vocabulary comes from.
+/// One vector of CLIP for each text: MDM-SMPL; MDM has its texts cut to 22 ids. Texts are cleaned as by OpenAI, whose
+/// CLIP these systems were trained with, wherever the vocabulary comes from.
 inline TextEncoderOptions clip_sentences(Index longest = 77) {
-  return {.text = {.pooling = Pooling::end}, .limits = {.longest = longest, .truncate = true, .cleaning = ClipCleaning::original}};
+  return {.text = {.pooling = Pooling::end},
+          .limits = {.longest = longest, .truncate = true, .cleaning = ClipCleaning::original}};
 }
 /// All 77 rows of CLIP: MotionDiffuse. Cleaned likewise.
 inline TextEncoderOptions clip_states() {
@@ -10954,8 +11058,9 @@ inline AnyTokenizer tokenizer_of(const std::filesystem::path& folder, const Toke
     if (clip && file_exists(folder / name)) return read_clip_tokenizer(folder / name, options);
   }
   raise<io_error>(401, folder.string(), ": no tokenizer of the text encoder: put ",
-                  clip ? "bpe_simple_vocab_16e6.txt.gz (of github.com/openai/CLIP), or tokenizer.json, " :
-                         "tokenizer.json, or vocab.txt, ", "there");
+                  clip ? "bpe_simple_vocab_16e6.txt.gz (of github.com/openai/CLIP), or tokenizer.json, "
+                       : "tokenizer.json, or vocab.txt, ",
+                  "there");
 }
 
 template <Backend B>
@@ -10996,8 +11101,8 @@ AnyTextEncoder<B> load_clip_encoder(const TensorSet& weights, const FilePath& to
 }
 
 /// path    a folder, or OpenAI's file
-/// Throws  io_error 401, naming the file that is missing; config_error 103 for another network, 102 if tokenizer and network do not
-///         fit, and what their readers throw
+/// Throws  io_error 401, naming the file that is missing; config_error 103 for another network, 102 if tokenizer and
+///         network do not fit, and what their readers throw
 template <Backend B>
 AnyTextEncoder<B> load_text_encoder(const FilePath& path, const TextEncoderOptions& options = {}) {
   const std::filesystem::path given = path.string();
@@ -11013,10 +11118,10 @@ AnyTextEncoder<B> load_text_encoder(const FilePath& path, const TextEncoderOptio
   return {std::move(tokenizer), std::move(network), options.text};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What the files say about a model, before memory is taken for it. The member that `system` names counts.
 struct DiffusionRun {
@@ -11028,7 +11133,7 @@ struct DiffusionRun {
   Index steps = 1000;
   std::string schedule = "cosine";  // or linear
   double fps = 20;
-  std::string features;  // smplrifke, guoh3dfeats
+  std::string features;               // smplrifke, guoh3dfeats
   std::string text_encoder = "clip";  // or bert, none
 
   Index width() const {
@@ -11059,15 +11164,17 @@ namespace detail {
 
 inline void read_stmc(DiffusionRun& out, const RunReader& r) {
   const std::string layer = "seqTransEncoder.layers.";
-  out.mdm_smpl = {.nfeats = r.size("skel_embedding.weight", 1, {"diffusion/denoiser/nfeats", "data/motion_loader/nfeats"}),
-                  .tx_dim = r.size("tx_embedding.0.weight", 1, {"diffusion/denoiser/tx_dim"}),
-                  .latent_dim = r.size("skel_embedding.weight", 0, {"diffusion/denoiser/latent_dim"}),
-                  .ff_size = r.size(layer + "0.linear1.weight", 0, {"diffusion/denoiser/ff_size"}),
-                  .num_layers = r.count(layer, ".linear1.weight", {"diffusion/denoiser/num_layers"}),
-                  .num_heads = r.number({"diffusion/denoiser/num_heads"}, 8, 1024),
-                  .nb_registers = r.size("registers", 0, {"diffusion/denoiser/nb_registers"}),
-                  .activation = parse_activation(r.one_of("diffusion/denoiser/activation", "gelu", {"gelu", "relu"}))};
-  out.steps = r.number({"diffusion/timesteps", "diffusion/schedule/timesteps", "diffusion/schedule/steps"}, 100, 10'000);
+  out.mdm_smpl = {
+      .nfeats = r.size("skel_embedding.weight", 1, {"diffusion/denoiser/nfeats", "data/motion_loader/nfeats"}),
+      .tx_dim = r.size("tx_embedding.0.weight", 1, {"diffusion/denoiser/tx_dim"}),
+      .latent_dim = r.size("skel_embedding.weight", 0, {"diffusion/denoiser/latent_dim"}),
+      .ff_size = r.size(layer + "0.linear1.weight", 0, {"diffusion/denoiser/ff_size"}),
+      .num_layers = r.count(layer, ".linear1.weight", {"diffusion/denoiser/num_layers"}),
+      .num_heads = r.number({"diffusion/denoiser/num_heads"}, 8, 1024),
+      .nb_registers = r.size("registers", 0, {"diffusion/denoiser/nb_registers"}),
+      .activation = parse_activation(r.one_of("diffusion/denoiser/activation", "gelu", {"gelu", "relu"}))};
+  out.steps =
+      r.number({"diffusion/timesteps", "diffusion/schedule/timesteps", "diffusion/schedule/steps"}, 100, 10'000);
   r.one_of("diffusion/prediction", "x", {"x"});
   out.mdm_smpl.max_len = std::max(out.mdm_smpl.max_len, out.steps);
   out.fps = r.real("data/motion_loader/fps", 20);
@@ -11084,7 +11191,9 @@ inline void read_mdm(DiffusionRun& out, const RunReader& r) {
     raise<config_error>(102, r.place("arch"), " is '", stated, "', the tensors are those of ", found);
   if (r.number({"context_len"}, 0, 100'000, 0) > 0)
     raise<io_error>(404, r.place("context_len"), ": models that continue a motion (DiP) are not supported");
-  const std::string layers = recurrent ? "gru.weight_ih_l" : decoder ? "seqTransDecoder.layers." : "seqTransEncoder.layers.";
+  const std::string layers = recurrent ? "gru.weight_ih_l"
+                             : decoder ? "seqTransDecoder.layers."
+                                       : "seqTransEncoder.layers.";
   c.nfeats = r.size("output_process.poseFinal.weight", 0);
   c.latent_dim = r.size("input_process.poseEmbedding.weight", 0, {"latent_dim"});
   c.num_layers = r.count(layers, recurrent ? "" : ".linear1.weight", {"layers"});
@@ -11126,8 +11235,8 @@ inline void read_motiondiffuse(DiffusionRun& out, const RunReader& r) {
 inline void read_representation(DiffusionRun& out, const std::string& where) {
   const Index kit = Guoh3dSlots{21}.size(), human = Guoh3dSlots{22}.size();
   if (out.width() != kit && out.width() != human)
-    raise<io_error>(404, where, ": motions of ", out.width(), " numbers a frame, known are ", human, " (HumanML3D) and ",
-                    kit, " (KIT-ML)");
+    raise<io_error>(404, where, ": motions of ", out.width(), " numbers a frame, known are ", human,
+                    " (HumanML3D) and ", kit, " (KIT-ML)");
   out.features = "guoh3dfeats";
   out.fps = out.width() == kit ? 12.5 : 20;
 }
@@ -11182,7 +11291,8 @@ inline std::filesystem::path clip_vocabulary_of(const std::filesystem::path& mod
       if (file_exists(folder / name)) return folder / name;
     }
   }
-  raise<io_error>(401, model.string(), ": CLIP is in the checkpoint, its vocabulary is not: put "
+  raise<io_error>(401, model.string(),
+                  ": CLIP is in the checkpoint, its vocabulary is not: put "
                   "bpe_simple_vocab_16e6.txt.gz (of github.com/openai/CLIP) there, or name a text encoder");
 }
 
@@ -11191,7 +11301,8 @@ inline WeightFile run_weights(const RunFolder& run) {
   if (run.weights.extension() == ".safetensors") return open_weights(run.weights);  // of ours
   if (run.system == "motiondiffuse") return open_weights(run.weights, {.path = "encoder"});
   const FileValue* average = run.option("use_ema");
-  if (run.system == "mdm" && average != nullptr && std::get_if<bool>(&average->value) && std::get<bool>(average->value)) {
+  if (run.system == "mdm" && average != nullptr && std::get_if<bool>(&average->value) &&
+      std::get<bool>(average->value)) {
     const WeightFile plain = open_weights(run.weights, {.path = ""});
     for (const TensorView& t : plain.tensors()) {
       if (t.name.starts_with("model_avg.")) return open_weights(run.weights, {.path = "model_avg"});
@@ -11222,10 +11333,12 @@ inline RunFolder published_run(const RunFolder& run) {
     out.options = options_of_config(run);
   }
   if (out.system != "stmc" && out.system != "mdm" && out.system != "motiondiffuse")
-    raise<io_error>(404, run.folder.string(), ": ", out.system.empty() ? "of no system that is known" : "of " + out.system,
+    raise<io_error>(404, run.folder.string(), ": ",
+                    out.system.empty() ? "of no system that is known" : "of " + out.system,
                     "; diffusion models are those of stmc, mdm and motiondiffuse");
   if (run.weights.empty())
-    raise<io_error>(401, run.folder.string(), ": no checkpoint of ", out.system, " (see io/run_folder.hpp for its name)");
+    raise<io_error>(401, run.folder.string(), ": no checkpoint of ", out.system,
+                    " (see io/run_folder.hpp for its name)");
   return out;
 }
 
@@ -11242,7 +11355,8 @@ Normalizer<B> motion_normalizer(const RunFolder& run, const TensorSet& weights, 
 
 /// Of STMC; the others have none.
 template <Backend B>
-std::optional<Normalizer<B>> text_normalizer(const RunFolder& run, const TensorSet& weights, const DiffusionRun& about) {
+std::optional<Normalizer<B>> text_normalizer(const RunFolder& run, const TensorSet& weights,
+                                             const DiffusionRun& about) {
   if (about.system != "stmc") return std::nullopt;
   if (auto packed = find_normalizer<B>(weights, about.text_width(), {"text_normalizer."})) return packed;
   return folder_normalizer<B>(run, about.text_width(), {"text_stats."},
@@ -11253,7 +11367,8 @@ template <Backend B>
 AnyTextEncoder<B> encoder_of(const RunFolder& run, const TensorSet& weights, const DiffusionRun& about,
                              const DiffusionRunOptions& options) {
   if (about.text_encoder == "none")
-    raise<io_error>(404, run.folder.string(), ": a model without texts: actions and unconditional motions are not supported");
+    raise<io_error>(404, run.folder.string(),
+                    ": a model without texts: actions and unconditional motions are not supported");
   if (about.text_encoder == "bert" && !about.mdm.text_sequence)
     raise<io_error>(404, run.folder.string(), ": texts of DistilBERT without a decoder (trans_dec)");
   const bool motiondiffuse = about.system == "motiondiffuse";
@@ -11264,8 +11379,8 @@ AnyTextEncoder<B> encoder_of(const RunFolder& run, const TensorSet& weights, con
   const std::string named = options.text_encoder.string();
   if (named.empty() && motiondiffuse && weights.find("clip.token_embedding.weight") != nullptr)
     return load_clip_encoder<B>(weights, clip_vocabulary_of(run.folder).parent_path(), wanted);
-  auto encoder = load_text_encoder<B>(named.empty() ? FilePath(find_text_encoder(run.folder, about.text_encoder)) : options.text_encoder,
-                                      wanted);
+  auto encoder = load_text_encoder<B>(
+      named.empty() ? FilePath(find_text_encoder(run.folder, about.text_encoder)) : options.text_encoder, wanted);
   if (const bool clip = encoder.network.is_clip(); clip != (about.text_encoder == "clip"))
     raise<config_error>(102, run.folder.string(), ": needs ", about.text_encoder == "clip" ? "CLIP" : "DistilBERT",
                         " as its text encoder, ", named, " is ", clip ? "CLIP" : "of the BERT family");
@@ -11320,7 +11435,7 @@ PublishedStmc<B> load_diffusion_run(const FilePath& folder, const DiffusionRunOp
   return load_diffusion_run<B>(find_run(folder), options);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_MODEL_FOLDER_HPP  // <motionlang/io/model_folder.hpp>
@@ -11328,24 +11443,28 @@ PublishedStmc<B> load_diffusion_run(const FilePath& folder, const DiffusionRunOp
 /// Model folders of ours.
 ///
 ///     FOLDER/config.json            what the model is (below)
-///     FOLDER/weights.safetensors    its tensors under their published names, and motion_normalizer.mean, motion_normalizer.std
-///     FOLDER/text_encoder/          if it has one of its own: as Hugging Face or OpenAI publish it (io/text_encoder_folder.hpp)
+///     FOLDER/weights.safetensors    its tensors under their published names, and motion_normalizer.mean,
+///                                   motion_normalizer.std
+///     FOLDER/text_encoder/          if it has one of its own: as Hugging Face or OpenAI publish it
+///                                   (io/text_encoder_folder.hpp)
 ///
 ///     {"format": "motionlang", "version": 1, "system": "stmc",
 ///      "license": "MIT", "provenance": "trained on ...",
 ///      "features": "smplrifke", "fps": 20, "text_encoder": "clip",
 ///      "config": {...}}            hyperparameters under the names of the system's own options
 ///
-/// Whoever writes a folder says what the weights may be used for and where they come from. Other members are kept as they are.
+/// Whoever writes a folder says what the weights may be used for and where they come from. Other members are kept as
+/// they are.
 /// Atomicity  the folder appears under its name when all of it is written
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct ModelFolder {
   std::string system, license, provenance, features, text_encoder;
   double fps = 20;
   nlohmann::ordered_json config = nlohmann::ordered_json::object();
-  nlohmann::ordered_json others = nlohmann::ordered_json::object();  // members of config.json that are none of the above
+  // members of config.json that are none of the above
+  nlohmann::ordered_json others = nlohmann::ordered_json::object();
 };
 
 namespace detail {
@@ -11362,8 +11481,8 @@ inline bool is_model_member(std::string_view name) {
 }  // namespace detail
 
 /// What a config.json says. `name` stands in messages.
-/// Throws  io_error 403 if it is malformed, 404 for a newer version; config_error 103 for another format, 107 for a member that is
-///         missing or of another kind, 101 for a frame rate that is none, always with both values
+/// Throws  io_error 403 if it is malformed, 404 for a newer version; config_error 103 for another format, 107 for a
+///         member that is missing or of another kind, 101 for a frame rate that is none, always with both values
 inline ModelFolder parse_model_config(std::string_view text, const std::string& name) {
   const auto document = parse_json(text, name);
   const JsonView view(document, name);
@@ -11393,11 +11512,12 @@ inline ModelFolder read_model_folder(const FilePath& folder) {
   return parse_model_config(read_file(path), path);
 }
 
-/// The text of config.json. Throws config_error 101 without a system, a licence or a provenance, 102 for `others` that are none; io_error
-/// 403 for texts that are not UTF-8.
+/// The text of config.json. Throws config_error 101 without a system, a licence or a provenance, 102 for `others` that
+/// are none; io_error 403 for texts that are not UTF-8.
 inline std::string model_config_text(const ModelFolder& m, const std::string& name = detail::model_config_file) {
-  for (const auto& [key, text] :
-       {std::pair<const char*, const std::string&>{"system", m.system}, {"license", m.license}, {"provenance", m.provenance}}) {
+  for (const auto& [key, text] : {std::pair<const char*, const std::string&>{"system", m.system},
+                                  {"license", m.license},
+                                  {"provenance", m.provenance}}) {
     if (text.empty()) raise<config_error>(101, name, ": ", key, " is empty: who gets the model has to know it");
     if (!is_utf8(text)) raise<io_error>(403, name, ": ", key, " is not UTF-8");
   }
@@ -11411,7 +11531,8 @@ inline std::string model_config_text(const ModelFolder& m, const std::string& na
                              {"text_encoder", m.text_encoder},
                              {"config", m.config}};
   for (const auto& [key, value] : m.others.items()) {
-    if (detail::is_model_member(key)) raise<config_error>(102, name, ": '", key, "' says what the model is, not something else");
+    if (detail::is_model_member(key))
+      raise<config_error>(102, name, ": '", key, "' says what the model is, not something else");
     out[key] = value;
   }
   return out.dump(2) + "\n";
@@ -11457,10 +11578,10 @@ inline void write_model_folder(const FilePath& path, const ModelFolder& model, s
   check("rename to");
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct PackOptions {
   std::string license, provenance;
@@ -11478,13 +11599,18 @@ inline nlohmann::ordered_json diffusion_options(const DiffusionRun& run) {
     const MdmSmplConfig& c = run.mdm_smpl;
     out["data"]["motion_loader"] = {{"fps", run.fps}, {"nfeats", c.nfeats}};
     out["diffusion"] = {{"timesteps", run.steps}, {"prediction", "x"}};
-    out["diffusion"]["denoiser"] = {{"latent_dim", c.latent_dim},     {"ff_size", c.ff_size},
-                                    {"num_layers", c.num_layers},     {"num_heads", c.num_heads},
-                                    {"nb_registers", c.nb_registers}, {"tx_dim", c.tx_dim},
+    out["diffusion"]["denoiser"] = {{"latent_dim", c.latent_dim},
+                                    {"ff_size", c.ff_size},
+                                    {"num_layers", c.num_layers},
+                                    {"num_heads", c.num_heads},
+                                    {"nb_registers", c.nb_registers},
+                                    {"tx_dim", c.tx_dim},
                                     {"activation", std::string(to_string(c.activation))}};
   } else if (run.system == "mdm") {
     const MdmConfig& c = run.mdm;
-    out = {{"arch", c.arch == MdmArch::gru ? "gru" : c.arch == MdmArch::trans_dec ? "trans_dec" : "trans_enc"},
+    out = {{"arch", c.arch == MdmArch::gru         ? "gru"
+                    : c.arch == MdmArch::trans_dec ? "trans_dec"
+                                                   : "trans_enc"},
            {"latent_dim", c.latent_dim},
            {"layers", c.num_layers},
            {"emb_trans_dec", c.class_token != MdmClassToken::none},
@@ -11514,8 +11640,8 @@ inline std::vector<std::filesystem::path> text_encoder_files(const std::filesyst
   const bool is_folder = std::filesystem::is_directory(path, ignored);
   const auto folder = is_folder ? path : path.parent_path();
   std::vector<std::filesystem::path> out;
-  for (const char* name : {"config.json", "tokenizer.json", "tokenizer_config.json", "vocab.txt", "vocab.json", "merges.txt",
-                           clip_vocabularies[0], clip_vocabularies[1]}) {
+  for (const char* name : {"config.json", "tokenizer.json", "tokenizer_config.json", "vocab.txt", "vocab.json",
+                           "merges.txt", clip_vocabularies[0], clip_vocabularies[1]}) {
     if (file_exists(folder / name)) out.push_back(folder / name);
   }
   if (!is_folder) {
@@ -11564,7 +11690,7 @@ void pack_diffusion_run(const RunFolder& given, const FilePath& path, const Pack
     files = {detail::clip_vocabulary_of(run.folder)};
   else if (options.text_encoder)
     files = detail::text_encoder_files(encoder.empty() ? detail::find_text_encoder(run.folder, about.text_encoder)
-                                                        : std::filesystem::path(encoder));
+                                                       : std::filesystem::path(encoder));
   ModelFolder model;
   model.system = about.system;
   model.license = options.license;
@@ -11576,7 +11702,7 @@ void pack_diffusion_run(const RunFolder& given, const FilePath& path, const Pack
   write_model_folder(path, model, tensors, files);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_EMBEDDING_CACHE_HPP  // <motionlang/io/embedding_cache.hpp>
@@ -11584,19 +11710,20 @@ void pack_diffusion_run(const RunFolder& given, const FilePath& path, const Pack
 /// Embeddings of texts on disk, in the layout of TMR and STMC.
 ///
 ///     folder/<model>.npy          all rows of all texts, (rows, width), F32
-///     folder/<model>_slice.npy    int64 (texts, 2): first row and one past the last; absent where every text has one row and no
-///                                 slices are wanted (TMR's sent_embeddings)
+///     folder/<model>_slice.npy    int64 (texts, 2): first row and one past the last; absent where every text has one
+///                                 row and no slices are wanted (TMR's sent_embeddings)
 ///     folder/<model>_index.json   text -> its number
 ///
 /// Folders    TMR: token_embeddings, sent_embeddings; STMC: text_embeddings, with slices
 /// Model      "distilbert-base-uncased"; a slash makes a sub-folder ("ViT-B/32")
 /// Texts      UTF-8, found by their exact characters; "" is a text like any other
 /// Memory     rows are read where they lie in the file
-/// Atomicity  every file is replaced as a whole, the index last, and none before all of them are made. Files of two caches (a reader came
-///            in between, or the disk is full) are refused where their numbers of rows or texts differ, and only there
+/// Atomicity  every file is replaced as a whole, the index last, and none before all of them are made. Files of two
+///            caches (a reader came in between, or the disk is full) are refused where their numbers of rows or texts
+///            differ, and only there
 /// Source     spec text-encoders.md, section 11
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -11621,7 +11748,8 @@ class EmbeddingCache {
   /// Without texts.
   explicit EmbeddingCache(Index width) : width_(width) {}
 
-  /// Throws io_error 401 if a file is missing, 403 if they do not fit each other, and what read_npy and read_json throw.
+  /// Throws io_error 401 if a file is missing, 403 if they do not fit each other, and what read_npy and read_json
+  /// throw.
   static EmbeddingCache read(const FilePath& folder, const std::string& model) {
     const std::string base = folder.inside(model);
     const auto rows = MappedFile::open(base + ".npy"), index = MappedFile::open(base + "_index.json");
@@ -11632,10 +11760,11 @@ class EmbeddingCache {
     return from_bytes(rows->bytes(), slices == nullptr ? std::nullopt : std::optional(slices->bytes()),
                       detail::as_text(index->bytes()), base, rows);
   }
-  /// The same of files in memory; `base` stands in messages. The bytes of the rows have to outlive the cache unless `owner` keeps them.
-  static EmbeddingCache from_bytes(std::span<const std::byte> row_file, std::optional<std::span<const std::byte>> slice_file,
-                                   std::string_view index_text, const std::string& base,
-                                   std::shared_ptr<const void> owner = nullptr) {
+  /// The same of files in memory; `base` stands in messages. The bytes of the rows have to outlive the cache unless
+  /// `owner` keeps them.
+  static EmbeddingCache from_bytes(std::span<const std::byte> row_file,
+                                   std::optional<std::span<const std::byte>> slice_file, std::string_view index_text,
+                                   const std::string& base, std::shared_ptr<const void> owner = nullptr) {
     const std::string slices = base + "_slice.npy", index = base + "_index.json";
     EmbeddingCache cache(0);
     cache.read_rows(row_file, base + ".npy", std::move(owner));
@@ -11667,8 +11796,8 @@ class EmbeddingCache {
     return cache;
   }
 
-  /// Makes the folder and those inside it that the name of the model asks for. Throws io_error 401; 403 if a text has not one row but
-  /// slices are not wanted.
+  /// Makes the folder and those inside it that the name of the model asks for. Throws io_error 401; 403 if a text has
+  /// not one row but slices are not wanted.
   void write(const FilePath& folder, const std::string& model, bool with_slices = true) const {
     const std::string base = folder.inside(model);
     if (!folder.string().empty()) make_folder(folder.string());
@@ -11703,8 +11832,9 @@ class EmbeddingCache {
     const auto [begin, end] = slices_[found->second];
     return rows().subspan(static_cast<std::size_t>(begin * width_), static_cast<std::size_t>((end - begin) * width_));
   }
-  /// Adds a text; `values` are no rows of this cache itself. Throws shape_error 204 unless they are whole rows, config_error 102 for a
-  /// text that is here already, io_error 403 for one that is not UTF-8: the index could not be written.
+  /// Adds a text; `values` are no rows of this cache itself. Throws shape_error 204 unless they are whole rows,
+  /// config_error 102 for a text that is here already, io_error 403 for one that is not UTF-8: the index could not be
+  /// written.
   void add(const std::string& text, std::span<const float> values) {
     if (width_ == 0 || values.size() % static_cast<std::size_t>(width_) != 0)
       raise<shape_error>(204, "embedding cache: ", values.size(), " numbers for rows of ", width_);
@@ -11720,8 +11850,8 @@ class EmbeddingCache {
     number_.emplace(text, slices_.size());
     slices_.push_back({begin, row_count()});
   }
-  /// Adds those of the texts that are not here yet. Throws shape_error 204 if the encoder gives rows of another width, io_error 403 for a
-  /// text that is not UTF-8, before anything is encoded.
+  /// Adds those of the texts that are not here yet. Throws shape_error 204 if the encoder gives rows of another width,
+  /// io_error 403 for a text that is not UTF-8, before anything is encoded.
   template <Backend B, TextEncoder<B> E>
   void add(const E& encoder, std::span<const std::string> texts) {
     std::vector<std::string> missing;
@@ -11804,23 +11934,24 @@ struct CachedEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_FIGURE_BODY_HPP  // <motionlang/io/figure_body.hpp>
 #define MOTIONLANG_HAS_IO_FIGURE_BODY_HPP
-/// A free body: the figure of any skeleton (io/figure.hpp, the round cones that GLB files and pages show) as a body model, so that
-/// every motion has vertices and faces without a licensed file. A vertex follows one joint; there are no blend shapes.
+/// A free body: the figure of any skeleton (io/figure.hpp, the round cones that GLB files and pages show) as a body
+/// model, so that every motion has vertices and faces without a licensed file. A vertex follows one joint; there are no
+/// blend shapes.
 ///
 ///     auto body = figure_body<EigenBackend<float>>(motion.skeleton);
 ///     auto posed = pose_body(body.model, motion);                       // vertices (frames, V, 3)
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Weights that give each joint's rest position as an affine combination of the vertices, (joints, vertices); of all such weights
-/// the smallest:
+/// Weights that give each joint's rest position as an affine combination of the vertices, (joints, vertices); of all
+/// such weights the smallest:
 ///     w_i = 1 / V + (x_i - c) C^-1 (p - c),   c = mean of x,   C = sum (x_i - c) (x_i - c)^T
 template <class S>
 std::vector<S> rest_regressor(const std::vector<Vec3<float>>& vertices, const std::vector<Vec3<double>>& joints) {
@@ -11873,7 +12004,7 @@ Body<B> figure_body(const Skeleton& skeleton) {
   return body;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_FILM_STRIP_HPP  // <motionlang/io/film_strip.hpp>
@@ -11889,7 +12020,8 @@ Body<B> figure_body(const Skeleton& skeleton) {
 #define MOTIONLANG_HAS_IO_DETAIL_STROKE_FONT_HPP
 /// Letters as lines on a grid, for pictures of pixels: printable ASCII and the middle dot.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// A point of the grid: descenders reach down to y = 0, letters stand on 4, small ones reach up to 10, capitals to 13.
 struct GridPoint {
@@ -11919,8 +12051,8 @@ inline constexpr std::array<std::string_view, 94> stroke_letters{
     "3e2d2918272332", "0e01", "0e1d1928171302", "07183748"};
 // clang-format on
 
-/// Lines of a text from left to right, in units of the grid, and how wide it is. Letters that the font does not have are
-/// boxes.
+/// Lines of a text from left to right, in units of the grid, and how wide it is. Letters that the font does not have
+/// are boxes.
 struct StrokedText {
   std::vector<std::vector<GridPoint>> strokes;
   int width = 0;
@@ -11952,7 +12084,8 @@ inline StrokedText stroke_text(std::string_view text) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_PNG_HPP  // <motionlang/io/png.hpp>
@@ -11961,11 +12094,12 @@ inline StrokedText stroke_text(std::string_view text) {
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_DEFLATE_HPP  // <motionlang/io/detail/deflate.hpp>
 #define MOTIONLANG_HAS_IO_DETAIL_DEFLATE_HPP
-/// Deflate (RFC 1951) in its plainest form: matches found by one table of three bytes, the codes that the standard fixes.
-/// For pictures of a few flat colours, where nothing better is needed, and not zlib, which would have to be linked. Unpacking is in
-/// inflate.hpp.
+/// Deflate (RFC 1951) in its plainest form: matches found by one table of three bytes, the codes that the standard
+/// fixes. For pictures of a few flat colours, where nothing better is needed, and not zlib, which would have to be
+/// linked. Unpacking is in inflate.hpp.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// The bits of a deflate stream, least significant first.
 class BitWriter {
@@ -12000,7 +12134,8 @@ class FixedCodes {
     if (symbol < 280) return bits_.put_code(symbol - 256, 7);
     bits_.put_code(0xC0 + symbol - 280, 8);
   }
-  /// length  3 ... 258; distance 1 ... 32768. Both in groups that double in size, lengths four to a size, distances two.
+  /// length  3 ... 258; distance 1 ... 32768. Both in groups that double in size, lengths four to a size, distances
+  ///         two.
   void match(std::uint32_t length, std::uint32_t distance) {
     if (length == 258) {
       literal(285);
@@ -12060,10 +12195,11 @@ inline std::string deflate(std::span<const std::byte> bytes) {
   return out.finish();
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Rows from top to bottom, red, green, blue.
 struct Picture {
@@ -12087,8 +12223,8 @@ inline std::string png_chunk(std::string_view type, std::string_view data) {
 
 }  // namespace detail
 
-/// Each row as differences to the row above. Throws shape_error 205 if the numbers are not width x height x 3, config_error
-/// 101 for a picture without pixels or with more than 2^31 of them in a row.
+/// Each row as differences to the row above. Throws shape_error 205 if the numbers are not width x height x 3,
+/// config_error 101 for a picture without pixels or with more than 2^31 of them in a row.
 inline std::string encode_png(const Picture& picture) {
   const auto fits = [](Index n) { return n > 0 && n <= 0x7fffffff / 3; };
   if (!fits(picture.width) || !fits(picture.height)) {
@@ -12118,10 +12254,11 @@ inline std::string encode_png(const Picture& picture) {
 /// Throws io_error 401, and as encode_png.
 inline void write_png(const FilePath& path, const Picture& picture) { write_file(path, encode_png(picture)); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 struct Point2 {
   double x = 0, y = 0;
@@ -12201,7 +12338,8 @@ class SvgSurface {
     constexpr std::array<std::string_view, 3> of_anchor{"", " text-anchor=\"middle\"", " text-anchor=\"end\""};
     out_ += concat_text("<text", of_role[static_cast<std::size_t>(role)], of_anchor[static_cast<std::size_t>(anchor)],
                         " x=\"", fixed(at.x), "\" y=\"", fixed(at.y), "\"");
-    if (!paler.empty()) out_ += " xml:space=\"preserve\"";  // it begins with a space, which some programs would leave out
+    // it begins with a space, which some programs would leave out
+    if (!paler.empty()) out_ += " xml:space=\"preserve\"";
     out_ += ">" + escape_markup(text);
     if (!paler.empty()) out_ += concat_text("<tspan opacity=\".75\">", escape_markup(paler), "</tspan>");
     out_ += "</text>\n";
@@ -12431,10 +12569,11 @@ class PixelSurface {
   Picture picture_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct FilmStripOptions {
   int poses = 0;          // 0: as many as fit, from 5 to 12
@@ -12704,8 +12843,8 @@ inline FilmStrip film_strip(const Motion& motion, std::span<const Track> tracks,
 
 /// The picture as SVG text.
 /// tracks   shown below the poses, one row each; times in seconds from the start of the motion
-/// Throws   shape_error 205, numeric_error 301 if the motion is not valid or too far away for single precision; config_error 101
-///          without any frame, for a width below 100 or above a million, or times that are not finite
+/// Throws   shape_error 205, numeric_error 301 if the motion is not valid or too far away for single precision;
+///          config_error 101 without any frame, for a width below 100 or above a million, or times that are not finite
 inline std::string film_strip_svg(const Motion& motion, std::span<const Track> tracks = {},
                                   const FilmStripOptions& options = {}) {
   const detail::FilmStrip strip = detail::film_strip(motion, tracks, options);
@@ -12714,8 +12853,8 @@ inline std::string film_strip_svg(const Motion& motion, std::span<const Track> t
   return surface.finish();
 }
 
-/// The picture in pixels. Throws as film_strip_svg, and config_error 101 for a resolution that is none or a picture of more than 20,000
-/// pixels a side.
+/// The picture in pixels. Throws as film_strip_svg, and config_error 101 for a resolution that is none or a picture of
+/// more than 20,000 pixels a side.
 inline Picture film_strip_picture(const Motion& motion, std::span<const Track> tracks = {},
                                   const FilmStripOptions& options = {}) {
   const detail::FilmStrip strip = detail::film_strip(motion, tracks, options);
@@ -12735,7 +12874,7 @@ inline void write_film_strip(const FilePath& path, const Motion& motion, std::sp
   write_file(path, film_strip_svg(motion, tracks, options));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_GLB_HPP  // <motionlang/io/glb.hpp>
@@ -12744,17 +12883,17 @@ inline void write_film_strip(const FilePath& path, const Motion& motion, std::sp
 
 #ifndef MOTIONLANG_HAS_IO_GLB_READER_HPP  // <motionlang/io/glb_reader.hpp>
 #define MOTIONLANG_HAS_IO_GLB_READER_HPP
-/// GLB files, and .gltf files with their data in base64, as motions: skins and animations of glTF 2.0. Meshes, materials
-/// and morph targets are left out. The bones of a VRM avatar (.vrm, .vrma) have the names of VRM's humanoid.
+/// GLB files, and .gltf files with their data in base64, as motions: skins and animations of glTF 2.0. Meshes,
+/// materials and morph targets are left out. The bones of a VRM avatar (.vrm, .vrma) have the names of VRM's humanoid.
 ///
 /// The skeleton's rest pose is that of the file, with all rotations the identity as everywhere in this library: with B
 /// the world rotation of a node at rest and r its local rotation, L_j = B_parent r_j B_j^-1, and the offset of a joint
 /// is its rest translation turned by B_parent. Bones keep their length: only the root moves; animated scales and
 /// translations of other joints are dropped (stretched_joints names these).
 ///
-/// Two keys of a small file can be years apart. What is sampled has at most 10 million rotations (frames x joints; nearly four hours at
-/// 30 per second with 24 joints), or 16 for each key of a channel in the file, which is enough for any recording with keys at its
-/// frames. motions() counts all animations together.
+/// Two keys of a small file can be years apart. What is sampled has at most 10 million rotations (frames x joints;
+/// nearly four hours at 30 per second with 24 joints), or 16 for each key of a channel in the file, which is enough for
+/// any recording with keys at its frames. motions() counts all animations together.
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_GLTF_SKELETON_HPP  // <motionlang/io/detail/gltf_skeleton.hpp>
 #define MOTIONLANG_HAS_IO_DETAIL_GLTF_SKELETON_HPP
@@ -12769,7 +12908,7 @@ inline void write_film_strip(const FilePath& path, const Motion& motion, std::sp
 /// Accessors and nodes of a glTF document whose data are in the file: in the binary chunk of GLB, or in base64. Every
 /// number of the file is checked before it is used.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -12796,7 +12935,8 @@ inline void refuse_packed(const JsonView& object, std::initializer_list<const ch
   }
 }
 
-/// Of extensions that a file requires only those matter that pack what is read here; others are of meshes and materials.
+/// Of extensions that a file requires only those matter that pack what is read here; others are of meshes and
+/// materials.
 class GltfDocument {
  public:
   /// Throws  io_error 402 to 404; config_error 107 where JSON has a value of the wrong kind
@@ -12819,7 +12959,8 @@ class GltfDocument {
     const JsonView b = element("buffers", i);
     const bool decoded = b.contains("uri");
     if (decoded ? !is_data(b["uri"].as<std::string>()) : i != 0) {
-      raise<io_error>(404, b.path(), ": the buffer is not in this file: make one .glb file of all, for instance with "
+      raise<io_error>(404, b.path(),
+                      ": the buffer is not in this file: make one .glb file of all, for instance with "
                       "gltf-transform");
     }
     const std::span<const std::byte> data = decoded ? std::span(decoded_[static_cast<std::size_t>(i)]) : chunks_.binary;
@@ -12877,6 +13018,7 @@ class GltfDocument {
     if (a.contains("sparse")) replace_some(a["sparse"], count, size * components, read);
     return out;
   }
+
  private:
   static constexpr std::size_t most_made_up = 1 << 20;  // values that a small file may leave out
 
@@ -12924,9 +13066,7 @@ class GltfDocument {
   }
 
   static constexpr std::string_view base64_mark = ";base64,";
-  static bool is_data(std::string_view uri) {
-    return uri.starts_with("data:") && uri.find(base64_mark) != uri.npos;
-  }
+  static bool is_data(std::string_view uri) { return uri.starts_with("data:") && uri.find(base64_mark) != uri.npos; }
   void decode_buffers() {
     for (Index i = 0; i < count("buffers"); ++i) {
       const JsonView b = element("buffers", i);
@@ -13030,7 +13170,8 @@ class GltfDocument {
     if (order_.size() != nodes_.size()) raise<io_error>(403, file_, ": the tree of nodes has a cycle");
   }
 
-  /// Avatars say which of their nodes are the bones of a humanoid, whatever these are called. -1: a bone without a node.
+  /// Avatars say which of their nodes are the bones of a humanoid, whatever these are called. -1: a bone without a
+  /// node.
   /// Source  VRM 0.x: VRM; 1.0: VRMC_vrm, VRMC_vrm_animation
   void name_humanoid() {
     if (!root().contains("extensions")) return;
@@ -13113,10 +13254,10 @@ class SharedAccessors {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -13191,7 +13332,8 @@ class GltfAnimation {
   const std::string& name() const { return name_; }
   /// Time of the last key, seconds.
   double duration() const { return duration_; }
-  /// Keys per second, where all keys are at whole frames of one rate: those of the channel that has most, the first at 0.
+  /// Keys per second, where all keys are at whole frames of one rate: those of the channel that has most, the first at
+  /// 0.
   std::optional<double> rate() const {
     const auto all = lists_of_times();
     if (all.empty()) return std::nullopt;
@@ -13285,10 +13427,10 @@ class GltfAnimation {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -13445,10 +13587,10 @@ class GltfSkeleton {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A GLB file in memory, from which several motions can be taken.
 class GlbFile {
@@ -13487,8 +13629,8 @@ class GlbFile {
     return names;
   }
 
-  /// Frames per second at which motion() takes an animation: those of its keys, where all are at whole frames of one rate of
-  /// 10 to 1000; 30 for others. Throws config_error 103 if there is no such animation.
+  /// Frames per second at which motion() takes an animation: those of its keys, where all are at whole frames of one
+  /// rate of 10 to 1000; 30 for others. Throws config_error 103 if there is no such animation.
   double rate(Index animation) const {
     const double own = at(animation).rate().value_or(0);
     return own >= 10 && own <= 1000 ? own : 30;
@@ -13597,7 +13739,7 @@ class GlbFile {
 };
 
 struct GlbReadOptions {
-  std::string animation{};  // by name; "": the first
+  std::string animation{};      // by name; "": the first
   std::optional<double> fps{};  // none: GlbFile::rate
   Index skin = 0;
 };
@@ -13608,7 +13750,7 @@ inline Motion read_glb(const FilePath& path, const GlbReadOptions& options = {})
   return options.animation.empty() ? file.motion(0, options.fps) : file.motion(options.animation, options.fps);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
@@ -13625,7 +13767,7 @@ inline Motion read_glb(const FilePath& path, const GlbReadOptions& options = {})
 #define MOTIONLANG_HAS_IO_DETAIL_DROP_ANIMATIONS_HPP
 /// Animations out of a glTF document that is being built, with what only they use.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -13686,10 +13828,10 @@ inline void drop_animations(GlbBuilder& glb) {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct GlbRigOptions {
   bool keep_animations = true;  // of the character's file; without them their data go, as far as they are the last
@@ -13700,10 +13842,10 @@ class GlbRig {
   /// Says which joint of a skeleton is which: one of the known tables, or read_skeleton_table.
   using FindTable = std::function<SkeletonTable(const Skeleton&)>;
 
-  /// Of several skins, the first for which there is a table; of very many (thousands in a file of thousands of nodes), only the
-  /// first are tried.
-  /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits, for every skin if there
-  ///         are several
+  /// Of several skins, the first for which there is a table; of very many (thousands in a file of thousands of nodes),
+  /// only the first are tried.
+  /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits, for every skin if
+  ///         there are several
   static GlbRig open(const FilePath& path, const FindTable& find_table = detect_skeleton_table) {
     return GlbRig(MappedFile::open(path)->bytes(), path.string(), find_table);
   }
@@ -13849,7 +13991,7 @@ inline void write_glb(const FilePath& path, const GlbRig& rig, std::span<const M
   write_file(path, rig.with(motions, options));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_GLOVE_FILE_HPP  // <motionlang/io/glove_file.hpp>
@@ -13861,7 +14003,7 @@ inline void write_glb(const FilePath& path, const GlbRig& rig, std::span<const M
 ///     stem_idx.pkl     word -> row
 /// Source  spec text-encoders.md, section 6
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Throws io_error 401 to 407; 403 if the files do not fit each other.
 inline GloVe read_glove(const FilePath& stem) {
@@ -13924,7 +14066,7 @@ inline void write_glove(const FilePath& stem, const GloVe& glove) {
   write_file(base + "_idx.pkl", std::string_view(detail::pickled_words(words, true)));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_GUO_EVALUATOR_FILE_HPP  // <motionlang/io/guo_evaluator_file.hpp>
@@ -13935,7 +14077,7 @@ inline void write_glove(const FilePath& stem, const GloVe& glove) {
 ///
 /// Source  Guo et al. (CVPR 2022), networks/evaluator_wrapper.py; spec evaluation-guo.md 2
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sizes of the networks in a file, from the shapes of its tensors. Throws io_error 406, 407.
 inline GuoEvaluatorConfig guo_evaluator_config(const TensorSet& file) {
@@ -13952,7 +14094,8 @@ inline GuoEvaluatorConfig guo_evaluator_config(const TensorSet& file) {
           .embedding = t.size(text + "output_net.3.weight", 0)};
 }
 
-/// The networks, ready to run. States of optimisers beside them are passed over. Throws io_error 406, 407, numeric_error 301.
+/// The networks, ready to run. States of optimisers beside them are passed over. Throws io_error 406, 407,
+/// numeric_error 301.
 template <Backend B>
 GuoEvaluator<B> load_guo_evaluator(const TensorSet& file) {
   NoInit zeros;
@@ -13962,7 +14105,7 @@ GuoEvaluator<B> load_guo_evaluator(const TensorSet& file) {
   return networks;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_HUMANML3D_FOLDER_HPP  // <motionlang/io/humanml3d_folder.hpp>
@@ -13980,13 +14123,14 @@ GuoEvaluator<B> load_guo_evaluator(const TensorSet& file) {
 
 #ifndef MOTIONLANG_HAS_IO_HUMANML3D_TEXTS_HPP  // <motionlang/io/humanml3d_texts.hpp>
 #define MOTIONLANG_HAS_IO_HUMANML3D_TEXTS_HPP
-/// The captions of a clip of HumanML3D or KIT-ML (texts/<id>.txt), and index.csv, which says what the clips were cut from.
+/// The captions of a clip of HumanML3D or KIT-ML (texts/<id>.txt), and index.csv, which says what the clips were cut
+/// from.
 ///
 ///     caption#word/POS word/POS ...#start#end          seconds; 0.0 and 0.0: the whole clip; "nan" is 0
 ///
 /// Source  Guo et al. (CVPR 2022); spec humanml3d-features.md 8 and 10, exchange-formats.md 5.2
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct MotionCaption {
   std::string text;
@@ -14136,10 +14280,10 @@ inline std::vector<HumanMl3dSource> read_humanml3d_index(const FilePath& path) {
   return parse_humanml3d_index(detail::as_text(MappedFile::open(path)->bytes()), path.string());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What tells the data sets apart. Captions are cut at 20 frames per second in both, as published.
 struct HumanMl3dForm {
@@ -14230,15 +14374,15 @@ class HumanMl3dFolder {
   HumanMl3dForm form_;
 };
 
-/// What the published loaders make of a clip: one item of the whole clip with the captions of all of it, and one for each
-/// caption with times of its own.
+/// What the published loaders make of a clip: one item of the whole clip with the captions of all of it, and one for
+/// each caption with times of its own.
 struct HumanMl3dItem {
   FrameSlice frames;
   std::vector<std::size_t> captions;  // numbers among those of the clip
   bool operator==(const HumanMl3dItem&) const = default;
 };
-/// Items of a length that the loaders keep; none if the clip itself is too short or too long. Seconds count at 20 frames
-/// per second, for KIT-ML too, as published.
+/// Items of a length that the loaders keep; none if the clip itself is too short or too long. Seconds count at 20
+/// frames per second, for KIT-ML too, as published.
 inline std::vector<HumanMl3dItem> humanml3d_items(std::span<const MotionCaption> captions, Index frames,
                                                   const HumanMl3dForm& form = {}) {
   auto kept = [&](Index length) { return length >= form.shortest && length <= form.longest; };
@@ -14257,8 +14401,8 @@ inline std::vector<HumanMl3dItem> humanml3d_items(std::span<const MotionCaption>
   return items;
 }
 
-/// Writes the files of a clip, captions last, and makes the folders that are missing. Write the lists of ids (write_ids)
-/// when all clips are there: a list then names no clip that is not whole.
+/// Writes the files of a clip, captions last, and makes the folders that are missing. Write the lists of ids
+/// (write_ids) when all clips are there: a list then names no clip that is not whole.
 /// Throws io_error 401, 403 for an id that leads out of the folder, shape_error 205 if the values do not fit the form,
 /// timeline_error 510 as format_captions
 inline void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, const HumanMl3dForm& form = {}) {
@@ -14286,15 +14430,15 @@ inline void write_humanml3d_statistics(const FilePath& folder, std::span<const f
   write_npy(detail::below(folder, "Std.npy"), s);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_INSPECTION_PAGE_HPP  // <motionlang/io/inspection_page.hpp>
 #define MOTIONLANG_HAS_IO_INSPECTION_PAGE_HPP
-/// The findings of a folder of motions as one HTML page: a table of what was found how often, then every motion with its
-/// findings and, for some of each kind, a film strip. Nothing comes from outside the file.
+/// The findings of a folder of motions as one HTML page: a table of what was found how often, then every motion with
+/// its findings and, for some of each kind, a film strip. Nothing comes from outside the file.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A motion of the page, or a file that could not be read.
 struct InspectedMotion {
@@ -14359,7 +14503,7 @@ inline std::string inspection_html(std::span<const InspectedMotion> motions, std
   return out + "</body>\n</html>\n";
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_KIT_RECORDINGS_HPP  // <motionlang/io/kit_recordings.hpp>
@@ -14375,7 +14519,7 @@ inline std::string inspection_html(std::span<const InspectedMotion> motions, std
 
 #include <dirent.h>  // opendir
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct KitRecording {
   static constexpr double fps = 100;
@@ -14387,8 +14531,8 @@ struct KitRecording {
   Index frames() const { return static_cast<Index>(joints.size() / joint_count); }
 };
 
-/// The positions in a text of _fke.csv. Throws io_error 403, with the line, for a line that has not 64 numbers (the first
-/// is an index and only looked at).
+/// The positions in a text of _fke.csv. Throws io_error 403, with the line, for a line that has not 64 numbers (the
+/// first is an index and only looked at).
 inline std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::string_view name = "fke.csv") {
   constexpr std::size_t columns = 1 + 3 * KitRecording::joint_count;
   std::vector<Vec3<double>> joints;
@@ -14463,23 +14607,24 @@ class KitRecordings {
   FilePath folder_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_MDM_ACTION_RUN_HPP  // <motionlang/io/mdm_action_run.hpp>
 #define MOTIONLANG_HAS_IO_MDM_ACTION_RUN_HPP
-/// MDM's models of actions (HumanAct12, UESTC), and of HumanAct12 without its actions (--unconstrained), from the folders in
-/// which their repository leaves them.
+/// MDM's models of actions (HumanAct12, UESTC), and of HumanAct12 without its actions (--unconstrained), from the
+/// folders in which their repository leaves them.
 ///
-///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));      // args.json, model000750000.pt
-///     const auto motions = run.model.generate(actions, Philox{.seed = 7});
+///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));      // args.json,
+///     model000750000.pt const auto motions = run.model.generate(actions, Philox{.seed = 7});
 ///
-/// Differs   from models of texts: motions are rotations in 6D and the way of the root, not normalised, of 60 frames; a model that was
-///           trained without empty actions (cond_mask_prob 0, as the published command has it) is not guided
+/// Differs   from models of texts: motions are rotations in 6D and the way of the root, not normalised, of 60 frames; a
+///           model that was trained without empty actions (cond_mask_prob 0, as the published command has it) is not
+///           guided
 /// Source    spec mdm.md 3, 3.1, 3.5
 /// Throws    as io/diffusion_run.hpp
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct MdmActionRun {
@@ -14531,7 +14676,7 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_MDM_RESULTS_HPP  // <motionlang/io/mdm_results.hpp>
@@ -14542,8 +14687,8 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
 ///
 ///     {'motion': (n, joints, 3, frames), 'text': n texts, 'lengths': (n)}
 /// This is an object of Python, which is read and not run. Joints are HumanML3D's 22, SMPL's 24 or KIT's 21; Y is up
-/// unless the options say Z. A motion ends at its length. Its name is its number, or the first 160 bytes of its text, so
-/// that the name fits into a file's name.
+/// unless the options say Z. A motion ends at its length. Its name is its number, or the first 160 bytes of its text,
+/// so that the name fits into a file's name.
 /// Source  Tevet et al., "Human Motion Diffusion Model" (ICLR 2023); GuyTevet/motion-diffusion-model sample/generate.py
 
 #ifndef MOTIONLANG_HAS_IO_MOTION_NPY_HPP  // <motionlang/io/motion_npy.hpp>
@@ -14555,11 +14700,12 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
 ///     (frames, numbers) of the features that motion_features.hpp names, known by the width of a row: not normalised
 ///     (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
 /// Several motions in one file: mdm_results.hpp.
-/// Positions become rotations by motion_from_joints.hpp. MMM's joints are in metres or, if they are large, in KIT's units; with Y
-/// up they are reflected, as KIT has them and TEMOS makes them, and are reflected back, so that "L" is the left.
+/// Positions become rotations by motion_from_joints.hpp. MMM's joints are in metres or, if they are large, in KIT's
+/// units; with Y up they are reflected, as KIT has them and TEMOS makes them, and are reflected back, so that "L" is
+/// the left.
 /// Source  specs humanml3d-features.md 1.2 and 10, temos.md 4.3
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class UpAxis { found, y, z };
 
@@ -14593,8 +14739,8 @@ inline Motion motion_from_rows(std::span<const double> rows, Index width, double
 
 }  // namespace detail
 
-/// Throws io_error 407 if the array is none of these; shape_error 205, numeric_error 301 for values that are not finite;
-/// config_error 101 for a rate that is none.
+/// Throws io_error 407 if the array is none of these; shape_error 205, numeric_error 301 for values that are not
+/// finite; config_error 101 for a rate that is none.
 inline Motion motion_from_array(const NpyArray& array, const MotionArrayOptions& options = {},
                                 std::string_view name = "array") {
   if (options.fps != 0 && !(options.fps > 0 && std::isfinite(options.fps)))
@@ -14622,10 +14768,10 @@ inline Motion read_motion_npy(const FilePath& path, const MotionArrayOptions& op
   return motion_from_array(read_npy(path), options, path.string());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -14721,7 +14867,7 @@ inline std::vector<Motion> read_motions_npy(const FilePath& path, const MotionAr
   return {motion_from_array(array, options, path.string())};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_MERGED_BODY_HPP  // <motionlang/io/merged_body.hpp>
@@ -14731,9 +14877,10 @@ inline std::vector<Motion> read_motions_npy(const FilePath& path, const MotionAr
 ///     merge_smplh("smplh/male/model.npz", "MANO_LEFT.pkl", "MANO_RIGHT.pkl", "smplh/SMPLH_MALE.npz");
 ///
 /// Source   spec weights.md 8.1: hands_components, hands_mean, hands_coeffs of MANO, with l and r behind them
-/// Differs  from TEMOS' script: the members of the archive are stored, not deflated; what forward passes do not read is left out
+/// Differs  from TEMOS' script: the members of the archive are stored, not deflated; what forward passes do not read is
+///          left out
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Throws  io_error 401 to 407 for files that cannot be read, are no body of 52 joints or no hand; numeric_error 301
 inline void merge_smplh(const FilePath& body, const FilePath& left, const FilePath& right, const FilePath& out) {
@@ -14757,7 +14904,7 @@ inline void merge_smplh(const FilePath& body, const FilePath& left, const FilePa
   write_npz(out, merged);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_MOTION_INDEX_FILE_HPP  // <motionlang/io/motion_index_file.hpp>
@@ -14780,10 +14927,11 @@ inline void merge_smplh(const FilePath& body, const FilePath& left, const FilePa
 #define MOTIONLANG_HAS_IO_DETAIL_CONTENT_HASH_HPP
 /// A checksum of many bytes at the speed of memory. Against accidents, not against forgery.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
-/// FNV-1a over words of 64 bits in four lanes, then over the lanes, the rest and the length. Every step can be undone, so one changed
-/// word always changes the result.
+/// FNV-1a over words of 64 bits in four lanes, then over the lanes, the rest and the length. Every step can be undone,
+/// so one changed word always changes the result.
 inline std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_t before = 0xCBF29CE484222325u) {
   constexpr std::uint64_t prime = 0x100000001B3u;
   std::uint64_t lanes[4] = {before, before ^ 1u, before ^ 2u, before ^ 3u}, words[4];
@@ -14805,10 +14953,11 @@ inline std::string hexadecimal(std::uint64_t value) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What else an index file may have: bytes by the name of their tensor ("graph_clips").
 using IndexExtras = std::map<std::string, std::vector<std::byte>>;
@@ -14893,8 +15042,8 @@ inline VectorTable index_rows(const SafetensorsFile& file, const std::string& na
 /// An index file that is open.
 class MotionIndexFile {
  public:
-  /// Throws io_error 401, 402 (ends too early), 403 (no index, or damaged), 404 (another version), 405, 406, 407; config_error 107;
-  /// numeric_error 302
+  /// Throws io_error 401, 402 (ends too early), 403 (no index, or damaged), 404 (another version), 405, 406, 407;
+  /// config_error 107; numeric_error 302
   static MotionIndexFile open(const FilePath& path) {
     const auto file = MappedFile::open(path);
     return from_bytes(file->bytes(), path.string(), file);
@@ -14981,19 +15130,20 @@ inline void write_motion_index(const FilePath& path, const MotionIndex& index, c
   write_file(path, motion_index_bytes(index, extras));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_MOTION_TOKENS_HPP  // <motionlang/io/motion_tokens.hpp>
 #define MOTIONLANG_HAS_IO_MOTION_TOKENS_HPP
 /// Motion tokens in files, and the pairs of tokens and words that TM2T is trained on.
 ///
-///     <tokenizer>/<id>.txt     a line for each pass over the clip (five), ids of codes with blanks between them, no marks
+///     <tokenizer>/<id>.txt     a line for each pass over the clip (five), ids of codes with blanks between them, no
+///                              marks
 ///
-/// Source  TM2T (Guo et al., ECCV 2022), tokenize_script.py, data/dataset.py; spec tm2t.md 2, 3. TM2T's script appends to a file that is
-///         there already; here it is replaced.
+/// Source  TM2T (Guo et al., ECCV 2022), tokenize_script.py, data/dataset.py; spec tm2t.md 2, 3. TM2T's script appends
+///         to a file that is there already; here it is replaced.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The tokens of a clip: one list for each pass, from other frames on.
 using TokenLines = std::vector<std::vector<Index>>;
@@ -15040,11 +15190,13 @@ struct TokenEntry {
 
 struct TokenEntryOptions {
   double tokens_per_second = 5;
-  /// As published a part is cut out of what the part before has left, and the clip is trained with what the last one has left.
+  /// As published a part is cut out of what the part before has left, and the clip is trained with what the last one
+  /// has left.
   bool cut_again = false;
 };
 
-/// The entries of a clip, the whole one last, if it has a caption. Parts without tokens are left out (as published only those of no length).
+/// The entries of a clip, the whole one last, if it has a caption. Parts without tokens are left out (as published only
+/// those of no length).
 inline std::vector<TokenEntry> token_entries(const std::string& id, std::span<const MotionCaption> captions,
                                              TokenLines lines, const TokenEntryOptions& options = {}) {
   std::vector<TokenEntry> out;
@@ -15086,7 +15238,8 @@ inline TokenDrop token_drop(NumpyRandom& random) {
   return random.randint(0, 2) == 0 ? TokenDrop::last : TokenDrop::first;
 }
 
-/// The mark of the beginning, tokens, the mark of the end. Throws shape_error 207 if a token is to be dropped and none is there.
+/// The mark of the beginning, tokens, the mark of the end. Throws shape_error 207 if a token is to be dropped and none
+/// is there.
 inline std::vector<Index> marked_tokens(std::span<const Index> tokens, const MotionVocabulary& vocabulary,
                                         TokenDrop drop = TokenDrop::none) {
   if (drop != TokenDrop::none && tokens.empty()) raise<shape_error>(207, "marked_tokens: no token to drop");
@@ -15104,19 +15257,21 @@ inline std::vector<Index> marked_words(const GloVe& glove, std::span<const Tagge
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_PACK_RUN_HPP  // <motionlang/io/pack_run.hpp>
 #define MOTIONLANG_HAS_IO_PACK_RUN_HPP
-/// The run folder of any published system as a model folder of ours: one file of weights with the statistics, licence, provenance.
+/// The run folder of any published system as a model folder of ours: one file of weights with the statistics, licence,
+/// provenance.
 ///
 ///     pack_run<B>(find_run("pretrained/temos"), "temos", {.license = "...", .provenance = "github.com/Mathux/TEMOS",
 ///                                                         .sources = {.statistics = "deps/.../kit-amass-xyz"}});
 ///     const auto temos = load_temos_run<B>("temos");            // as from the run itself
 ///
-/// STMC, MDM and MotionDiffuse for texts as io/diffusion_folder.hpp does it. ACTOR, TEMOS, TEACH, SINC, TMR, TM2T and MDM for actions
-/// with all their options, under a config.json that says "published"; find_run knows such a folder for one of the system.
+/// STMC, MDM and MotionDiffuse for texts as io/diffusion_folder.hpp does it. ACTOR, TEMOS, TEACH, SINC, TMR, TM2T and
+/// MDM for actions with all their options, under a config.json that says "published"; find_run knows such a folder for
+/// one of the system.
 /// Left out   what is not the model's: SMPL, losses, metrics, optimisers
 
 #ifndef MOTIONLANG_HAS_IO_TM2T_RUN_HPP  // <motionlang/io/tm2t_run.hpp>
@@ -15128,17 +15283,18 @@ inline std::vector<Index> marked_words(const GloVe& glove, std::span<const Tagge
 ///     const auto other = load_tm2t_describer<B>(find_run("checkpoints/t2m/M2T_EL4_DL4_NH8_PS"));
 ///     const auto texts = other.model.describe(features, other.words);
 ///
-/// Three places: the folder of the recurrent model or of the transformer (opt.txt, model/finest.tar); the one of the motion tokenizer,
-/// beside it (its checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one of the folders above.
+/// Three places: the folder of the recurrent model or of the transformer (opt.txt, model/finest.tar); the one of the
+/// motion tokenizer, beside it (its checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one
+/// of the folders above.
 ///
-/// Sizes    from the shapes of the tensors; early or late attention, too, which the options have to agree with. The number of heads from
-///          the options, 8 unless they say it
+/// Sizes    from the shapes of the tensors; early or late attention, too, which the options have to agree with. The
+///          number of heads from the options, 8 unless they say it
 /// Differs  from the published program: `model` has what is in the folder and the tokenizer; the rest of it is empty
 /// Source   spec tm2t.md 1, 2, 4.1, 5, 6
-/// Throws   io_error 401 for what is missing, saying where it was looked for; 404 for another model; 406, 407 for tensors;
-///          config_error 102 where the parts do not fit each other
+/// Throws   io_error 401 for what is missing, saying where it was looked for; 404 for another model; 406, 407 for
+///          tensors; config_error 102 where the parts do not fit each other
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct Tm2tRun {
@@ -15322,8 +15478,8 @@ Tm2tRun<B> tm2t_around(const RunFolder& run, const WeightFile& weights, Index sy
   if (out.width() == 251) out.fps = 12.5;
   const MotionVocabulary vocabulary = out.model.vocabulary();
   if (symbols != vocabulary.size())
-    raise<config_error>(102, weights.name(), ": has ", symbols, " motion symbols, ", tokenizer_run.weights.string(), " has ",
-                        vocabulary.codes, " codes and three marks");
+    raise<config_error>(102, weights.name(), ": has ", symbols, " motion symbols, ", tokenizer_run.weights.string(),
+                        " has ", vocabulary.codes, " codes and three marks");
   return out;
 }
 
@@ -15367,7 +15523,7 @@ Tm2tRun<B> load_tm2t_describer(const RunFolder& run, const Tm2tRunOptions& optio
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_VAE_RUN_HPP  // <motionlang/io/vae_run.hpp>
@@ -15378,13 +15534,15 @@ Tm2tRun<B> load_tm2t_describer(const RunFolder& run, const Tm2tRunOptions& optio
 ///     const auto temos = load_temos_run<B>("kit-amass-xyz/5xp9647f", {.text_encoder = "distilbert-base-uncased",
 ///                                                                     .statistics = "deps/.../kit-amass-xyz"});
 ///
-/// Sizes    from the shapes of the tensors; options that state them have to agree. Heads and representation from the options
+/// Sizes    from the shapes of the tensors; options that state them have to agree. Heads and representation from the
+///          options
 /// ACTOR    all networks of its repository (io/actor_file.hpp)
-/// TEMOS, TEACH, SINC  with DistilBERT inside of the checkpoint; tokenizer and statistics are in no run folder. Their folders look alike:
+/// TEMOS, TEACH, SINC  with DistilBERT inside of the checkpoint; tokenizer and statistics are in no run folder. Their
+/// folders look alike:
 ///          `lightning_system` tells them apart by their tensors
 /// Source   spec actor.md 3, 8; temos.md 3, 4.4; teach.md 1, 2.4; sinc.md 1, 2.4
-/// Throws   io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407 for tensors;
-///          config_error 101, 102 where options and tensors differ, 103, 107
+/// Throws   io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407 for
+///          tensors; config_error 101, 102 where options and tensors differ, 103, 107
 
 #ifndef MOTIONLANG_HAS_IO_TEACH_SINC_FILE_HPP  // <motionlang/io/teach_sinc_file.hpp>
 #define MOTIONLANG_HAS_IO_TEACH_SINC_FILE_HPP
@@ -15393,8 +15551,8 @@ Tm2tRun<B> load_tm2t_describer(const RunFolder& run, const Tm2tRunOptions& optio
 ///     const auto teach = load_teach<B>(open_weights("last.ckpt"), find_run(folder));
 ///     const auto sinc = load_sinc<B>(open_weights("last.ckpt"));
 ///
-/// Heads    do not show in shapes: from the options of the run, else 4. The options ask for 6 under a misspelled name, which the code
-///          passes over
+/// Heads    do not show in shapes: from the options of the run, else 4. The options ask for 6 under a misspelled name,
+///          which the code passes over
 /// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses, metrics, SINC's eval_model.*
 /// Throws   as io/text_motion_file.hpp
 /// Source   spec teach.md 2.4, sinc.md 2.4
@@ -15404,16 +15562,18 @@ Tm2tRun<B> load_tm2t_describer(const RunFolder& run, const Tm2tRunOptions& optio
 /// TEMOS and TMR from their published checkpoints: sizes come from the shapes of the tensors.
 ///
 ///     const auto tmr = load_tmr<B>(open_weights(folder), find_run(folder));   // last_weights/*.pt, or a .ckpt
-///     const auto temos = load_temos<B>(open_weights("last.ckpt"));            // with statistics and texts: io/vae_run.hpp
+///     const auto temos = load_temos<B>(open_weights("last.ckpt"));            // with statistics and texts:
+///     io/vae_run.hpp
 ///
-/// Heads    do not show in shapes: from the options of the run, else 4, which is what both papers' models have. TEMOS' options ask for
-///          6 under a misspelled name, which its code passes over
+/// Heads    do not show in shapes: from the options of the run, else 4, which is what both papers' models have. TEMOS'
+///          options ask for 6 under a misspelled name, which its code passes over
 /// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses and metrics, statistics
-/// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for a number that is none; config_error 101 if the
-///          heads do not divide the width, 102 where options and tensors differ, or the file is too small for a network of its sizes
+/// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for a number that is none;
+///          config_error 101 if the heads do not divide the width, 102 where options and tensors differ, or the file is
+///          too small for a network of its sizes
 /// Source   spec temos.md 2, 3.1; tmr.md 3
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -15496,10 +15656,10 @@ Tmr<B> load_tmr(const TensorSet& file, const RunFolder& run = {}) {
   return model;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -15538,10 +15698,10 @@ Sinc<B> load_sinc(const TensorSet& file, const RunFolder& run = {}, SincMode mod
   return model;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct ActorRun {
@@ -15549,9 +15709,9 @@ struct ActorRun {
   ActorFeatureOptions features{};
   ActorPoints points = ActorPoints::vertices;  // that its loss compared
   ActorFrameOptions frames{};                  // of a clip that it learned from; how many: `longest`
-  bool camera = true;               // the figure stands on its head: Y down, as cameras have it
-  Index longest = 60;               // frames of motions that it learned from
-  std::vector<std::string> labels;  // of the classes; empty if they are numbers
+  bool camera = true;                          // the figure stands on its head: Y down, as cameras have it
+  Index longest = 60;                          // frames of motions that it learned from
+  std::vector<std::string> labels;             // of the classes; empty if they are numbers
 };
 
 /// A model from texts to motions, with all that it needs.
@@ -15572,16 +15732,17 @@ template <Backend B>
 using SincRun = TextMotionRun<B, Sinc<B>>;
 
 struct TemosRunOptions {
-  FilePath text_encoder = "";  // folder of distilbert-base-uncased, or one with its tokenizer; looked for beside the model unless given
-  FilePath statistics = "";    // folder with jfeats_mean.pt and jfeats_std.pt (rfeats_ of SMPL models)
+  // folder of distilbert-base-uncased, or one with its tokenizer; looked for beside the model unless given
+  FilePath text_encoder = "";
+  FilePath statistics = "";  // folder with jfeats_mean.pt and jfeats_std.pt (rfeats_ of SMPL models)
 };
 
 namespace detail {
 
 inline void require_checkpoint(const RunFolder& run, const char* system, const char* wanted) {
   if (run.system != system)
-    raise<io_error>(404, run.folder.string(), ": ", run.system.empty() ? "of no system that is known" : "of " + run.system,
-                    ", expected ", system);
+    raise<io_error>(404, run.folder.string(), ": ",
+                    run.system.empty() ? "of no system that is known" : "of " + run.system, ", expected ", system);
   if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no ", wanted);
 }
 
@@ -15595,7 +15756,8 @@ inline std::filesystem::path temos_text_folder(const RunFolder& run, const Temos
     }
   }
   if (folder.empty())
-    raise<io_error>(401, run.folder.string(), ": no tokenizer of DistilBERT: put vocab.txt or tokenizer.json of "
+    raise<io_error>(401, run.folder.string(),
+                    ": no tokenizer of DistilBERT: put vocab.txt or tokenizer.json of "
                     "distilbert-base-uncased there, or name its folder");
   return folder;
 }
@@ -15664,8 +15826,8 @@ Normalizer<B> temos_normalizer(const RunFolder& run, const TensorSet& weights, c
 
 /// The statistics and the text encoder that belong to a model. eps: of the normalisation, backwards.
 template <Backend B, class Model>
-TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& weights, Model model, double fps, double eps,
-                                        const TemosRunOptions& options) {
+TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& weights, Model model, double fps,
+                                        double eps, const TemosRunOptions& options) {
   const RunReader r(run, weights, "");
   auto normalizer = temos_normalizer<B>(run, weights, options);
   normalizer.eps = eps;
@@ -15706,10 +15868,10 @@ TemosRun<B> load_temos_run(const FilePath& folder, const TemosRunOptions& option
   return load_temos_run<B>(find_run(folder), options);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -15723,8 +15885,8 @@ struct PackedParts {
 };
 
 inline bool is_of_a_model(const std::string& name) {
-  return !begins_with_any(name, {"rotation2xyz.", "rot2xyz.", "clip_model.", "_losses.", "losses.", "metrics.", "eval_model.",
-                                 "opt_", "motion_normalizer."});
+  return !begins_with_any(name, {"rotation2xyz.", "rot2xyz.", "clip_model.", "_losses.", "losses.", "metrics.",
+                                 "eval_model.", "opt_", "motion_normalizer."});
 }
 
 template <Backend B>
@@ -15791,7 +15953,8 @@ void pack_run(const RunFolder& run, const FilePath& path, const PackOptions& opt
   parts.model.others["published"] = true;
   for (const FileValue& v : run.options) {  // "model/latent_dim": the reader makes the same path of it
     const auto* text = std::get_if<std::string>(&v.value);
-    if (is_utf8(v.path) && (text == nullptr || is_utf8(*text))) std::visit([&](const auto& x) { parts.model.config[v.path] = x; }, v.value);
+    if (is_utf8(v.path) && (text == nullptr || is_utf8(*text)))
+      std::visit([&](const auto& x) { parts.model.config[v.path] = x; }, v.value);
   }
   TensorStore statistics;
   if (parts.statistics) statistics.add_module(*parts.statistics, "motion_normalizer.");
@@ -15804,15 +15967,15 @@ void pack_run(const RunFolder& run, const FilePath& path, const PackOptions& opt
   write_model_folder(path, parts.model, tensors, parts.text_encoder);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_SEARCH_PAGE_HPP  // <motionlang/io/search_page.hpp>
 #define MOTIONLANG_HAS_IO_SEARCH_PAGE_HPP
-/// What a search found, as one HTML page: for each clip or moment its score, where it is, what is said about it, and a film strip.
-/// Nothing comes from outside the file.
+/// What a search found, as one HTML page: for each clip or moment its score, where it is, what is said about it, and a
+/// film strip. Nothing comes from outside the file.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A hit of the page.
 struct FoundMotion {
@@ -15858,7 +16021,7 @@ inline std::string search_html(std::span<const FoundMotion> found, std::string_v
   return out + "</body>\n</html>\n";
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_SKELETON_TABLE_FILE_HPP  // <motionlang/io/skeleton_table_file.hpp>
@@ -15871,7 +16034,7 @@ inline std::string search_html(std::span<const FoundMotion> found, std::string_v
 /// The third field are the local axes of the joint that point to the left and up in a T-pose, "+x+y" unless given.
 /// Empty lines and those that begin with # are skipped. Joints of SMPL without a line follow none.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The table of a text for a skeleton.
 /// Throws  with the line: io_error 403 for a line that has not two or three fields, config_error 103 for a joint that
@@ -15918,18 +16081,18 @@ inline SkeletonTable read_skeleton_table(const FilePath& path, const Skeleton& s
   return parse_skeleton_table(detail::as_text(MappedFile::open(path)->bytes()), skeleton, path.string());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_STMC_FILE_HPP  // <motionlang/io/stmc_file.hpp>
 #define MOTIONLANG_HAS_IO_STMC_FILE_HPP
 /// An STMC model in one safetensors file: weights under their names, sizes and vocabulary in the metadata.
 ///
-/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; how the model should be sampled: guidance and
-///             sampling ("ddpm 20": sampler and steps, all without a number); and, for people: license, provenance, data, command, commit.
-///             Nothing in the file is executed.
+/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; how the model should be
+///             sampled: guidance and sampling ("ddpm 20": sampler and steps, all without a number); and, for people:
+///             license, provenance, data, command, commit. Nothing in the file is executed.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sizes of a bundled model: everything that its constructor needs.
 struct StmcModelConfig {
@@ -16014,7 +16177,8 @@ inline WordPiece metadata_vocabulary(const Metadata& metadata, const std::string
 
 }  // namespace detail
 
-/// The sizes as metadata. `vocabulary` of the tokenizer. Throws config_error 101 for more steps of sampling than there are.
+/// The sizes as metadata. `vocabulary` of the tokenizer. Throws config_error 101 for more steps of sampling than there
+/// are.
 inline std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c, const WordPiece& tokenizer) {
   detail::check_sampling_steps(c, "stmc_metadata");
   std::string vocabulary;
@@ -16142,8 +16306,8 @@ inline void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, I
   transformer("text_encoder.encoder", c.text.layers, c.text.width, c.text.d_ff);
 }
 
-/// Reads a model and makes it ready for inference. Throws io_error 401 ... 407, config_error 101, 103, 107, numeric_error
-/// 301.
+/// Reads a model and makes it ready for inference. Throws io_error 401 ... 407, config_error 101, 103, 107,
+/// numeric_error 301.
 template <Backend B>
 Stmc<B> load_stmc(const SafetensorsFile& file) {
   const StmcModelConfig c = stmc_config(file);
@@ -16174,19 +16338,19 @@ void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig
   write_safetensors(path, store.views(), metadata);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_STMC_RECORD_HPP  // <motionlang/io/stmc_record.hpp>
 #define MOTIONLANG_HAS_IO_STMC_RECORD_HPP
 /// The record of an STMC run in one safetensors file, for edits in another process.
 ///
-/// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp), the generator and the
-///            options of the run
-/// Tensors    x0/000, x0/001, ... (timelines * rows, features), normalised; timeline/0, ... (texts, 3): first frame, end, body parts
-///            as bits; their texts are metadata text/0/0, ...
+/// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp), the
+///            generator and the options of the run
+/// Tensors    x0/000, x0/001, ... (timelines * rows, features), normalised; timeline/0, ... (texts, 3): first frame,
+///            end, body parts as bits; their texts are metadata text/0/0, ...
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -16248,7 +16412,8 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
   }
   for (const auto& [key, value] : about) {
     if (!metadata.emplace(key, value).second)
-      raise<config_error>(102, path.string(), ": metadata '", key, "' belongs to the record, not to what is told about it");
+      raise<config_error>(102, path.string(), ": metadata '", key,
+                          "' belongs to the record, not to what is told about it");
   }
   std::vector<TensorView> views = store.views();
   for (std::size_t k = 0; k < record.x0.size(); ++k) {
@@ -16278,15 +16443,16 @@ inline Timeline record_timeline(const SafetensorsFile& file, std::size_t m, Inde
     const auto text = file.metadata().find(concat_text("text/", m, '/', i));
     if (text == file.metadata().end())
       raise<config_error>(107, file.name(), ": metadata 'text/", m, "/", i, "' is missing");
-    out.intervals.push_back({text->second, number(0, rows), number(1, rows), {static_cast<unsigned>(number(2, BodyParts::all().bits))}});
+    out.intervals.push_back(
+        {text->second, number(0, rows), number(1, rows), {static_cast<unsigned>(number(2, BodyParts::all().bits))}});
   }
   return out;
 }
 
 }  // namespace detail
 
-/// Reads a record and compares it with the model that is to go on with it. Throws io_error 401 ... 407, config_error 101, 102 (made
-/// with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
+/// Reads a record and compares it with the model that is to go on with it. Throws io_error 401 ... 407, config_error
+/// 101, 102 (made with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>& stmc) {
   const auto& m = file.metadata();
@@ -16310,8 +16476,8 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
                  .guidance = real("guidance"),
                  .steps = detail::metadata_size(m, "steps", stmc.diffusion.steps(), name),
                  .sampling = SamplingOptions{.sampler = parse_sampler(word("sampler"), name + ": metadata 'sampler':"),
-                                              .eta = real("eta"),
-                                              .clip = word("clip") == "1"},
+                                             .eta = real("eta"),
+                                             .clip = word("clip") == "1"},
                  .gaps = word("gaps") == "refuse" ? Gaps::refuse : Gaps::fill,
                  .hidden = word("hidden") == "ignore" ? HiddenTexts::ignore : HiddenTexts::refuse};
   if (word("noise_scale") == "posterior_std") out.options.sampling->noise_scale = NoiseScale::posterior_std;
@@ -16322,42 +16488,46 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
   const Shape shape{timelines * out.rows, stmc.layout.size};
   for (Index k = 0; k < *out.options.steps; ++k) {
     const TensorView& view = file.tensor(detail::numbered_name("x0", static_cast<std::size_t>(k)));
-    if (view.shape != shape) raise<io_error>(407, name, ": tensor '", view.name, "' is ", view.shape, ", expected ", shape);
+    if (view.shape != shape)
+      raise<io_error>(407, name, ": tensor '", view.name, "' is ", view.shape, ", expected ", shape);
     out.x0.push_back(Tensor<B, 2>::from(values_of<typename B::scalar>(view), shape));
   }
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_VECTOR_GRAPH_HPP  // <motionlang/io/vector_graph.hpp>
 #define MOTIONLANG_HAS_IO_VECTOR_GRAPH_HPP
-/// Approximate search over many vectors with hnswlib, where its header is installed (Debian: libhnswlib-dev). Most of the nearest are
-/// found, in time that grows with the logarithm of the gallery. Without hnswlib, which needs exceptions, every search is exact.
+/// Approximate search over many vectors with hnswlib, where its header is installed (Debian: libhnswlib-dev). Most of
+/// the nearest are found, in time that grows with the logarithm of the gallery. Without hnswlib, which needs
+/// exceptions, every search is exact.
 ///
 ///     auto graphs = motion_graphs(index, 100'000);                       // for galleries of so many vectors or more
 ///     write_motion_index("moves.index", index, graphs);
 ///     const MotionIndexFile file = MotionIndexFile::open("moves.index");
 ///     const MotionSearch search = open_motion_search(file);              // with the graphs that the file has
-///     graphs = motion_graphs(more, 100'000, {}, &file);                  // these again, with the vectors that were added
+///     graphs = motion_graphs(more, 100'000, {}, &file);                  // these again, with the vectors that were
+///     added
 ///
 /// The graph holds numbers of vectors, not the vectors: these are read where the index file has them.
 ///
-/// Source  Malkov and Yashunin, "Efficient and robust approximate nearest neighbor search using hierarchical navigable small world
-///         graphs" (TPAMI 2020)
+/// Source  Malkov and Yashunin, "Efficient and robust approximate nearest neighbor search using hierarchical navigable
+///         small world graphs" (TPAMI 2020)
 
 #if __has_include(<hnswlib/hnswlib.h>) && defined(__cpp_exceptions)
 #define MOTIONLANG_HAS_HNSWLIB 1
 #ifndef NO_MANUAL_VECTORIZATION
-#define NO_MANUAL_VECTORIZATION  // distances are ours; hnswlib's bring functions that must not stand in two translation units
+// Distances are ours: those of hnswlib bring functions that two translation units must not both define.
+#define NO_MANUAL_VECTORIZATION
 #endif
 #include <hnswlib/hnswlib.h>
 #else
 #define MOTIONLANG_HAS_HNSWLIB 0
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 #if MOTIONLANG_HAS_HNSWLIB
 
@@ -16493,10 +16663,11 @@ class VectorGraph : public VectorSearch {
   /// A graph that was built for these rows. Throws io_error 401, 402, 403, config_error 101.
   static VectorGraph from_bytes(std::span<const std::byte> bytes, std::span<const float> rows, Index width,
                                 const std::string& name = "graph", std::shared_ptr<const void> owner = {}) {
-    return extended(bytes, detail::whole_rows("VectorGraph", rows.size(), width), rows, width, {}, name, std::move(owner));
+    return extended(bytes, detail::whole_rows("VectorGraph", rows.size(), width), rows, width, {}, name,
+                    std::move(owner));
   }
-  /// A graph that was built for the first `known` of these rows, and gets the others. It is not the graph that build() makes of all, but
-  /// finds as many. Throws io_error 401, 402, 403, config_error 101.
+  /// A graph that was built for the first `known` of these rows, and gets the others. It is not the graph that build()
+  /// makes of all, but finds as many. Throws io_error 401, 402, 403, config_error 101.
   static VectorGraph extended(std::span<const std::byte> bytes, Index known, std::span<const float> rows, Index width,
                               Progress progress = {}, const std::string& name = "graph",
                               std::shared_ptr<const void> owner = {}) {
@@ -16510,8 +16681,9 @@ class VectorGraph : public VectorSearch {
           g.graph_ = std::make_unique<Graph>(g.space_.get(), file.path(), false, static_cast<std::size_t>(g.count()));
         },
         [&](const std::exception& e) -> bool { raise<io_error>(403, name, ": ", e.what()); });
-    g.graph_->num_deleted_ = 0;                                             // hnswlib leaves it open
-    g.graph_->level_generator_.seed(static_cast<std::uint32_t>(known + 1));  // else every addition draws the same levels
+    g.graph_->num_deleted_ = 0;  // hnswlib leaves it open
+    // else every addition draws the same levels
+    g.graph_->level_generator_.seed(static_cast<std::uint32_t>(known + 1));
     g.add_from(known, progress);
     return g;
   }
@@ -16531,7 +16703,8 @@ class VectorGraph : public VectorSearch {
     std::vector<std::vector<Neighbour>> out(static_cast<std::size_t>(n));
     k = std::min(k, count());
     if (k == 0) return out;
-    const auto candidates = static_cast<std::size_t>(std::max<Index>(100, 2 * k));  // hnswlib follows as many as are asked for
+    // hnswlib follows as many as are asked for
+    const auto candidates = static_cast<std::size_t>(std::max<Index>(100, 2 * k));
     parallel_for(n, [&](Index q) {
       const float* query = units.data() + q * width_;
       const detail::GraphPoint point{-1, query};
@@ -16594,8 +16767,9 @@ inline bool has_graphs(const MotionIndexFile& file, Index least) {
   return std::all_of(wanted.begin(), wanted.end(), [&](const auto& g) { return !file.extra(g.name).empty(); });
 }
 
-/// Graphs for the clips and the moments of an index where there are `least` of them or more; none without hnswlib. Where the rows of
-/// `before` are the first of these, its graph is taken over and gets the others. Throws io_error 401, 402, 403.
+/// Graphs for the clips and the moments of an index where there are `least` of them or more; none without hnswlib.
+/// Where the rows of `before` are the first of these, its graph is taken over and gets the others. Throws io_error 401,
+/// 402, 403.
 inline IndexExtras motion_graphs([[maybe_unused]] const MotionIndex& index, [[maybe_unused]] Index least,
                                  [[maybe_unused]] Progress progress = {},
                                  [[maybe_unused]] const MotionIndexFile* before = nullptr) {
@@ -16609,7 +16783,8 @@ inline IndexExtras motion_graphs([[maybe_unused]] const MotionIndex& index, [[ma
       for (const auto& old : detail::graph_rows(before->index(), 1))
         if (std::string_view(old.name) == name) known = old.rows;
     }
-    const bool only_added = !known.empty() && known.size() <= rows.size() && std::ranges::equal(known, rows.first(known.size()));
+    const bool only_added =
+        !known.empty() && known.size() <= rows.size() && std::ranges::equal(known, rows.first(known.size()));
     out[name] = (only_added ? VectorGraph::extended(graph, std::ssize(known) / width, rows, width, progress,
                                                     before->name() + ": " + name)
                             : VectorGraph::build(rows, width, {}, progress))
@@ -16619,8 +16794,8 @@ inline IndexExtras motion_graphs([[maybe_unused]] const MotionIndex& index, [[ma
   return out;
 }
 
-/// Searches with the graphs that the file has, or without any; then with scans of `storage`. The file has to outlive it. Throws io_error
-/// 401, 402, 403.
+/// Searches with the graphs that the file has, or without any; then with scans of `storage`. The file has to outlive
+/// it. Throws io_error 401, 402, 403.
 inline MotionSearch open_motion_search(const MotionIndexFile& file, [[maybe_unused]] bool exact = false,
                                        ScanStorage storage = ScanStorage::float32) {
   std::shared_ptr<const VectorSearch> clips, moments;
@@ -16637,5 +16812,5 @@ inline MotionSearch open_motion_search(const MotionIndexFile& file, [[maybe_unus
   return MotionSearch(file.index(), std::move(clips), std::move(moments), storage);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif

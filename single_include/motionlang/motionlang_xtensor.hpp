@@ -6,18 +6,18 @@
 
 #ifndef MOTIONLANG_HAS_BACKEND_XTENSOR_HPP  // <motionlang/backend/xtensor.hpp>
 #define MOTIONLANG_HAS_BACKEND_XTENSOR_HPP
-/// Backend over xtensor: functions and maxima are xtensor expressions over adapted memory; arithmetic, sums, products and fused operations
-/// are the same kernels that the Eigen backend uses.
+/// Backend over xtensor: functions and maxima are xtensor expressions over adapted memory; arithmetic, sums, products
+/// and fused operations are the same kernels that the Eigen backend uses.
 
 #ifndef MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP  // <motionlang/backend/kernel_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP
-/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
-/// xtensor backends: one layer of kernels serves both.
+/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by
+/// the Eigen and xtensor backends: one layer of kernels serves both.
 ///
 /// Declarations only; the bodies are in detail/kernel_ops_impl.hpp, which a program that links motionlang::instantiated
 /// need not read.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct KernelOps {
@@ -37,8 +37,9 @@ struct KernelOps {
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
-  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed form. For inference:
-  /// the weight must not change afterwards. Returns whether all its numbers are finite: they are read anyway.
+  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed
+  /// form. For inference: the weight must not change afterwards. Returns whether all its numbers are finite: they are
+  /// read anyway.
   static bool prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
@@ -79,7 +80,7 @@ struct KernelOps {
   static void adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const Dense<S>& gradient, const AdamwUpdate& update);
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::KernelOps<float>;
@@ -88,7 +89,7 @@ extern template struct motionlang::KernelOps<double>;
 #endif
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct XtensorBackend : DenseOps<S>, KernelOps<S> {
@@ -106,7 +107,7 @@ struct XtensorBackend : DenseOps<S>, KernelOps<S> {
   static tensor max(const tensor& a, int axis);
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::XtensorBackend<float>;
@@ -129,7 +130,7 @@ extern template struct motionlang::XtensorBackend<double>;
 #include <xtensor/xoperation.hpp>
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -236,11 +237,11 @@ Dense<S> XtensorBackend<S>::max(const tensor& a, int axis) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 static_assert(Backend<XtensorBackend<float>> && Backend<XtensorBackend<double>>);
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif

@@ -14,20 +14,22 @@
 ///     const ml::Tensor<B, 2> features = stmc.generate(timeline, ml::Philox{.seed = 7});
 ///     const ml::Motion motion = ml::stmc_motion(features);
 ///
-/// Writers of BVH, GLB, NPZ and pages are in <motionlang/io/...>. Who calculates with the features (exp, sum, ...) includes
-/// <motionlang/backend/eigen.hpp> as well; without it the linker misses those functions.
+/// Writers of BVH, GLB, NPZ and pages are in <motionlang/io/...>. Who calculates with the features (exp, sum, ...)
+/// includes <motionlang/backend/eigen.hpp> as well; without it the linker misses those functions.
 ///
-/// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library then, and this
-/// header only says what can be called. For other backends, and for `generate_from`, include <motionlang/io/stmc_file.hpp> as well.
+/// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library
+/// then, and this header only says what can be called. For other backends, and for `generate_from`, include
+/// <motionlang/io/stmc_file.hpp> as well.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP  // <motionlang/backend/detail/eigen_class.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP
-/// What a model needs of the Eigen backend: its operations, and of the bodies those of the kernels, arithmetic among them. Those
-/// that include Eigen, functions and maxima, come with <motionlang/backend/eigen.hpp>.
+/// What a model needs of the Eigen backend: its operations, and of the bodies those of the kernels, arithmetic among
+/// them. Those that include Eigen, functions and maxima, come with <motionlang/backend/eigen.hpp>.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP  // <motionlang/backend/dense_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP
-/// What all backends over Dense storage share: making tensors, moving numbers without calculating, and how a reduction is shared by threads.
+/// What all backends over Dense storage share: making tensors, moving numbers without calculating, and how a reduction
+/// is shared by threads.
 
 #include <algorithm>  // fill, min
 #include <array>      // strides
@@ -62,10 +64,10 @@
 #define MOTIONLANG_HAS_CORE_ERROR_HPP
 /// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
 ///
-/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless MOTIONLANG_THROW(exception) is
-/// defined, the same in all units: it gets the exception as an object (an error, std::bad_alloc, cancelled), on whichever thread it
-/// happens, and must not return; std::_Exit ends a program from any thread. What is caught otherwise (a value in a file of weights
-/// that cannot be read is passed over) ends it too.
+/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless
+/// MOTIONLANG_THROW(exception) is defined, the same in all units: it gets the exception as an object (an error,
+/// std::bad_alloc, cancelled), on whichever thread it happens, and must not return; std::_Exit ends a program from any
+/// thread. What is caught otherwise (a value in a file of weights that cannot be read is passed over) ends it too.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
@@ -96,7 +98,8 @@
 #define MOTIONLANG_VERSION "0.1.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
-/// layouts, and without exceptions, so that object files built with different options do not link silently against each other.
+/// layouts, and without exceptions, so that object files built with different options do not link silently against each
+/// other.
 #if defined(MOTIONLANG_DIAGNOSTICS) && defined(__cpp_exceptions)
 #define MOTIONLANG_ABI v0_diag
 #elif defined(MOTIONLANG_DIAGNOSTICS)
@@ -106,6 +109,15 @@
 #else
 #define MOTIONLANG_ABI v0_no_exceptions
 #endif
+
+/// Opens and closes the namespace of the library. A macro, so that editors, clang-format and ctags need not know of the
+/// inline namespace: `ctags -R include` finds every name.
+#define MOTIONLANG_NAMESPACE_BEGIN \
+  namespace motionlang {           \
+  inline namespace MOTIONLANG_ABI {
+#define MOTIONLANG_NAMESPACE_END \
+  }                              \
+  }
 #endif
 
 // MinGW's GCC gives the memory of thread_local variables back before it destroys them, so there the system keeps them.
@@ -118,9 +130,10 @@ __declspec(dllimport) int __stdcall FlsSetValue(unsigned long key, void* value);
 }
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// The calling thread's T: made when it is first asked for, destroyed when the thread ends. `Tag` tells objects of one type apart.
+/// The calling thread's T: made when it is first asked for, destroyed when the thread ends. `Tag` tells objects of one
+/// type apart.
 template <class T, class Tag = T>
 T& thread_object() {
 #ifdef MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
@@ -137,14 +150,14 @@ T& thread_object() {
 #endif
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_UTF8_HPP  // <motionlang/core/utf8.hpp>
 #define MOTIONLANG_HAS_CORE_UTF8_HPP
 /// UTF-8: one code point at a time, strictly. Nothing here knows about classes of characters.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What `decode_utf8` returns for bytes that are not UTF-8.
 inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
@@ -192,7 +205,8 @@ inline void append_utf8(std::string& out, char32_t c) {
   }
 }
 
-/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is in `keep` stays.
+/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is
+/// in `keep` stays.
 inline std::string printable(std::string_view text, std::string_view keep = {}) {
   std::string out;
   for (std::size_t at = 0; at < text.size();) {
@@ -205,10 +219,10 @@ inline std::string printable(std::string_view text, std::string_view keep = {}) 
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Base of every exception of the library. `id()` is stable between versions; the text is not.
 class error : public std::runtime_error {
@@ -316,8 +330,8 @@ requires requires(const T& t) {
 }
 void append(std::string& out, const T& t) { out += to_string(t); }
 
-/// A value on its way into a message: where it stands and how it is written. One type for all values and one for literals of
-/// all lengths, because messages are many and each would be compiled for its own list of types.
+/// A value on its way into a message: where it stands and how it is written. One type for all values and one for
+/// literals of all lengths, because messages are many and each would be compiled for its own list of types.
 struct TextPart {
   const void* value;
   void (*append)(std::string& out, const void* value);
@@ -378,7 +392,8 @@ std::string join_text(const R& items, std::string_view between, F text) {
 }
 template <class R>
 std::string join_text(const R& items, std::string_view between = ", ") {
-  return join_text(items, between, [](const auto& item) -> const auto& { return item; });
+  return join_text(
+      items, between, [](const auto& item) -> const auto& { return item; });
 }
 
 /// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
@@ -422,8 +437,8 @@ template <class E>
 }
 [[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
 
-/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here (true) or goes on
-/// to the caller. Returns whether f came to its end.
+/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here
+/// (true) or goes on to the caller. Returns whether f came to its end.
 template <class E, class F, class H>
 bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions
@@ -472,14 +487,15 @@ template <class E, class... T>
   detail::raise_parts<E>(id, {detail::text_part(parts)...});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP  // <motionlang/core/large_memory.hpp>
 #define MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP
-/// Memory for what is read from end to end again and again, weights and tables: in pages of 2 MB where the system has them (Linux).
-/// Between small pages the processor stops to read ahead; a scan over large ones is up to 1.8 times as fast. It comes from the system
-/// itself and goes back there: a heap that mixes alignments of 2 MB with small things keeps the gaps (a quarter of the weights).
+/// Memory for what is read from end to end again and again, weights and tables: in pages of 2 MB where the system has
+/// them (Linux). Between small pages the processor stops to read ahead; a scan over large ones is up to 1.8 times as
+/// fast. It comes from the system itself and goes back there: a heap that mixes alignments of 2 MB with small things
+/// keeps the gaps (a quarter of the weights).
 
 #if defined(__linux__)
 #include <sys/mman.h>  // mmap, madvise
@@ -487,7 +503,7 @@ template <class E, class... T>
 #include <malloc.h>  // _aligned_malloc
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -498,7 +514,8 @@ constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (
 
 }  // namespace detail
 
-/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in large pages.
+/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in
+/// large pages.
 inline void* take_memory(std::size_t bytes, [[maybe_unused]] std::size_t used) {
 #if defined(__linux__)
   if (bytes >= detail::large_page) {
@@ -510,7 +527,8 @@ inline void* take_memory(std::size_t bytes, [[maybe_unused]] std::size_t used) {
     std::byte* memory = static_cast<std::byte*>(start) + before;
     if (before > 0) ::munmap(start, before);
     if (after > 0) ::munmap(memory + whole, after);
-    const std::size_t large = used / detail::large_page * detail::large_page;  // a page that is partly used would be taken whole
+    // a page that is partly used would be taken whole
+    const std::size_t large = used / detail::large_page * detail::large_page;
     ::madvise(memory, large, MADV_HUGEPAGE);
     ::madvise(memory + large, whole - large, MADV_NOHUGEPAGE);  // where the system takes large pages for everything
     return memory;
@@ -547,10 +565,10 @@ std::shared_ptr<T[]> large_table(std::size_t count) {
   return {static_cast<T*>(take_memory(bytes, bytes)), [bytes](T* p) { give_memory(p, bytes); }};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -697,8 +715,8 @@ class BufferHandle {
 
 }  // namespace detail
 
-/// A list of values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no more (a
-/// std::vector over an allocator would be compiled with sixty functions for every type).
+/// A list of values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no
+/// more (a std::vector over an allocator would be compiled with sixty functions for every type).
 template <class T>
 class PoolVector {
   static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64,
@@ -757,7 +775,7 @@ class PoolVector {
   std::size_t size_ = 0, capacity_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_CONCEPTS_HPP  // <motionlang/core/concepts.hpp>
@@ -775,7 +793,7 @@ class PoolVector {
 #include <cmath>   // the functions themselves
 #include <limits>  // infinity
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 inline double sqrt(double x) { return std::sqrt(x); }
 inline double exp(double x) { return std::exp(x); }
@@ -790,8 +808,9 @@ inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
-/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10, whose last digit often is another than the C library's.
-/// For published tables of frequencies: thousands of frames later it decides the fourth digit.
+/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10, whose last digit often is
+/// another than the C library's. For published tables of frequencies: thousands of frames later it decides the fourth
+/// digit.
 inline float torch_exp(float x) {
   if (!(x >= -104.0f)) return x < 0 ? 0.0f : x;  // NaN stays
   if (x > 100.0f) return std::numeric_limits<float>::infinity();
@@ -809,14 +828,14 @@ inline float torch_exp(float x) {
 constexpr double where_less(double a, double b, double x, double y) { return a < b ? x : y; }
 constexpr float where_less(float a, float b, float x, float y) { return a < b ? x : y; }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_SHAPE_HPP  // <motionlang/core/shape.hpp>
 #define MOTIONLANG_HAS_CORE_SHAPE_HPP
 /// Sizes of a tensor, stored inline, and the broadcasting rule.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sizes, positions and counts. Signed, so that differences are what they look like.
 using Index = std::ptrdiff_t;
@@ -907,10 +926,10 @@ constexpr Shape broadcast_shapes(const Shape& a, const Shape& b, const char* op)
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A number that memory holds: float or double.
 template <class S>
@@ -991,8 +1010,9 @@ concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(c
   { B::variable(B::value(a)) } -> std::same_as<typename B::tensor>;
 };
 
-/// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in, taps): prepare(weight) keeps
-/// the weight in it beside the tensor, which must not change afterwards, and says whether all numbers are finite, which are read anyway.
+/// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in,
+/// taps): prepare(weight) keeps the weight in it beside the tensor, which must not change afterwards, and says whether
+/// all numbers are finite, which are read anyway.
 /// Laws     `linear` and `conv1d` of a prepared weight give the same bits (tests/unit/tensor/module.cpp)
 /// Models   EigenBackend<S>, XtensorBackend<S>
 template <class B>
@@ -1020,10 +1040,10 @@ concept Rng = std::copyable<G> &&
   { c.split(number) } -> std::same_as<G>;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 class Dense {
@@ -1082,7 +1102,7 @@ class Dense {
   Index offset_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
@@ -1102,15 +1122,16 @@ class Dense {
 
 #ifndef MOTIONLANG_HAS_CORE_PROCESSORS_HPP  // <motionlang/core/processors.hpp>
 #define MOTIONLANG_HAS_CORE_PROCESSORS_HPP
-/// How many threads pay for this process: the processors that it may run on, and no more than the processor time that its control group
-/// is given (containers, batch systems). More would spend the group's time with waiting for each other, and then all are stopped.
+/// How many threads pay for this process: the processors that it may run on, and no more than the processor time that
+/// its control group is given (containers, batch systems). More would spend the group's time with waiting for each
+/// other, and then all are stopped.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` says which group this process belongs to, the folders
-/// of `root` what it is given. What cannot be read is no limit.
+/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` says which group this process
+/// belongs to, the folders of `root` what it is given. What cannot be read is no limit.
 struct ControlGroups {
   std::string root = "/sys/fs/cgroup", processes = "/proc/self/cgroup";
 
@@ -1172,10 +1193,10 @@ inline int processor_count() {
 #endif
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -1233,8 +1254,8 @@ class ThreadPool {
  private:
   static constexpr int spins_before_sleep = 20000;
 
-  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike, one after the
-  /// other, find them in the caches of the same thread.
+  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike,
+  /// one after the other, find them in the caches of the same thread.
   struct alignas(64) Share {
     std::atomic<Index> next{0};
     Index end = 0;
@@ -1266,8 +1287,9 @@ class ThreadPool {
     for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
   }
 
-  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of std::thread's, which a
-  /// program and a shared library, each with its own copy of this pool and of `inside_`, have in common.
+  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of
+  /// std::thread's, which a program and a shared library, each with its own copy of this pool and of `inside_`, have in
+  /// common.
   static void start(ThreadPool* pool, int number, unsigned seen) {
     number_ = number;
     pool->work(seen);
@@ -1311,7 +1333,7 @@ class ThreadPool {
 
   inline static thread_local int number_ = 0;
   inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
-  std::unique_ptr<Share[]> shares_;  // one for every thread
+  std::unique_ptr<Share[]> shares_;                 // one for every thread
   std::unique_ptr<std::thread[]> threads_;
   int workers_ = 0;  // threads that run
   std::mutex caller_, sleep_;
@@ -1332,7 +1354,8 @@ inline int thread_count() { return detail::ThreadPool::instance().size(); }
 /// Threads that `parallel_for` uses here: one inside a task.
 inline int parallel_width() { return detail::ThreadPool::instance().width(); }
 
-/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at once.
+/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at
+/// once.
 inline int thread_number() { return detail::ThreadPool::number(); }
 
 /// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
@@ -1354,9 +1377,10 @@ namespace detail {
 inline constexpr Index worth_a_thread = 16384;  // numbers
 }
 
-/// Calls f(first, last) for pieces of 0 ... count-1, in one piece what is not worth two threads (`cost` numbers per element). Of elements of
-/// many numbers, such as rows, every thread has as many: in the next region it finds what it wrote in its cache. Pieces of single numbers begin
-/// at the same places for any number of threads: vectors and what is left beside them are the same.
+/// Calls f(first, last) for pieces of 0 ... count-1, in one piece what is not worth two threads (`cost` numbers per
+/// element). Of elements of many numbers, such as rows, every thread has as many: in the next region it finds what it
+/// wrote in its cache. Pieces of single numbers begin at the same places for any number of threads: vectors and what is
+/// left beside them are the same.
 template <class F>
 void parallel_ranges(Index count, Index cost, const F& f) {
   const Index grain = std::max<Index>(1, detail::worth_a_thread / std::max<Index>(1, cost));
@@ -1367,8 +1391,8 @@ void parallel_ranges(Index count, Index cost, const F& f) {
   parallel_for(equal, [&](Index i) { f(count * i / equal, count * (i + 1) / equal); });
 }
 
-/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the rows in their order.
-/// Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
+/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the
+/// rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
 template <class F>
 void parallel_columns(Index rows, Index width, const F& f) {
   const Index pieces = rows * width < detail::worth_a_thread ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
@@ -1376,14 +1400,14 @@ void parallel_columns(Index rows, Index width, const F& f) {
   parallel_for(pieces, [&](Index i) { f(begin(i), begin(i + 1)); });
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
-/// A reduction along an axis of (outer, axis, inner), by all threads: of the last axis rows(first, last), rows of the memory; of another
-/// columns(i, first, last), columns of matrix i of `outer`.
+/// A reduction along an axis of (outer, axis, inner), by all threads: of the last axis rows(first, last), rows of the
+/// memory; of another columns(i, first, last), columns of matrix i of `outer`.
 template <class Rows, class Columns>
 void for_reduction(const Shape& s, int axis, const Rows& rows, const Columns& columns) {
   const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
@@ -1512,8 +1536,9 @@ struct DenseOps {
   struct Axis {
     Index size = 1, in = 1, out = 1;
   };
-  /// out[i_0, i_1, ...] = a's memory at sum i_k stride_k, line by line along the last axis. Where these lines jump through the memory of a, and
-  /// those along another axis do not, some lines are made at once: a line of the cache serves all of them.
+  /// out[i_0, i_1, ...] = a's memory at sum i_k stride_k, line by line along the last axis. Where these lines jump
+  /// through the memory of a, and those along another axis do not, some lines are made at once: a line of the cache
+  /// serves all of them.
   static tensor strided_copy(const tensor& a, const Shape& s, const Strides& stride) {
     tensor out(s);
     if (s.count() == 0) return out;
@@ -1572,13 +1597,13 @@ struct DenseOps {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP  // <motionlang/backend/kernel_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP
-/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
-/// xtensor backends: one layer of kernels serves both.
+/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by
+/// the Eigen and xtensor backends: one layer of kernels serves both.
 ///
 /// Declarations only; the bodies are in detail/kernel_ops_impl.hpp, which a program that links motionlang::instantiated
 /// need not read.
@@ -1595,10 +1620,11 @@ struct DenseOps {
 #define MOTIONLANG_HAS_CORE_ACTIVATION_HPP
 /// The nonlinearities of networks, by name.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     relu(x) = max(x, 0),   gelu(x) = x (1 + erf(x / sqrt 2)) / 2 (the exact form),   silu(x) = x / (1 + exp(-x)),
-///     tanh(x),   quick_gelu(x) = x / (1 + exp(-1.702 x)),   gelu_new(x) = x (1 + tanh(sqrt(2 / pi) (x + 0.044715 x^3))) / 2,
+///     tanh(x),   quick_gelu(x) = x / (1 + exp(-1.702 x)),   gelu_new(x) = x (1 + tanh(sqrt(2 / pi) (x + 0.044715
+///                x^3))) / 2,
 ///     sigmoid(x) = 1 / (1 + exp(-x))
 enum class Activation { none, relu, gelu, silu, tanh, quick_gelu, gelu_new, sigmoid };
 
@@ -1621,14 +1647,14 @@ constexpr std::string_view to_string(Activation a) {
   return names[static_cast<int>(a)];
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_DROPOUT_HPP  // <motionlang/core/dropout.hpp>
 #define MOTIONLANG_HAS_CORE_DROPOUT_HPP
 /// Dropout masks that are a function of a key and a position: nothing is stored, and any thread computes any part.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Inverted dropout (Srivastava et al., JMLR 2014): element i becomes x / (1 - p) if kept, else 0.
 /// Nothing happens at p = 0.
@@ -1654,7 +1680,7 @@ struct Dropout {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TENSOR_OPS_HPP  // <motionlang/tensor/ops.hpp>
@@ -1683,7 +1709,7 @@ struct Dropout {
 
 #include <numbers>      // pi
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Philox4x32-10. `seed` is the key, `stream` and `position` are the counter: any number of any stream can be computed
 /// without the ones before it, so results do not depend on batch order or threads.
@@ -1772,10 +1798,10 @@ struct Philox {
 };
 static_assert(Rng<Philox>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B, int Rank>
 class Tensor {
@@ -1811,8 +1837,8 @@ class Tensor {
   static Tensor from(const std::vector<scalar>& values, const Shape& shape) {
     return from(std::span<const scalar>(values), shape);
   }
-  /// Row-major numbers that fill(scalar*) writes, into the tensor itself where the backend's tensors can be written: a large table is
-  /// not there twice.
+  /// Row-major numbers that fill(scalar*) writes, into the tensor itself where the backend's tensors can be written: a
+  /// large table is not there twice.
   template <class F>
   static Tensor written(const Shape& shape, const F& fill) {
     if constexpr (requires(typename B::tensor t, const Shape& s) {
@@ -1883,10 +1909,10 @@ inline constexpr bool is_tensor = false;
 template <class B, int R>
 inline constexpr bool is_tensor<Tensor<B, R>> = true;
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -2060,7 +2086,7 @@ requires(R >= 2) Tensor<B, R> matmul(const Tensor<B, R>& a, const Tensor<B, R>& 
   return Tensor<B, R>(B::matmul(a.data(), b.data(), options.transpose_a, options.transpose_b));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TENSOR_SEQUENCES_HPP  // <motionlang/tensor/sequences.hpp>
@@ -2075,7 +2101,7 @@ requires(R >= 2) Tensor<B, R> matmul(const Tensor<B, R>& a, const Tensor<B, R>& 
 #define MOTIONLANG_HAS_CORE_OFFSETS_HPP
 /// Where each sequence of a packed batch begins: an immutable shared list 0 = o_0 <= o_1 <= ... <= o_n = rows.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sequence i has the rows offsets[i] ... offsets[i + 1] - 1. Cheap to copy; whoever keeps a copy keeps the list alive.
 class Offsets {
@@ -2122,14 +2148,14 @@ class Offsets {
   Index count_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TENSOR_INDEX_HPP  // <motionlang/tensor/index.hpp>
 #define MOTIONLANG_HAS_TENSOR_INDEX_HPP
 /// Moving numbers: reshape, permute, slice, concat, gather, scatter.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The same numbers in another shape; one size may be -1 and is then computed. Throws shape_error 205.
 template <int New, Backend B, int R>
@@ -2242,10 +2268,10 @@ requires(R > 0) Tensor<B, R> scatter_add(const Tensor<B, R>& a, std::span<const 
   return Tensor<B, R>(B::scatter_add(a.data(), rows, n));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct Sequences {
@@ -2276,7 +2302,8 @@ inline PoolVector<Index> sequence_of_row(const Offsets& offsets) {
   }
   return owner;
 }
-/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width). Throws shape_error 204 for another count.
+/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width). Throws shape_error 204
+/// for another count.
 template <Backend B>
 Tensor<B, 2> repeat_for_rows(const Tensor<B, 2>& per_sequence, const Offsets& offsets) {
   if (per_sequence.size(0) != offsets.count())
@@ -2442,10 +2469,10 @@ Tensor<B, 3> to_padded(const Sequences<B>& x, double value = 0, Index time = 0) 
   return reshape<3>(gather(rows, pick), {x.count(), time, x.width()});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -2516,8 +2543,8 @@ void check_linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tenso
 
 }  // namespace detail
 
-/// y = dropout(act(x W^T + bias)) + residual.   x (rows, in), weight (out, in), bias (out), residual (rows, out) -> (rows, out)
-/// Bias and residual may be null. Throws shape_error 201, 204, and as dropout.
+/// y = dropout(act(x W^T + bias)) + residual.   x (rows, in), weight (out, in), bias (out), residual (rows, out) ->
+/// (rows, out) Bias and residual may be null. Throws shape_error 201, 204, and as dropout.
 template <Backend B>
 Tensor<B, 2> linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tensor<B, 1>* bias,
                     Activation act = Activation::none, const Tensor<B, 2>* residual = nullptr,
@@ -2662,8 +2689,8 @@ Tensor<B, 2> attend(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B
 /// Multi-head attention over packed sequences (Vaswani et al. 2017, eq. 1); heads are contiguous slices of the width.
 ///     O_h = softmax(Q_h K_h^T / sqrt(width / heads) + R_h) V_h     within each sequence
 /// q (query rows, width), k and v (key rows, width) -> (query rows, width). Padding does not exist here: a key that is
-/// masked is simply not in the sequence (see from_padded). R may be null; element (i, j) of R_h is a number of the distance
-/// j - i: column j - i + n of relative_scores (heads, 2 n + 1). Throws config_error 101, shape_error 204, 207.
+/// masked is simply not in the sequence (see from_padded). R may be null; element (i, j) of R_h is a number of the
+/// distance j - i: column j - i + n of relative_scores (heads, 2 n + 1). Throws config_error 101, shape_error 204, 207.
 template <Backend B>
 Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, const Offsets& q_offsets,
                        const Offsets& k_offsets, const AttentionOptions& options,
@@ -2741,10 +2768,10 @@ void adamw_update(typename B::tensor& p, typename B::tensor& m, typename B::tens
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct KernelOps {
@@ -2764,8 +2791,9 @@ struct KernelOps {
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
-  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed form. For inference:
-  /// the weight must not change afterwards. Returns whether all its numbers are finite: they are read anyway.
+  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed
+  /// form. For inference: the weight must not change afterwards. Returns whether all its numbers are finite: they are
+  /// read anyway.
   static bool prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
@@ -2806,7 +2834,7 @@ struct KernelOps {
   static void adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const Dense<S>& gradient, const AdamwUpdate& update);
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::KernelOps<float>;
@@ -2827,7 +2855,8 @@ extern template struct motionlang::KernelOps<double>;
 
 #include <optional>  // no simple pattern
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// The result as a matrix (outer, inner); in each operand an axis is either walked along or repeated.
 struct BroadcastPattern {
@@ -2860,7 +2889,8 @@ inline std::optional<BroadcastPattern> broadcast_pattern(const Shape& a, const S
   return p;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_KERNELS_HPP  // <motionlang/backend/detail/kernels.hpp>
@@ -2877,10 +2907,12 @@ inline std::optional<BroadcastPattern> broadcast_pattern(const Shape& a, const S
 #define MOTIONLANG_HAS_BACKEND_DETAIL_GELU_TABLE_HPP
 /// What gelu(x) lacks to relu(x), as polynomials of degree 4 around 0, 1/4, 2/4, ... 31/4.
 ///
-/// gelu(x) = x Phi(x) = max(x, 0) - g(|x|),   g(c) = c (1 - Phi(c)) (Hendrycks and Gimpel 2016, Phi: normal distribution function).
-/// g is bounded by 0.17 and dies out above c = 5.5. Processors that look up 32 numbers in one instruction so take 14 instructions.
+/// gelu(x) = x Phi(x) = max(x, 0) - g(|x|),   g(c) = c (1 - Phi(c)) (Hendrycks and Gimpel 2016, Phi: normal
+/// distribution function). g is bounded by 0.17 and dies out above c = 5.5. Processors that look up 32 numbers in one
+/// instruction so take 14 instructions.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// g(i / 4 + d) = sum over n of by_power[n][i] d^n for |d| <= 1/8. Wrong by 5e-8 at most, by 1e-7 of g for i = 0.
 struct GeluTable {
@@ -2902,8 +2934,8 @@ constexpr GeluTable make_gelu_table() {
       q[n] = -p[n - 1] / n;
       g[n] = c * q[n] + q[n - 1];
     }
-    // Polynomials that are small for |u| <= 1, u = d / (1/8), are taken away: u^2 T_4(u) / 8 for u^6 (it keeps g(0) = 0),
-    // T_5(u) / 16 for u^5.
+    // Polynomials that are small for |u| <= 1, u = d / (1/8), are taken away: u^2 T_4(u) / 8 for u^6 (it keeps g(0) =
+    // 0), T_5(u) / 16 for u^5.
     constexpr double square = GeluTable::width * GeluTable::width / 4;
     g[4] += g[6] * square, g[2] -= g[6] * square * square / 8;
     g[3] += g[5] * square * 20 / 16, g[1] -= g[5] * square * square * 5 / 16;
@@ -2915,12 +2947,14 @@ constexpr GeluTable make_gelu_table() {
 }
 inline constexpr GeluTable gelu_table = make_gelu_table();
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_INSTRUCTION_SET_HPP  // <motionlang/core/instruction_set.hpp>
 #define MOTIONLANG_HAS_CORE_INSTRUCTION_SET_HPP
-/// Instruction sets beyond the plain ones of the compiler, chosen while the program runs: one binary for all processors.
+/// Instruction sets beyond the plain ones of the compiler, chosen while the program runs: one binary for all
+/// processors.
 ///
 /// MOTIONLANG_KERNELS (portable, avx2, avx512, avx512_bf16, amx) in the environment chooses instead of the processor.
 
@@ -2938,7 +2972,7 @@ inline constexpr GeluTable gelu_table = make_gelu_table();
 #define MOTIONLANG_AVX512 "avx512f,avx512vl,avx512dq,avx512bw," MOTIONLANG_AVX2
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -2965,20 +2999,25 @@ inline bool may_use_amx() {
 inline bool processor_has(Isa isa) {
 #if defined(__x86_64__)
   switch (isa) {
-    case Isa::avx2: return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    case Isa::avx2:
+      return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
     case Isa::avx512:
       return processor_has(Isa::avx2) && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
              __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
-    case Isa::avx512_bf16: return processor_has(Isa::avx512) && cpuid_bit(1, 0, 5);
-    case Isa::amx: return processor_has(Isa::avx512) && has_amx_bf16() && may_use_amx();
-    default: return true;
+    case Isa::avx512_bf16:
+      return processor_has(Isa::avx512) && cpuid_bit(1, 0, 5);
+    case Isa::amx:
+      return processor_has(Isa::avx512) && has_amx_bf16() && may_use_amx();
+    default:
+      return true;
   }
 #else
   return isa == Isa::portable || isa == Isa::best;
 #endif
 }
 
-/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor lacks.
+/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor
+/// lacks.
 inline Isa wanted_isa() {
   static const Isa wanted = [] {
     const char* name = std::getenv("MOTIONLANG_KERNELS");
@@ -3016,10 +3055,11 @@ __attribute__((target(MOTIONLANG_AVX512), flatten)) void with_avx512(const F& f)
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// c (m x n) = act(a (m x k) B + bias + residual). B is packed in panels.
 template <class S>
@@ -3038,7 +3078,8 @@ struct Gemm {
   const std::byte* after = nullptr;  // what is read after this product: a panel's share of it is fetched meanwhile
   Index after_bytes = 0;
 
-  /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if there is no `after`.
+  /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if
+  /// there is no `after`.
   const std::byte* following(Index first, Index count, const void* otherwise) const {
     return after == nullptr ? static_cast<const std::byte*>(otherwise) : after + after_bytes / 64 * first / count * 64;
   }
@@ -3056,7 +3097,8 @@ struct Attention {
   Index heads = 1, width = 0;
   bool causal = false;
   Dropout dropout{};
-  const S* relative_scores = nullptr;  // forward only: (heads, 2 reach + 1), the number of distance d in column d + reach
+  // forward only: (heads, 2 reach + 1), the number of distance d in column d + reach
+  const S* relative_scores = nullptr;
   Index reach = 0;
 };
 template <class S>
@@ -3139,8 +3181,8 @@ struct Kernels {
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
-/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels that
-/// are the same for all instruction sets, but for numbers below 2^-126.
+/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels
+/// that are the same for all instruction sets, but for numbers below 2^-126.
 struct Bf16Kernels {
   const char* name;
   Index tile_rows;
@@ -3162,7 +3204,8 @@ struct Bf16Kernels {
 inline constexpr Index bf16_columns = 32;
 constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 
 // GCC and clang spell "generate code for these instructions" differently.
 #if defined(__clang__)
@@ -3185,7 +3228,8 @@ constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 *
 #endif
 // All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::MOTIONLANG_ISA {
 
 // Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
 // Included once for every instruction set by kernels.hpp; no include guard on purpose.
@@ -3310,13 +3354,17 @@ MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int,
 // Halves are put together until one lane is left: sums have a fixed order.
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
 }
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
 }
 
 /// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
@@ -3339,29 +3387,32 @@ MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
   }
 }
 
-/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
-/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
+/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
+/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
   const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the lowest bits.
+  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
+  // lowest bits.
   const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
-  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) - n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
+  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
+                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
   Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
   if constexpr (!single) {
-    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
+    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
+      p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
   const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
   return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
 }
 
-/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our own least-squares
-/// fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
+/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
 template <class S>
 MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
   Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
@@ -3411,8 +3462,8 @@ MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
   return vmax<float>(Vec<float>{}, x) - g;
 }
 #endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it is known.
-/// Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
+/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
 #if MOTIONLANG_VECTOR_BYTES == 64
@@ -3438,7 +3489,8 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
-/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
+/// Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
@@ -3460,17 +3512,24 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return x;
-    case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu: return vgelu<S>(x);
-    case Activation::silu: return x / (vexp<S>(-x) + S(1));
-    case Activation::tanh: return vtanh<S>(x);
-    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::none:
+      return x;
+    case Activation::relu:
+      return vmax<S>(Vec<S>{}, x);
+    case Activation::gelu:
+      return vgelu<S>(x);
+    case Activation::silu:
+      return x / (vexp<S>(-x) + S(1));
+    case Activation::tanh:
+      return vtanh<S>(x);
+    case Activation::quick_gelu:
+      return x / (vexp<S>(x * S(-1.702)) + S(1));
     case Activation::gelu_new: {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
-    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
+    case Activation::sigmoid:
+      return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -3480,8 +3539,10 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return splat(S(1));
-    case Activation::relu: return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
+    case Activation::none:
+      return splat(S(1));
+    case Activation::relu:
+      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
     case Activation::gelu: {
       const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
@@ -3514,14 +3575,22 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
-    case Activation::none: return f.template operator()<Activation::none>();
-    case Activation::relu: return f.template operator()<Activation::relu>();
-    case Activation::gelu: return f.template operator()<Activation::gelu>();
-    case Activation::silu: return f.template operator()<Activation::silu>();
-    case Activation::tanh: return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
-    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
+    case Activation::none:
+      return f.template operator()<Activation::none>();
+    case Activation::relu:
+      return f.template operator()<Activation::relu>();
+    case Activation::gelu:
+      return f.template operator()<Activation::gelu>();
+    case Activation::silu:
+      return f.template operator()<Activation::silu>();
+    case Activation::tanh:
+      return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu:
+      return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new:
+      return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid:
+      return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -3558,14 +3627,16 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them. If k is in
-//            several blocks, eight panels at a time: what the next 1024 of k are added to stays there as well. (All panels at a time where
-//            A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches and k is one block:
-//            a tile's rows times a group of panels, then the next rows. So longer pieces of the result's rows are written, one after the
-//            other: the lines under them, which come from memory first, the processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what follows: of the
-//            panels of the next group, be it of the product that follows, and, with the first group, of the next rows of A.
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
+//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
+//            well. (All panels at a time where A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
+//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
+//            result's rows are written, one after the other: the lines under them, which come from memory first, the
+//            processor fetches by itself, and fewer pages are in use.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
+//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
+//            the next rows of A.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -3573,11 +3644,13 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
-inline constexpr Index most_tiles = 16;  // of rows in a block
+inline constexpr Index most_tiles = 16;        // of rows in a block
 inline constexpr Index near_caches = 4 << 20;  // bytes
-inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  // for rows of A, and as much for a group of panels
+// for rows of A, and as much for a group of panels
+inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
 template <class S>
-inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
+// of a tile of a transposed A, copied
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
 
 template <class S>
 constexpr Index bytes(Index count) {
@@ -3607,8 +3680,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
@@ -3646,15 +3719,16 @@ struct Rows {
   Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
-/// panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a tile alone fetches the first half of
-/// the next panel only: every other line of the whole would confuse the processor, which fetches by itself lines that follow each other
-/// (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for
+/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
+/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
+/// which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between them.
+  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between
+  /// them.
   MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
     const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
     return {next + i * step * steps, step};
@@ -3707,7 +3781,8 @@ MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e)
 
 /// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
 template <class S>
-[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
+                                         const Epilogue<S>& e) {
   constexpr Index l = lanes<S>;
   for (Index r = 0; r < rows; ++r) {
     for (Index i = 0; i < columns; i += l) {
@@ -3733,7 +3808,8 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
       S* out = c + i * ldc;
       if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
       c0[i] += z0, c1[i] += z1;
-      if (e.residual != nullptr) c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
+      if (e.residual != nullptr)
+        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
       store(out, c0[i]), store(out + l, c1[i]);
     }
   } else {
@@ -3750,7 +3826,8 @@ enum class TileKind { plain, transposed, half };
 
 /// c (R x columns) = a (R x k) panel.
 template <class S, int R, TileKind kind>
-void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e, Ahead ahead) {
+void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
   constexpr Index w = panel_width<S>;
   constexpr int l = lanes<S>;
   constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
@@ -3758,10 +3835,11 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the strides is known to
-  // be 1, which saves additions (1 to 4 % of the time).
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
+  // strides is known to be 1, which saves additions (1 to 4 % of the time).
   const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
-  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride, *p4 = p0 + 12 * row_stride;
+  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
+          *p4 = p0 + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
@@ -3794,7 +3872,8 @@ TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
     return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
-  }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
+  }
+  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
   const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
   return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
@@ -3821,8 +3900,8 @@ Index gemm_scratch(Index k) {
   return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
 }
 
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the other. `readable`: rows
-/// that A has from here on.
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
+/// other. `readable`: rows that A has from here on.
 template <class S>
 void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
   constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
@@ -3831,7 +3910,8 @@ void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, 
     if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
     for (Index t = 0; t < tiles; ++t) {
       const Index first = part(rows, t, tiles);
-      for (Index i = 0; i < pitch; i += l) store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+      for (Index i = 0; i < pitch; i += l)
+        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
     }
   }
 }
@@ -3846,7 +3926,8 @@ struct GemmPiece {
   Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
   Index left = 0, right = 0;
   Index k0 = 0, k1 = 0;
-  const std::byte* next = nullptr;  // panels that are read after it: at last the first ones once more, if nothing else is known
+  // panels that are read after it: at last the first ones once more, if nothing else is known
+  const std::byte* next = nullptr;
   Index next_bytes = std::numeric_limits<Index>::max();
 
   Index depth() const { return k1 - k0; }
@@ -3869,9 +3950,12 @@ struct GemmPiece {
     const bool whole = depth == g.k, transposed = g.a_transposed;
     const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a tile's when it is next.
-    if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
-    else if (copies && !far) copy_rows(top, below);
+    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
+    // tile's when it is next.
+    if (transposed)
+      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
+    else if (copies && !far)
+      copy_rows(top, below);
     for (Index group = 0; group < groups; ++group) {
       const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
       const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
@@ -3881,15 +3965,17 @@ struct GemmPiece {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
         if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time: none.)
+        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
+        // none.)
         const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead = i < row_panels
-                                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
-                                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          const Ahead ahead =
+              i < row_panels
+                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
           S* c = g.c + row * g.ldc + j * w;
           const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
           tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
@@ -3904,7 +3990,8 @@ template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
+  // once.
   const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
@@ -3922,22 +4009,29 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
                        .right = std::min(j1, left + wide),
                        .k0 = part(g.k, block, blocks),
                        .k1 = part(g.k, block + 1, blocks)};
-    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1, last = next_rows && piece.below == r1;
-    const S* next = g.panels + ((next_rows ? j0 : next_columns ? piece.right : left) * g.k + (next_columns ? 0 : piece.k1)) * piece.w;
+    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
+               last = next_rows && piece.below == r1;
+    const S* next = g.panels + ((next_rows      ? j0
+                                 : next_columns ? piece.right
+                                                : left) *
+                                    g.k +
+                                (next_columns ? 0 : piece.k1)) *
+                                   piece.w;
     piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
     if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
     piece.multiply();
   }
 }
 //
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
-// head (backward), never for a batch.
+// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
+// or one head (backward), never for a batch.
 //
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
 /// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums: none waits.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
+/// none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
@@ -3978,8 +4072,10 @@ void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bo
   for (Index r = 0; r < count;) {
     Index visible[softmax_group];
     for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
-    if (r + softmax_group <= count) softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
-    else softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+    if (r + softmax_group <= count)
+      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else
+      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
   }
 }
 
@@ -4027,25 +4123,29 @@ struct FloatProducts {
   static Index scratch(Index) { return 0; }
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    if (stride_n == 1)
+      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else
+      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
-  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
+  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
+                       bool whole_panels) {
     constexpr Index w = panel_width<S>;
     const Index tiles = (count + tile_rows - 1) / tile_rows;
     const Epilogue<S> plain;
     for (Index j = 0; j < padded_panels<S>(n); ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
-                                         plain, Ahead{as_bytes(panels)});
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
       }
     }
   }
 };
 
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are columns of.
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
+/// columns of.
 template <class S>
 struct AttentionHead {
   const Attention<S>& t;
@@ -4075,7 +4175,9 @@ struct AttentionHead {
     for (Index r = 0; r < count && t.dropout.p > 0; ++r)
       dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
   }
-  Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
+  Index mask_at(Index query) const {
+    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
+  }
 };
 
 /// Distance of rows of scores, whose columns up to the end of a panel are written.
@@ -4086,7 +4188,8 @@ Index score_pitch(Index keys) {
 /// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
 template <class P>
 Index attention_scratch(Index keys, Index width) {
-  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) + P::scratch(std::max(keys, width));
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
+         P::scratch(std::max(keys, width));
 }
 /// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
 template <class P>
@@ -4100,7 +4203,8 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
 template <class P, class S = typename P::Number>
 void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
-  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces), end = part(tiles, piece + 1, pieces);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
+              end = part(tiles, piece + 1, pieces);
   if (begin == end) return;
   const Index pitch = score_pitch<P>(h.keys);
   S* vp = kt + P::panels(t.width, h.keys);
@@ -4138,7 +4242,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
-    if (r % softmax_group == 0) softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
+    if (r % softmax_group == 0)
+      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
     if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
@@ -4161,8 +4266,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as many chains of sums:
-/// none waits.
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
+/// many chains of sums: none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
   constexpr int l = lanes<S>;
@@ -4204,7 +4309,8 @@ MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
   S* y = t.y + first * n;
   if (t.residual != nullptr) {
     const S* z = t.residual + first * n;
-    for (Index i = 0; i < R * n; i += l) store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
+    for (Index i = 0; i < R * n; i += l)
+      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
     x = y;
   }
   S mean[R], rstd[R];
@@ -4283,7 +4389,8 @@ void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, 
 }
 /// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
 template <class S>
-void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows, Index first, Index last) {
+void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
+                            Index first, Index last) {
   for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
   for (Index r = 0; r < rows; ++r) {
     const S mean = moments[2 * r], rstd = moments[2 * r + 1];
@@ -4338,11 +4445,16 @@ void transpose(const Transposed<S>& t, Index first, Index last) {
 template <BinaryOp op, class S>
 MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
   switch (op) {
-    case BinaryOp::add: return a + b;
-    case BinaryOp::sub: return a - b;
-    case BinaryOp::mul: return a * b;
-    case BinaryOp::div: return a / b;
-    case BinaryOp::maximum: return a < b ? b : a;
+    case BinaryOp::add:
+      return a + b;
+    case BinaryOp::sub:
+      return a - b;
+    case BinaryOp::mul:
+      return a * b;
+    case BinaryOp::div:
+      return a / b;
+    case BinaryOp::maximum:
+      return a < b ? b : a;
   }
   return a;
 }
@@ -4362,11 +4474,16 @@ MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
 template <class S>
 void binary(const Binary<S>& t) {
   switch (t.op) {
-    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
-    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
-    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
-    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
-    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+    case BinaryOp::add:
+      return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub:
+      return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul:
+      return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div:
+      return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum:
+      return binary_loop<BinaryOp::maximum>(t);
   }
 }
 
@@ -4404,7 +4521,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 }
 
 template <class S>
-MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
+MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
+                                      Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
   m = m * t.beta1 + g * t.rest1;
   v = v * t.beta2 + g * g * t.rest2;
@@ -4429,15 +4547,18 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any processor, which widens
-// bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
+// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
-//            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126,
+//            which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
+//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
+//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
+//            number of a sum.)
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
+//            thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
 typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
@@ -4456,14 +4577,13 @@ MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
 }
 
 /// A vector of numbers, rounded; zeros from the n-th on.
-MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
-  return round_to_bf16(load_first(x, n));
-}
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
   constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
@@ -4474,7 +4594,8 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
 #pragma GCC unroll 16
       for (int q = 0; q < lanes<float>; ++q) {
         const auto row = [&](Index at) {
-          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
+          // no prefetcher follows pieces so far apart
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
           return rounded(a + at * lda + r, at < k ? n : 0);
         };
         if constexpr (sizeof(Element) == 4) {
@@ -4499,7 +4620,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     for (Index i = k0; i < k1; i += 2) {
       const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
       std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-      for (Index j = left; j < std::min(count, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+      for (Index j = left; j < std::min(count, left + panel_block);
+           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
         fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
         const Index columns = n - j * bf16_columns;
         Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
@@ -4507,10 +4629,11 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class Tile, bool looks>
-bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
+                          std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
@@ -4546,12 +4669,14 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
-/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
-/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
+/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
+/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
+/// same cache set.
 inline bool streams(const Gemm<float>& g) {
   constexpr Index all = 16 << 20;
-  const bool whole_lines = g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  const bool whole_lines =
+      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
   return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
 }
 /// Rows of one panel's width, from where a tile has put them.
@@ -4563,7 +4688,8 @@ inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
 
 class PanelSplit;
 
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
+/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
+/// over `depth` of k.
 template <class Element>
 struct TileProduct {
   const Element* a;
@@ -4586,7 +4712,7 @@ struct TileProduct {
 ///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
 template <class Tile>
 struct RegisterTile {
-  static constexpr bool even = true;  // rows are split evenly among tiles
+  static constexpr bool even = true;                                 // rows are split evenly among tiles
   static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
   static constexpr Index pieces(Index, Index) { return 1; }          // of k
   static void begin() {}
@@ -4596,7 +4722,8 @@ struct RegisterTile {
   void multiply(const TileProduct<Element>& t) {
     static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
       return std::array{&Tile::template rows_of<R + 1>...};
-    }(std::make_integer_sequence<int, Tile::rows>{});
+    }
+    (std::make_integer_sequence<int, Tile::rows>{});
     const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
     if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
     alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
@@ -4622,8 +4749,8 @@ struct WideningTile : RegisterTile<WideningTile> {
   }
 
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, Ahead ahead) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                      Index columns, const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
     for (Index column = 0; column < columns; column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
@@ -4676,7 +4803,8 @@ Index bf16_scratch(Index k) {
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
 template <class Tile>
-void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
+                     float* scratch) {
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
@@ -4687,7 +4815,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
   for (Index block = 0; block < row_blocks; ++block) {
     const Index top = r0 + unit * part(units, block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
+                tiles = (rows + Tile::rows - 1) / Tile::rows;
     const Index pieces = Tile::pieces(depth, tiles);
     round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
@@ -4697,11 +4826,13 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
       for (Index step = 0; step < pieces * tiles; ++step) {
         const Index piece = step / tiles, t = step % tiles;
-        const Index k0 = 32 * part(depth / 32, piece, pieces), k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
+        const Index k0 = 32 * part(depth / 32, piece, pieces),
+                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
         const Index row = top + first, column = j * bf16_columns;
-        const auto ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
+        const auto ahead =
+            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
         TileProduct<Element> product{.a = a + first * pitch + k0,
                                      .pitch = pitch,
                                      .height = height,
@@ -4740,11 +4871,13 @@ struct Bf16Products {
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
-    if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    if (stride_n == 1)
+      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else
+      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
-  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
-                       bool whole_panels) {
+  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
+                       float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
     auto* rounded_rows = reinterpret_cast<Element*>(scratch);
     Tile tile;
@@ -4822,7 +4955,8 @@ const Kernels<S>& table() {
 #undef MOTIONLANG_STRING_OF
 #undef MOTIONLANG_INLINE
 
-}  // namespace motionlang
+}  // namespace detail::MOTIONLANG_ISA
+MOTIONLANG_NAMESPACE_END
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
@@ -4836,7 +4970,8 @@ MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
 #define MOTIONLANG_TILE_ROWS 6
 // All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::MOTIONLANG_ISA {
 
 // Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
 // Included once for every instruction set by kernels.hpp; no include guard on purpose.
@@ -4961,13 +5096,17 @@ MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int,
 // Halves are put together until one lane is left: sums have a fixed order.
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
 }
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
 }
 
 /// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
@@ -4990,29 +5129,32 @@ MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
   }
 }
 
-/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
-/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
+/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
+/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
   const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the lowest bits.
+  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
+  // lowest bits.
   const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
-  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) - n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
+  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
+                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
   Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
   if constexpr (!single) {
-    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
+    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
+      p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
   const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
   return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
 }
 
-/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our own least-squares
-/// fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
+/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
 template <class S>
 MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
   Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
@@ -5062,8 +5204,8 @@ MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
   return vmax<float>(Vec<float>{}, x) - g;
 }
 #endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it is known.
-/// Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
+/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
 #if MOTIONLANG_VECTOR_BYTES == 64
@@ -5089,7 +5231,8 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
-/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
+/// Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
@@ -5111,17 +5254,24 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return x;
-    case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu: return vgelu<S>(x);
-    case Activation::silu: return x / (vexp<S>(-x) + S(1));
-    case Activation::tanh: return vtanh<S>(x);
-    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::none:
+      return x;
+    case Activation::relu:
+      return vmax<S>(Vec<S>{}, x);
+    case Activation::gelu:
+      return vgelu<S>(x);
+    case Activation::silu:
+      return x / (vexp<S>(-x) + S(1));
+    case Activation::tanh:
+      return vtanh<S>(x);
+    case Activation::quick_gelu:
+      return x / (vexp<S>(x * S(-1.702)) + S(1));
     case Activation::gelu_new: {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
-    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
+    case Activation::sigmoid:
+      return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -5131,8 +5281,10 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return splat(S(1));
-    case Activation::relu: return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
+    case Activation::none:
+      return splat(S(1));
+    case Activation::relu:
+      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
     case Activation::gelu: {
       const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
@@ -5165,14 +5317,22 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
-    case Activation::none: return f.template operator()<Activation::none>();
-    case Activation::relu: return f.template operator()<Activation::relu>();
-    case Activation::gelu: return f.template operator()<Activation::gelu>();
-    case Activation::silu: return f.template operator()<Activation::silu>();
-    case Activation::tanh: return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
-    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
+    case Activation::none:
+      return f.template operator()<Activation::none>();
+    case Activation::relu:
+      return f.template operator()<Activation::relu>();
+    case Activation::gelu:
+      return f.template operator()<Activation::gelu>();
+    case Activation::silu:
+      return f.template operator()<Activation::silu>();
+    case Activation::tanh:
+      return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu:
+      return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new:
+      return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid:
+      return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -5209,14 +5369,16 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them. If k is in
-//            several blocks, eight panels at a time: what the next 1024 of k are added to stays there as well. (All panels at a time where
-//            A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches and k is one block:
-//            a tile's rows times a group of panels, then the next rows. So longer pieces of the result's rows are written, one after the
-//            other: the lines under them, which come from memory first, the processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what follows: of the
-//            panels of the next group, be it of the product that follows, and, with the first group, of the next rows of A.
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
+//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
+//            well. (All panels at a time where A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
+//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
+//            result's rows are written, one after the other: the lines under them, which come from memory first, the
+//            processor fetches by itself, and fewer pages are in use.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
+//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
+//            the next rows of A.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -5224,11 +5386,13 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
-inline constexpr Index most_tiles = 16;  // of rows in a block
+inline constexpr Index most_tiles = 16;        // of rows in a block
 inline constexpr Index near_caches = 4 << 20;  // bytes
-inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  // for rows of A, and as much for a group of panels
+// for rows of A, and as much for a group of panels
+inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
 template <class S>
-inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
+// of a tile of a transposed A, copied
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
 
 template <class S>
 constexpr Index bytes(Index count) {
@@ -5258,8 +5422,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
@@ -5297,15 +5461,16 @@ struct Rows {
   Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
-/// panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a tile alone fetches the first half of
-/// the next panel only: every other line of the whole would confuse the processor, which fetches by itself lines that follow each other
-/// (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for
+/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
+/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
+/// which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between them.
+  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between
+  /// them.
   MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
     const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
     return {next + i * step * steps, step};
@@ -5358,7 +5523,8 @@ MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e)
 
 /// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
 template <class S>
-[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
+                                         const Epilogue<S>& e) {
   constexpr Index l = lanes<S>;
   for (Index r = 0; r < rows; ++r) {
     for (Index i = 0; i < columns; i += l) {
@@ -5384,7 +5550,8 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
       S* out = c + i * ldc;
       if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
       c0[i] += z0, c1[i] += z1;
-      if (e.residual != nullptr) c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
+      if (e.residual != nullptr)
+        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
       store(out, c0[i]), store(out + l, c1[i]);
     }
   } else {
@@ -5401,7 +5568,8 @@ enum class TileKind { plain, transposed, half };
 
 /// c (R x columns) = a (R x k) panel.
 template <class S, int R, TileKind kind>
-void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e, Ahead ahead) {
+void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
   constexpr Index w = panel_width<S>;
   constexpr int l = lanes<S>;
   constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
@@ -5409,10 +5577,11 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the strides is known to
-  // be 1, which saves additions (1 to 4 % of the time).
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
+  // strides is known to be 1, which saves additions (1 to 4 % of the time).
   const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
-  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride, *p4 = p0 + 12 * row_stride;
+  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
+          *p4 = p0 + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
@@ -5445,7 +5614,8 @@ TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
     return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
-  }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
+  }
+  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
   const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
   return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
@@ -5472,8 +5642,8 @@ Index gemm_scratch(Index k) {
   return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
 }
 
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the other. `readable`: rows
-/// that A has from here on.
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
+/// other. `readable`: rows that A has from here on.
 template <class S>
 void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
   constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
@@ -5482,7 +5652,8 @@ void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, 
     if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
     for (Index t = 0; t < tiles; ++t) {
       const Index first = part(rows, t, tiles);
-      for (Index i = 0; i < pitch; i += l) store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+      for (Index i = 0; i < pitch; i += l)
+        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
     }
   }
 }
@@ -5497,7 +5668,8 @@ struct GemmPiece {
   Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
   Index left = 0, right = 0;
   Index k0 = 0, k1 = 0;
-  const std::byte* next = nullptr;  // panels that are read after it: at last the first ones once more, if nothing else is known
+  // panels that are read after it: at last the first ones once more, if nothing else is known
+  const std::byte* next = nullptr;
   Index next_bytes = std::numeric_limits<Index>::max();
 
   Index depth() const { return k1 - k0; }
@@ -5520,9 +5692,12 @@ struct GemmPiece {
     const bool whole = depth == g.k, transposed = g.a_transposed;
     const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a tile's when it is next.
-    if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
-    else if (copies && !far) copy_rows(top, below);
+    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
+    // tile's when it is next.
+    if (transposed)
+      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
+    else if (copies && !far)
+      copy_rows(top, below);
     for (Index group = 0; group < groups; ++group) {
       const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
       const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
@@ -5532,15 +5707,17 @@ struct GemmPiece {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
         if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time: none.)
+        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
+        // none.)
         const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead = i < row_panels
-                                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
-                                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          const Ahead ahead =
+              i < row_panels
+                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
           S* c = g.c + row * g.ldc + j * w;
           const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
           tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
@@ -5555,7 +5732,8 @@ template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
+  // once.
   const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
@@ -5573,22 +5751,29 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
                        .right = std::min(j1, left + wide),
                        .k0 = part(g.k, block, blocks),
                        .k1 = part(g.k, block + 1, blocks)};
-    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1, last = next_rows && piece.below == r1;
-    const S* next = g.panels + ((next_rows ? j0 : next_columns ? piece.right : left) * g.k + (next_columns ? 0 : piece.k1)) * piece.w;
+    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
+               last = next_rows && piece.below == r1;
+    const S* next = g.panels + ((next_rows      ? j0
+                                 : next_columns ? piece.right
+                                                : left) *
+                                    g.k +
+                                (next_columns ? 0 : piece.k1)) *
+                                   piece.w;
     piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
     if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
     piece.multiply();
   }
 }
 //
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
-// head (backward), never for a batch.
+// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
+// or one head (backward), never for a batch.
 //
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
 /// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums: none waits.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
+/// none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
@@ -5629,8 +5814,10 @@ void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bo
   for (Index r = 0; r < count;) {
     Index visible[softmax_group];
     for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
-    if (r + softmax_group <= count) softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
-    else softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+    if (r + softmax_group <= count)
+      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else
+      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
   }
 }
 
@@ -5678,25 +5865,29 @@ struct FloatProducts {
   static Index scratch(Index) { return 0; }
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    if (stride_n == 1)
+      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else
+      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
-  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
+  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
+                       bool whole_panels) {
     constexpr Index w = panel_width<S>;
     const Index tiles = (count + tile_rows - 1) / tile_rows;
     const Epilogue<S> plain;
     for (Index j = 0; j < padded_panels<S>(n); ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
-                                         plain, Ahead{as_bytes(panels)});
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
       }
     }
   }
 };
 
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are columns of.
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
+/// columns of.
 template <class S>
 struct AttentionHead {
   const Attention<S>& t;
@@ -5726,7 +5917,9 @@ struct AttentionHead {
     for (Index r = 0; r < count && t.dropout.p > 0; ++r)
       dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
   }
-  Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
+  Index mask_at(Index query) const {
+    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
+  }
 };
 
 /// Distance of rows of scores, whose columns up to the end of a panel are written.
@@ -5737,7 +5930,8 @@ Index score_pitch(Index keys) {
 /// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
 template <class P>
 Index attention_scratch(Index keys, Index width) {
-  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) + P::scratch(std::max(keys, width));
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
+         P::scratch(std::max(keys, width));
 }
 /// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
 template <class P>
@@ -5751,7 +5945,8 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
 template <class P, class S = typename P::Number>
 void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
-  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces), end = part(tiles, piece + 1, pieces);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
+              end = part(tiles, piece + 1, pieces);
   if (begin == end) return;
   const Index pitch = score_pitch<P>(h.keys);
   S* vp = kt + P::panels(t.width, h.keys);
@@ -5789,7 +5984,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
-    if (r % softmax_group == 0) softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
+    if (r % softmax_group == 0)
+      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
     if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
@@ -5812,8 +6008,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as many chains of sums:
-/// none waits.
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
+/// many chains of sums: none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
   constexpr int l = lanes<S>;
@@ -5855,7 +6051,8 @@ MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
   S* y = t.y + first * n;
   if (t.residual != nullptr) {
     const S* z = t.residual + first * n;
-    for (Index i = 0; i < R * n; i += l) store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
+    for (Index i = 0; i < R * n; i += l)
+      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
     x = y;
   }
   S mean[R], rstd[R];
@@ -5934,7 +6131,8 @@ void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, 
 }
 /// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
 template <class S>
-void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows, Index first, Index last) {
+void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
+                            Index first, Index last) {
   for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
   for (Index r = 0; r < rows; ++r) {
     const S mean = moments[2 * r], rstd = moments[2 * r + 1];
@@ -5989,11 +6187,16 @@ void transpose(const Transposed<S>& t, Index first, Index last) {
 template <BinaryOp op, class S>
 MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
   switch (op) {
-    case BinaryOp::add: return a + b;
-    case BinaryOp::sub: return a - b;
-    case BinaryOp::mul: return a * b;
-    case BinaryOp::div: return a / b;
-    case BinaryOp::maximum: return a < b ? b : a;
+    case BinaryOp::add:
+      return a + b;
+    case BinaryOp::sub:
+      return a - b;
+    case BinaryOp::mul:
+      return a * b;
+    case BinaryOp::div:
+      return a / b;
+    case BinaryOp::maximum:
+      return a < b ? b : a;
   }
   return a;
 }
@@ -6013,11 +6216,16 @@ MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
 template <class S>
 void binary(const Binary<S>& t) {
   switch (t.op) {
-    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
-    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
-    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
-    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
-    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+    case BinaryOp::add:
+      return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub:
+      return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul:
+      return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div:
+      return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum:
+      return binary_loop<BinaryOp::maximum>(t);
   }
 }
 
@@ -6055,7 +6263,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 }
 
 template <class S>
-MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
+MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
+                                      Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
   m = m * t.beta1 + g * t.rest1;
   v = v * t.beta2 + g * g * t.rest2;
@@ -6080,15 +6289,18 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any processor, which widens
-// bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
+// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
-//            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126,
+//            which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
+//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
+//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
+//            number of a sum.)
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
+//            thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
 typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
@@ -6107,14 +6319,13 @@ MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
 }
 
 /// A vector of numbers, rounded; zeros from the n-th on.
-MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
-  return round_to_bf16(load_first(x, n));
-}
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
   constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
@@ -6125,7 +6336,8 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
 #pragma GCC unroll 16
       for (int q = 0; q < lanes<float>; ++q) {
         const auto row = [&](Index at) {
-          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
+          // no prefetcher follows pieces so far apart
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
           return rounded(a + at * lda + r, at < k ? n : 0);
         };
         if constexpr (sizeof(Element) == 4) {
@@ -6150,7 +6362,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     for (Index i = k0; i < k1; i += 2) {
       const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
       std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-      for (Index j = left; j < std::min(count, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+      for (Index j = left; j < std::min(count, left + panel_block);
+           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
         fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
         const Index columns = n - j * bf16_columns;
         Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
@@ -6158,10 +6371,11 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class Tile, bool looks>
-bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
+                          std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
@@ -6197,12 +6411,14 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
-/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
-/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
+/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
+/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
+/// same cache set.
 inline bool streams(const Gemm<float>& g) {
   constexpr Index all = 16 << 20;
-  const bool whole_lines = g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  const bool whole_lines =
+      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
   return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
 }
 /// Rows of one panel's width, from where a tile has put them.
@@ -6214,7 +6430,8 @@ inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
 
 class PanelSplit;
 
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
+/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
+/// over `depth` of k.
 template <class Element>
 struct TileProduct {
   const Element* a;
@@ -6237,7 +6454,7 @@ struct TileProduct {
 ///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
 template <class Tile>
 struct RegisterTile {
-  static constexpr bool even = true;  // rows are split evenly among tiles
+  static constexpr bool even = true;                                 // rows are split evenly among tiles
   static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
   static constexpr Index pieces(Index, Index) { return 1; }          // of k
   static void begin() {}
@@ -6247,7 +6464,8 @@ struct RegisterTile {
   void multiply(const TileProduct<Element>& t) {
     static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
       return std::array{&Tile::template rows_of<R + 1>...};
-    }(std::make_integer_sequence<int, Tile::rows>{});
+    }
+    (std::make_integer_sequence<int, Tile::rows>{});
     const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
     if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
     alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
@@ -6273,8 +6491,8 @@ struct WideningTile : RegisterTile<WideningTile> {
   }
 
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, Ahead ahead) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                      Index columns, const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
     for (Index column = 0; column < columns; column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
@@ -6327,7 +6545,8 @@ Index bf16_scratch(Index k) {
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
 template <class Tile>
-void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
+                     float* scratch) {
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
@@ -6338,7 +6557,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
   for (Index block = 0; block < row_blocks; ++block) {
     const Index top = r0 + unit * part(units, block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
+                tiles = (rows + Tile::rows - 1) / Tile::rows;
     const Index pieces = Tile::pieces(depth, tiles);
     round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
@@ -6348,11 +6568,13 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
       for (Index step = 0; step < pieces * tiles; ++step) {
         const Index piece = step / tiles, t = step % tiles;
-        const Index k0 = 32 * part(depth / 32, piece, pieces), k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
+        const Index k0 = 32 * part(depth / 32, piece, pieces),
+                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
         const Index row = top + first, column = j * bf16_columns;
-        const auto ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
+        const auto ahead =
+            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
         TileProduct<Element> product{.a = a + first * pitch + k0,
                                      .pitch = pitch,
                                      .height = height,
@@ -6391,11 +6613,13 @@ struct Bf16Products {
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
-    if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    if (stride_n == 1)
+      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else
+      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
-  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
-                       bool whole_panels) {
+  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
+                       float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
     auto* rounded_rows = reinterpret_cast<Element*>(scratch);
     Tile tile;
@@ -6473,7 +6697,8 @@ const Kernels<S>& table() {
 #undef MOTIONLANG_STRING_OF
 #undef MOTIONLANG_INLINE
 
-}  // namespace motionlang
+}  // namespace detail::MOTIONLANG_ISA
+MOTIONLANG_NAMESPACE_END
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
@@ -6485,7 +6710,8 @@ MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512)
 #define MOTIONLANG_TILE_ROWS 14
 // All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail::MOTIONLANG_ISA {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::MOTIONLANG_ISA {
 
 // Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
 // Included once for every instruction set by kernels.hpp; no include guard on purpose.
@@ -6610,13 +6836,17 @@ MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int,
 // Halves are put together until one lane is left: sums have a fixed order.
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
 }
 template <class S, int half = lanes<S> / 2>
 MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  if constexpr (half == 0) return v[0];
-  else return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
 }
 
 /// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
@@ -6639,29 +6869,32 @@ MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
   }
 }
 
-/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7 (1e-15).
-/// Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
+/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
+/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
   constexpr bool single = sizeof(S) == 4;
   constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
   const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the lowest bits.
+  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
+  // lowest bits.
   const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
   const Vec<S> shifted = c * S(1.4426950408889634) + magic;
   const Vec<S> n = shifted - magic;
-  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) - n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
+  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
+                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
   Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
   if constexpr (!single) {
-    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040}) p = p * f + S(k);
+    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
+      p = p * f + S(k);
   }
   for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
   const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
   return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
 }
 
-/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our own least-squares
-/// fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
+/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
 template <class S>
 MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
   Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
@@ -6711,8 +6944,8 @@ MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
   return vmax<float>(Vec<float>{}, x) - g;
 }
 #endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it is known.
-/// Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
+/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
 #if MOTIONLANG_VECTOR_BYTES == 64
@@ -6738,7 +6971,8 @@ MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
   return r + S(0.5) * y * (x - r * r);
 }
 
-/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere. Double: libm.
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
+/// Double: libm.
 template <class S>
 MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
   if constexpr (sizeof(S) == 4) {
@@ -6760,17 +6994,24 @@ MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return x;
-    case Activation::relu: return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu: return vgelu<S>(x);
-    case Activation::silu: return x / (vexp<S>(-x) + S(1));
-    case Activation::tanh: return vtanh<S>(x);
-    case Activation::quick_gelu: return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::none:
+      return x;
+    case Activation::relu:
+      return vmax<S>(Vec<S>{}, x);
+    case Activation::gelu:
+      return vgelu<S>(x);
+    case Activation::silu:
+      return x / (vexp<S>(-x) + S(1));
+    case Activation::tanh:
+      return vtanh<S>(x);
+    case Activation::quick_gelu:
+      return x / (vexp<S>(x * S(-1.702)) + S(1));
     case Activation::gelu_new: {
       const Vec<S> h = x * S(0.5);
       return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
     }
-    case Activation::sigmoid: return S(1) / (vexp<S>(-x) + S(1));
+    case Activation::sigmoid:
+      return S(1) / (vexp<S>(-x) + S(1));
   }
   return x;
 }
@@ -6780,8 +7021,10 @@ MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
 template <Activation act, class S>
 MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
   switch (act) {
-    case Activation::none: return splat(S(1));
-    case Activation::relu: return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
+    case Activation::none:
+      return splat(S(1));
+    case Activation::relu:
+      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
     case Activation::gelu: {
       const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
       return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
@@ -6814,14 +7057,22 @@ MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
 template <class F>
 void with_activation(Activation act, const F& f) {
   switch (act) {
-    case Activation::none: return f.template operator()<Activation::none>();
-    case Activation::relu: return f.template operator()<Activation::relu>();
-    case Activation::gelu: return f.template operator()<Activation::gelu>();
-    case Activation::silu: return f.template operator()<Activation::silu>();
-    case Activation::tanh: return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu: return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new: return f.template operator()<Activation::gelu_new>();
-    case Activation::sigmoid: return f.template operator()<Activation::sigmoid>();
+    case Activation::none:
+      return f.template operator()<Activation::none>();
+    case Activation::relu:
+      return f.template operator()<Activation::relu>();
+    case Activation::gelu:
+      return f.template operator()<Activation::gelu>();
+    case Activation::silu:
+      return f.template operator()<Activation::silu>();
+    case Activation::tanh:
+      return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu:
+      return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new:
+      return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid:
+      return f.template operator()<Activation::sigmoid>();
   }
 }
 
@@ -6858,14 +7109,16 @@ void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
 //
 //   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
 //   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them. If k is in
-//            several blocks, eight panels at a time: what the next 1024 of k are added to stays there as well. (All panels at a time where
-//            A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches and k is one block:
-//            a tile's rows times a group of panels, then the next rows. So longer pieces of the result's rows are written, one after the
-//            other: the lines under them, which come from memory first, the processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what follows: of the
-//            panels of the next group, be it of the product that follows, and, with the first group, of the next rows of A.
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
+//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
+//            well. (All panels at a time where A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
+//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
+//            result's rows are written, one after the other: the lines under them, which come from memory first, the
+//            processor fetches by itself, and fewer pages are in use.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
+//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
+//            the next rows of A.
 //   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
 
 template <class S>
@@ -6873,11 +7126,13 @@ inline constexpr Index panel_width = 2 * lanes<S>;
 inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
 inline constexpr Index depth_block = 1024;
 inline constexpr Index panel_block = 8;
-inline constexpr Index most_tiles = 16;  // of rows in a block
+inline constexpr Index most_tiles = 16;        // of rows in a block
 inline constexpr Index near_caches = 4 << 20;  // bytes
-inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;  // for rows of A, and as much for a group of panels
+// for rows of A, and as much for a group of panels
+inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
 template <class S>
-inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S> * lanes<S>;  // of a tile of a transposed A, copied
+// of a tile of a transposed A, copied
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
 
 template <class S>
 constexpr Index bytes(Index count) {
@@ -6907,8 +7162,8 @@ void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class S, bool looks>
 bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
   constexpr Index w = panel_width<S>, l = lanes<S>;
@@ -6946,15 +7201,16 @@ struct Rows {
   Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
 };
 
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for every row of the
-/// panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a tile alone fetches the first half of
-/// the next panel only: every other line of the whole would confuse the processor, which fetches by itself lines that follow each other
-/// (20 % slower from memory).
+/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for
+/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
+/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
+/// which fetches by itself lines that follow each other (20 % slower from memory).
 struct Ahead {
   const std::byte* at = nullptr;
   Index step = 0;
 
-  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between them.
+  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between
+  /// them.
   MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
     const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
     return {next + i * step * steps, step};
@@ -7007,7 +7263,8 @@ MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e)
 
 /// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
 template <class S>
-[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
+                                         const Epilogue<S>& e) {
   constexpr Index l = lanes<S>;
   for (Index r = 0; r < rows; ++r) {
     for (Index i = 0; i < columns; i += l) {
@@ -7033,7 +7290,8 @@ MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index
       S* out = c + i * ldc;
       if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
       c0[i] += z0, c1[i] += z1;
-      if (e.residual != nullptr) c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
+      if (e.residual != nullptr)
+        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
       store(out, c0[i]), store(out + l, c1[i]);
     }
   } else {
@@ -7050,7 +7308,8 @@ enum class TileKind { plain, transposed, half };
 
 /// c (R x columns) = a (R x k) panel.
 template <class S, int R, TileKind kind>
-void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e, Ahead ahead) {
+void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
   constexpr Index w = panel_width<S>;
   constexpr int l = lanes<S>;
   constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
@@ -7058,10 +7317,11 @@ void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index colu
 #pragma GCC unroll 16
   for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
   fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the strides is known to
-  // be 1, which saves additions (1 to 4 % of the time).
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
+  // strides is known to be 1, which saves additions (1 to 4 % of the time).
   const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
-  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride, *p4 = p0 + 12 * row_stride;
+  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
+          *p4 = p0 + 12 * row_stride;
 #pragma GCC unroll 2
   for (Index at = 0; at < k; ++at) {
     if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
@@ -7094,7 +7354,8 @@ TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
     return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
                       std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
-  }(std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
+  }
+  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
   const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
   return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
 }
@@ -7121,8 +7382,8 @@ Index gemm_scratch(Index k) {
   return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
 }
 
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the other. `readable`: rows
-/// that A has from here on.
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
+/// other. `readable`: rows that A has from here on.
 template <class S>
 void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
   constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
@@ -7131,7 +7392,8 @@ void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, 
     if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
     for (Index t = 0; t < tiles; ++t) {
       const Index first = part(rows, t, tiles);
-      for (Index i = 0; i < pitch; i += l) store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+      for (Index i = 0; i < pitch; i += l)
+        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
     }
   }
 }
@@ -7146,7 +7408,8 @@ struct GemmPiece {
   Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
   Index left = 0, right = 0;
   Index k0 = 0, k1 = 0;
-  const std::byte* next = nullptr;  // panels that are read after it: at last the first ones once more, if nothing else is known
+  // panels that are read after it: at last the first ones once more, if nothing else is known
+  const std::byte* next = nullptr;
   Index next_bytes = std::numeric_limits<Index>::max();
 
   Index depth() const { return k1 - k0; }
@@ -7169,9 +7432,12 @@ struct GemmPiece {
     const bool whole = depth == g.k, transposed = g.a_transposed;
     const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
     const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a tile's when it is next.
-    if (transposed) copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
-    else if (copies && !far) copy_rows(top, below);
+    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
+    // tile's when it is next.
+    if (transposed)
+      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
+    else if (copies && !far)
+      copy_rows(top, below);
     for (Index group = 0; group < groups; ++group) {
       const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
       const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
@@ -7181,15 +7447,17 @@ struct GemmPiece {
         height = top + part(below - top, t + 1, tiles) - row;
         const Index next_row = row + height;
         if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time: none.)
+        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
+        // none.)
         const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
         const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
         const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
         for (Index i = 0; i < panels; ++i) {
           const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead = i < row_panels
-                                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
-                                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          const Ahead ahead =
+              i < row_panels
+                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
           S* c = g.c + row * g.ldc + j * w;
           const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
           tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
@@ -7204,7 +7472,8 @@ template <class S>
 void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
   const Blocks<S> split(g.k);
   const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side, once.
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
+  // once.
   const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
   const bool all_panels = copies || g.a_transposed || blocks == 1;
   const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
@@ -7222,22 +7491,29 @@ void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scr
                        .right = std::min(j1, left + wide),
                        .k0 = part(g.k, block, blocks),
                        .k1 = part(g.k, block + 1, blocks)};
-    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1, last = next_rows && piece.below == r1;
-    const S* next = g.panels + ((next_rows ? j0 : next_columns ? piece.right : left) * g.k + (next_columns ? 0 : piece.k1)) * piece.w;
+    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
+               last = next_rows && piece.below == r1;
+    const S* next = g.panels + ((next_rows      ? j0
+                                 : next_columns ? piece.right
+                                                : left) *
+                                    g.k +
+                                (next_columns ? 0 : piece.k1)) *
+                                   piece.w;
     piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
     if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
     piece.multiply();
   }
 }
 //
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward) or one
-// head (backward), never for a batch.
+// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
+// or one head (backward), never for a batch.
 //
 //   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
 //   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
 
 /// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums: none waits.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
+/// none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
   constexpr int l = lanes<S>;
@@ -7278,8 +7554,10 @@ void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bo
   for (Index r = 0; r < count;) {
     Index visible[softmax_group];
     for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
-    if (r + softmax_group <= count) softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
-    else softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+    if (r + softmax_group <= count)
+      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else
+      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
   }
 }
 
@@ -7327,25 +7605,29 @@ struct FloatProducts {
   static Index scratch(Index) { return 0; }
 
   static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    if (stride_n == 1) pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+    if (stride_n == 1)
+      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else
+      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
   }
   /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
-  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*, bool whole_panels) {
+  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
+                       bool whole_panels) {
     constexpr Index w = panel_width<S>;
     const Index tiles = (count + tile_rows - 1) / tile_rows;
     const Epilogue<S> plain;
     for (Index j = 0; j < padded_panels<S>(n); ++j) {
       for (Index t = 0; t < tiles; ++t) {
         const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc, whole_panels ? w : n - j * w,
-                                         plain, Ahead{as_bytes(panels)});
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
       }
     }
   }
 };
 
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are columns of.
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
+/// columns of.
 template <class S>
 struct AttentionHead {
   const Attention<S>& t;
@@ -7375,7 +7657,9 @@ struct AttentionHead {
     for (Index r = 0; r < count && t.dropout.p > 0; ++r)
       dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
   }
-  Index mask_at(Index query) const { return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0)); }
+  Index mask_at(Index query) const {
+    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
+  }
 };
 
 /// Distance of rows of scores, whose columns up to the end of a panel are written.
@@ -7386,7 +7670,8 @@ Index score_pitch(Index keys) {
 /// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
 template <class P>
 Index attention_scratch(Index keys, Index width) {
-  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) + P::scratch(std::max(keys, width));
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
+         P::scratch(std::max(keys, width));
 }
 /// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
 template <class P>
@@ -7400,7 +7685,8 @@ Index attention_vjp_scratch(Index queries, Index keys, Index width) {
 template <class P, class S = typename P::Number>
 void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
   const AttentionHead<S> h(t, sequence, head);
-  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces), end = part(tiles, piece + 1, pieces);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
+              end = part(tiles, piece + 1, pieces);
   if (begin == end) return;
   const Index pitch = score_pitch<P>(h.keys);
   S* vp = kt + P::panels(t.width, h.keys);
@@ -7438,7 +7724,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
   P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
   for (Index r = 0; r < queries; ++r) {
     S *pr = p + r * pitch, *dr = ds + r * pitch;
-    if (r % softmax_group == 0) softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
+    if (r % softmax_group == 0)
+      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
     if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
     Vec<S> sum{};
     for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
@@ -7461,8 +7748,8 @@ void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, I
 // Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
 
 inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as many chains of sums:
-/// none waits.
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
+/// many chains of sums: none waits.
 template <class S, int R>
 MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
   constexpr int l = lanes<S>;
@@ -7504,7 +7791,8 @@ MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
   S* y = t.y + first * n;
   if (t.residual != nullptr) {
     const S* z = t.residual + first * n;
-    for (Index i = 0; i < R * n; i += l) store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
+    for (Index i = 0; i < R * n; i += l)
+      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
     x = y;
   }
   S mean[R], rstd[R];
@@ -7583,7 +7871,8 @@ void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, 
 }
 /// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
 template <class S>
-void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows, Index first, Index last) {
+void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
+                            Index first, Index last) {
   for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
   for (Index r = 0; r < rows; ++r) {
     const S mean = moments[2 * r], rstd = moments[2 * r + 1];
@@ -7638,11 +7927,16 @@ void transpose(const Transposed<S>& t, Index first, Index last) {
 template <BinaryOp op, class S>
 MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
   switch (op) {
-    case BinaryOp::add: return a + b;
-    case BinaryOp::sub: return a - b;
-    case BinaryOp::mul: return a * b;
-    case BinaryOp::div: return a / b;
-    case BinaryOp::maximum: return a < b ? b : a;
+    case BinaryOp::add:
+      return a + b;
+    case BinaryOp::sub:
+      return a - b;
+    case BinaryOp::mul:
+      return a * b;
+    case BinaryOp::div:
+      return a / b;
+    case BinaryOp::maximum:
+      return a < b ? b : a;
   }
   return a;
 }
@@ -7662,11 +7956,16 @@ MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
 template <class S>
 void binary(const Binary<S>& t) {
   switch (t.op) {
-    case BinaryOp::add: return binary_loop<BinaryOp::add>(t);
-    case BinaryOp::sub: return binary_loop<BinaryOp::sub>(t);
-    case BinaryOp::mul: return binary_loop<BinaryOp::mul>(t);
-    case BinaryOp::div: return binary_loop<BinaryOp::div>(t);
-    case BinaryOp::maximum: return binary_loop<BinaryOp::maximum>(t);
+    case BinaryOp::add:
+      return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub:
+      return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul:
+      return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div:
+      return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum:
+      return binary_loop<BinaryOp::maximum>(t);
   }
 }
 
@@ -7704,7 +8003,8 @@ void column_sums(const S* x, Index rows, Index width, Index first, Index last, S
 }
 
 template <class S>
-MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m, Vec<S>& v) {
+MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
+                                      Vec<S>& v) {
   const Vec<S> g = gradient * t.gradient_scale;
   m = m * t.beta1 + g * t.rest1;
   v = v * t.beta2 + g * g * t.rest2;
@@ -7729,15 +8029,18 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 #define MOTIONLANG_STRING_OF(x) #x
 #define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
 
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any processor, which widens
-// bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
+// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k / 2][column][2], zero padded
-//            to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126, which some round to 0.
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126,
+//            which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces of k, if the tile
-//            has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or thread.
+//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
+//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
+//            number of a sum.)
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
+//            thread.
 
 typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
 typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
@@ -7756,14 +8059,13 @@ MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
 }
 
 /// A vector of numbers, rounded; zeros from the n-th on.
-MOTIONLANG_INLINE Words rounded(const float* x, Index n) {
-  return round_to_bf16(load_first(x, n));
-}
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
 /// Of two vectors of rounded numbers: pairs of bfloat16.
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]: squares of lanes are transposed.
+/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
   constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
@@ -7774,7 +8076,8 @@ void round_columns(const float* a, Index lda, Index rows, Index k, Index padded,
 #pragma GCC unroll 16
       for (int q = 0; q < lanes<float>; ++q) {
         const auto row = [&](Index at) {
-          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);  // no prefetcher follows pieces so far apart
+          // no prefetcher follows pieces so far apart
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
           return rounded(a + at * lda + r, at < k ? n : 0);
         };
         if constexpr (sizeof(Element) == 4) {
@@ -7799,7 +8102,8 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     for (Index i = k0; i < k1; i += 2) {
       const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
       std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-      for (Index j = left; j < std::min(count, left + panel_block); ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+      for (Index j = left; j < std::min(count, left + panel_block);
+           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
         fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
         const Index columns = n - j * bf16_columns;
         Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
@@ -7807,10 +8111,11 @@ void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, In
     }
   }
 }
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a time.
-/// Whether all numbers are finite, if it looks.
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
 template <class Tile, bool looks>
-bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last, std::uint16_t* panels) {
+bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
+                          std::uint16_t* panels) {
   constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
   const Index depth = bf16_depth(k);
   std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
@@ -7846,12 +8151,14 @@ bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index 
 /// Bytes of a pair of k in a panel.
 inline constexpr Index pair_bytes = 4 * bf16_columns;
 
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would read every line before
-/// it is overwritten, and forget other things. So for results larger than all of them, and for those larger than the nearer ones whose rows
-/// are a multiple of the page size apart: a tile's rows then fall into the same cache set.
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
+/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
+/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
+/// same cache set.
 inline bool streams(const Gemm<float>& g) {
   constexpr Index all = 16 << 20;
-  const bool whole_lines = g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  const bool whole_lines =
+      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
   return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
 }
 /// Rows of one panel's width, from where a tile has put them.
@@ -7863,7 +8170,8 @@ inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
 
 class PanelSplit;
 
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel, over `depth` of k.
+/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
+/// over `depth` of k.
 template <class Element>
 struct TileProduct {
   const Element* a;
@@ -7886,7 +8194,7 @@ struct TileProduct {
 ///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
 template <class Tile>
 struct RegisterTile {
-  static constexpr bool even = true;  // rows are split evenly among tiles
+  static constexpr bool even = true;                                 // rows are split evenly among tiles
   static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
   static constexpr Index pieces(Index, Index) { return 1; }          // of k
   static void begin() {}
@@ -7896,7 +8204,8 @@ struct RegisterTile {
   void multiply(const TileProduct<Element>& t) {
     static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
       return std::array{&Tile::template rows_of<R + 1>...};
-    }(std::make_integer_sequence<int, Tile::rows>{});
+    }
+    (std::make_integer_sequence<int, Tile::rows>{});
     const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
     if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
     alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
@@ -7922,8 +8231,8 @@ struct WideningTile : RegisterTile<WideningTile> {
   }
 
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, Ahead ahead) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                      Index columns, const Epilogue<float>& e, Ahead ahead) {
     constexpr int l = lanes<float>;
     for (Index column = 0; column < columns; column += 2 * l) {
       const Epilogue<float> piece = e.from_column(column);
@@ -7976,7 +8285,8 @@ Index bf16_scratch(Index k) {
 
 /// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
 template <class Tile>
-void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1, float* scratch) {
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
+                     float* scratch) {
   using Element = typename Tile::Element;
   const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
   Element* a = reinterpret_cast<Element*>(scratch);
@@ -7987,7 +8297,8 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
   const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
   for (Index block = 0; block < row_blocks; ++block) {
     const Index top = r0 + unit * part(units, block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top, tiles = (rows + Tile::rows - 1) / Tile::rows;
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
+                tiles = (rows + Tile::rows - 1) / Tile::rows;
     const Index pieces = Tile::pieces(depth, tiles);
     round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
     for (Index j = j0; j < j1; ++j) {
@@ -7997,11 +8308,13 @@ void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0
       const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
       for (Index step = 0; step < pieces * tiles; ++step) {
         const Index piece = step / tiles, t = step % tiles;
-        const Index k0 = 32 * part(depth / 32, piece, pieces), k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
+        const Index k0 = 32 * part(depth / 32, piece, pieces),
+                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
         const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
         const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
         const Index row = top + first, column = j * bf16_columns;
-        const auto ahead = Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
+        const auto ahead =
+            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
         TileProduct<Element> product{.a = a + first * pitch + k0,
                                      .pitch = pitch,
                                      .height = height,
@@ -8040,11 +8353,13 @@ struct Bf16Products {
 
   static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
     auto* out = reinterpret_cast<std::uint16_t*>(panels);
-    if (stride_n == 1) bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+    if (stride_n == 1)
+      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else
+      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
   }
-  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc, float* scratch,
-                       bool whole_panels) {
+  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
+                       float* scratch, bool whole_panels) {
     const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
     auto* rounded_rows = reinterpret_cast<Element*>(scratch);
     Tile tile;
@@ -8122,7 +8437,8 @@ const Kernels<S>& table() {
 #undef MOTIONLANG_STRING_OF
 #undef MOTIONLANG_INLINE
 
-}  // namespace motionlang
+}  // namespace detail::MOTIONLANG_ISA
+MOTIONLANG_NAMESPACE_END
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
@@ -8132,9 +8448,10 @@ MOTIONLANG_TARGET_POP
 #define MOTIONLANG_TILE_ROWS 14
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
 MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512 ",avx512bf16,amx-tile,amx-bf16")
-namespace motionlang::inline MOTIONLANG_ABI::detail::avx512 {
-// Tiles of bf16.inc for the instructions of x86 processors that multiply bfloat16. As assembly: the intrinsics would need a large
-// header, and their types differ between compilers.
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::avx512 {
+// Tiles of bf16.inc for the instructions of x86 processors that multiply bfloat16. As assembly: the intrinsics would
+// need a large header, and their types differ between compilers.
 
 /// Rounds in one instruction: numbers below 2^-126 to 0.
 class ConvertingTile {
@@ -8147,7 +8464,8 @@ class ConvertingTile {
   }
   static void round_pairs(const float* x, Index nx, const float* y, Index ny, std::uint16_t* out) {
     for (Index c = 0; c < bf16_columns; c += lanes<float>) {
-      const Words first = __builtin_convertvector(rounded(x + c, nx - c), Words), second = __builtin_convertvector(rounded(y + c, ny - c), Words);
+      const Words first = __builtin_convertvector(rounded(x + c, nx - c), Words),
+                  second = __builtin_convertvector(rounded(y + c, ny - c), Words);
       store_words(out + 2 * c, first | second << 16);
     }
   }
@@ -8171,15 +8489,16 @@ struct DotTile : RegisterTile<DotTile>, ConvertingTile {
     return c;
   }
   template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc, Index columns,
-                      const Epilogue<float>& e, Ahead ahead) {
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                      Index columns, const Epilogue<float>& e, Ahead ahead) {
     Vec<float> c0[R], c1[R];
 #pragma GCC unroll 16
     for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
     fetch_result<float, R>(c, ldc, e);
     for (Index k = 0; k < depth; k += 2, panel += 2 * bf16_columns) {
       ahead.fetch();
-      const Words b0 = *reinterpret_cast<const LooseWords*>(panel), b1 = *reinterpret_cast<const LooseWords*>(panel + bf16_columns);
+      const Words b0 = *reinterpret_cast<const LooseWords*>(panel),
+                  b1 = *reinterpret_cast<const LooseWords*>(panel + bf16_columns);
 #pragma GCC unroll 16
       for (int i = 0; i < R; ++i) {
         std::uint32_t pair;
@@ -8199,8 +8518,8 @@ MOTIONLANG_INLINE bool any_nan(const Vec<float>& x) {
   return any;
 }
 
-/// The three parts of floats in a panel of `k` rows, filled up to whole tiles: [k / 32][part][pair of k][column][2]. The parts are cut off,
-/// not rounded: that takes a third of the time.
+/// The three parts of floats in a panel of `k` rows, filled up to whole tiles: [k / 32][part][pair of k][column][2].
+/// The parts are cut off, not rounded: that takes a third of the time.
 class PanelSplit {
  public:
   static constexpr Index parts = 3;
@@ -8219,11 +8538,13 @@ class PanelSplit {
     for (const Index end = std::min(depth_, at_ + 2 * pairs_of_k); at_ < end; at_ += 2) {
       const float* from = from_ + at_ * bf16_columns;
       constexpr Index row_bytes = 4 * bf16_columns;
-      for (Index byte = 0; byte < 2 * row_bytes; byte += 64) __builtin_prefetch(following_ + at_ * row_bytes + byte, 0, 2);
+      for (Index byte = 0; byte < 2 * row_bytes; byte += 64)
+        __builtin_prefetch(following_ + at_ * row_bytes + byte, 0, 2);
       std::uint16_t* out = begin_ + (at_ / 32 * 32 * parts + at_ % 32) * bf16_columns;
 #pragma GCC unroll 2
       for (Index c = 0; c < bf16_columns; c += lanes<float>) {
-        Vec<float> even = at_ < k_ ? load(from + c) : Vec<float>{}, odd = at_ + 1 < k_ ? load(from + bf16_columns + c) : Vec<float>{};
+        Vec<float> even = at_ < k_ ? load(from + c) : Vec<float>{},
+                   odd = at_ + 1 < k_ ? load(from + bf16_columns + c) : Vec<float>{};
 #pragma GCC unroll 3
         for (Index p = 0; p < parts; ++p) {
           if (p + 1 == parts) left_ += even + odd;
@@ -8247,18 +8568,20 @@ class PanelSplit {
 /// AMX: registers of 16 rows of 64 bytes; one instruction multiplies 16 x 32 by 32 x 16. Intel since Sapphire Rapids.
 /// Registers 0 1 / 2 3 are the sums of 32 rows and 32 columns, 4 5 the rows of A, 6 7 the columns of B.
 ///
-/// These instructions are 16 times as fast as those in float, so that everything else counts. The sums begin with the bias (of bfloat16). A
-/// piece of a panel stays in the first-level cache while rows of A pass by it (tileloaddt1). What else is to be done with a tile is done beside the
-/// products of the next one, some rows with every step of k: the vector units are idle then.
+/// These instructions are 16 times as fast as those in float, so that everything else counts. The sums begin with the
+/// bias (of bfloat16). A piece of a panel stays in the first-level cache while rows of A pass by it (tileloaddt1). What
+/// else is to be done with a tile is done beside the products of the next one, some rows with every step of k: the
+/// vector units are idle then.
 ///
-/// Parts: of every number; more than one are those of floats (float_tiles.inc). The parts of 32 numbers lie together, part after part.
+/// Parts: of every number; more than one are those of floats (float_tiles.inc). The parts of 32 numbers lie together,
+/// part after part.
 template <Index Parts>
 class AmxTile : public ConvertingTile {
  public:
   static constexpr const char* name = "amx";
   static constexpr Index parts = Parts;
   static constexpr int rows = 32;
-  static constexpr bool even = false;  // 32 rows cost as much as 17
+  static constexpr bool even = false;             // 32 rows cost as much as 17
   static constexpr bool bias_first = parts == 1;  // else at last, as with multiply-adds
   static constexpr Index depth(Index k) { return bf16_depth(k); }
   static constexpr Index pieces(Index depth, Index tiles) { return tiles > 3 ? (depth + 511) / 512 : 1; }
@@ -8271,12 +8594,15 @@ class AmxTile : public ConvertingTile {
 
   void multiply(const TileProduct<Element>& t) {
     const bool lower = t.height > 16, once = t.first && t.last;
-    const bool plain = t.e.residual == nullptr && !t.e.accumulate && (bias_first || t.e.bias == nullptr) && t.e.act == Activation::none;
+    const bool plain = t.e.residual == nullptr && !t.e.accumulate && (bias_first || t.e.bias == nullptr) &&
+                       t.e.act == Activation::none;
     const bool direct = once && plain && t.height == rows && t.columns == bf16_columns && !t.stream;
     if (once) turn_ = 1 - turn_;
     float* own = sums_[once ? turn_ : t.number];
-    if (t.first) begin_with(bias_first ? t.e.bias : nullptr, t.columns, lower);
-    else load_sums(own, bf16_columns, lower);
+    if (t.first)
+      begin_with(bias_first ? t.e.bias : nullptr, t.columns, lower);
+    else
+      load_sums(own, bf16_columns, lower);
     const Element* a = t.a;
     const std::uint16_t* panel = t.panel;
     const Index a_stride = 2 * t.pitch, steps = t.depth / 32;
@@ -8317,9 +8643,9 @@ class AmxTile : public ConvertingTile {
     }
     load_sums(bias, 0, lower);  // the same row, 16 times
   }
-  /// Part p of 32 rows (16 unless `lower`) of 32 numbers, into registers 4 and 5, and of 32 columns, into 6 and 7. What does not stay in the
-  /// first-level cache is loaded past it. Memory is read, which the compiler is not told: it knows of those instructions that begin and store
-  /// the sums.
+  /// Part p of 32 rows (16 unless `lower`) of 32 numbers, into registers 4 and 5, and of 32 columns, into 6 and 7. What
+  /// does not stay in the first-level cache is loaded past it. Memory is read, which the compiler is not told: it knows
+  /// of those instructions that begin and store the sums.
   template <Index p, bool stays>
   MOTIONLANG_INLINE static void load_rows(const Element* upper, const Element* below, Index stride, bool lower) {
     if constexpr (stays) {
@@ -8349,8 +8675,11 @@ class AmxTile : public ConvertingTile {
   }
   /// 32 rows times 32 columns, 32 of k. Of parts the largest product comes last; the order saves loads.
   template <bool panel_stays>
-  MOTIONLANG_INLINE static void add_products(const Element* upper, Index stride, const Element* below, const std::uint16_t* panel, bool lower) {
-    const auto rows_part = [&]<Index p>(std::integral_constant<Index, p>) { load_rows<p, !panel_stays>(upper, below, stride, lower); };
+  MOTIONLANG_INLINE static void add_products(const Element* upper, Index stride, const Element* below,
+                                             const std::uint16_t* panel, bool lower) {
+    const auto rows_part = [&]<Index p>(std::integral_constant<Index, p>) {
+      load_rows<p, !panel_stays>(upper, below, stride, lower);
+    };
     const auto columns_part = [&]<Index p>(std::integral_constant<Index, p>) { load_columns<p, panel_stays>(panel); };
     constexpr std::integral_constant<Index, 0> first;
     if constexpr (parts == 1) {
@@ -8368,11 +8697,19 @@ class AmxTile : public ConvertingTile {
   }
   static void load_sums(const float* c, Index ldc, bool lower) {
     asm volatile("tileloadd (%0,%1,1), %%tmm0\n\ttileloadd 64(%0,%1,1), %%tmm1" : : "r"(c), "r"(4 * ldc) : "memory");
-    if (lower) asm volatile("tileloadd (%0,%1,1), %%tmm2\n\ttileloadd 64(%0,%1,1), %%tmm3" : : "r"(c + 16 * ldc), "r"(4 * ldc) : "memory");
+    if (lower)
+      asm volatile("tileloadd (%0,%1,1), %%tmm2\n\ttileloadd 64(%0,%1,1), %%tmm3"
+                   :
+                   : "r"(c + 16 * ldc), "r"(4 * ldc)
+                   : "memory");
   }
   static void store_sums(float* c, Index ldc, bool lower) {
     asm volatile("tilestored %%tmm0, (%0,%1,1)\n\ttilestored %%tmm1, 64(%0,%1,1)" : : "r"(c), "r"(4 * ldc) : "memory");
-    if (lower) asm volatile("tilestored %%tmm2, (%0,%1,1)\n\ttilestored %%tmm3, 64(%0,%1,1)" : : "r"(c + 16 * ldc), "r"(4 * ldc) : "memory");
+    if (lower)
+      asm volatile("tilestored %%tmm2, (%0,%1,1)\n\ttilestored %%tmm3, 64(%0,%1,1)"
+                   :
+                   : "r"(c + 16 * ldc), "r"(4 * ldc)
+                   : "memory");
   }
 
   /// Puts the next rows of the tile that waits.
@@ -8388,18 +8725,22 @@ class AmxTile : public ConvertingTile {
       constexpr Index l = lanes<float>;
       Vec<float> c0 = load(own + r * bf16_columns), c1 = load(own + r * bf16_columns + l);
       // Not by put_result, which may be given other rows than those of c.
-      if (w.e.accumulate) c0 += load_first(c + r * w.ldc, w.columns), c1 += load_first(c + r * w.ldc + l, w.columns - l);
+      if (w.e.accumulate)
+        c0 += load_first(c + r * w.ldc, w.columns), c1 += load_first(c + r * w.ldc + l, w.columns - l);
       Epilogue<float> e = w.e.from_row(first + r);
       if (bias_first) e.bias = nullptr;
       e.accumulate = false, e.act = Activation::none;
       put_result<float, 1>(&c0, &c1, act || w.stream ? own + r * bf16_columns : c + r * w.ldc, w.ldc, w.columns, e);
     }
-    if (act) activate_rows<float>(own, bf16_columns, n, w.columns, w.e.act, w.stream ? own : c, w.stream ? bf16_columns : w.ldc);
+    if (act)
+      activate_rows<float>(own, bf16_columns, n, w.columns, w.e.act, w.stream ? own : c,
+                           w.stream ? bf16_columns : w.ldc);
     if (w.stream) stream_rows(own, n, c, w.ldc);
   }
 
   alignas(64) float sums_[most_tiles][rows * bf16_columns];  // of the tiles of a panel, or of two tiles in turn
-  TileProduct<Element> waiting_{.a = nullptr, .pitch = 0, .height = 0, .panel = nullptr, .depth = 0, .c = nullptr, .ldc = 0, .columns = 0};
+  TileProduct<Element> waiting_{
+      .a = nullptr, .pitch = 0, .height = 0, .panel = nullptr, .depth = 0, .c = nullptr, .ldc = 0, .columns = 0};
   float* waiting_sums_ = nullptr;
   Index put_ = 0;   // rows that are put already
   Index turn_ = 0;  // which of two sums
@@ -8408,18 +8749,21 @@ using FloatTile = AmxTile<3>;
 //
 // Products of floats by AMX, which multiplies bfloat16 16 times as fast as other instructions multiply floats.
 //
-//   Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two floats the six
-//            largest are added up, the others are at most 3 2^-24 of the whole together, a tenth of that mostly, and of either sign. The
-//            instruction adds up 32 products before it adds them to the sum, so that the error is about half of that of one multiply-add
-//            after the other.
-//   Panels   those of gemm.inc. A panel is split into scratch, beside the products with the panel before it, and so are the rows of A.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache (2 MB where there is AMX) beside the split panel.
+//   Parts    a float is the sum of three bfloat16: 24 bits are three times 8. Of the nine products of the parts of two
+//            floats the six largest are added up, the others are at most 3 2^-24 of the whole together, a tenth of that
+//            mostly, and of either sign. The instruction adds up 32 products before it adds them to the sum, so that
+//            the error is about half of that of one multiply-add after the other.
+//   Panels   those of gemm.inc. A panel is split into scratch, beside the products with the panel before it, and so are
+//            the rows of A.
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache (2 MB where there is AMX) beside the
+//            split panel.
 //   Order    as in gemm.inc: depends on k alone.
-//   Limits   parts and their products below 2^-126 count as 0: exact are products of more than 2^-108. A sum that overflows may be NaN.
-//            Rows of A and panels of B with a number that is not finite (or whose nearest bfloat16 is not: from 3.39e38 on) have no parts:
-//            they are multiplied by gemm.inc.
+//   Limits   parts and their products below 2^-126 count as 0: exact are products of more than 2^-108. A sum that
+//            overflows may be NaN. Rows of A and panels of B with a number that is not finite (or whose nearest
+//            bfloat16 is not: from 3.39e38 on) have no parts: they are multiplied by gemm.inc.
 
-/// 16 numbers, in parts: each the nearest bfloat16 to what those before it leave. What the last one leaves: 0, or NaN if there are no parts.
+/// 16 numbers, in parts: each the nearest bfloat16 to what those before it leave. What the last one leaves: 0, or NaN
+/// if there are no parts.
 MOTIONLANG_INLINE Vec<float> split_lanes(Vec<float> x, std::uint16_t* y) {
 #pragma GCC unroll 3
   for (Index p = 0; p < FloatTile::parts; ++p) {
@@ -8513,37 +8857,41 @@ inline void float_tile_block(const Gemm<float>& g, Index r0, Index r1, Index j0,
     const float* next = j + 1 < j1 ? from + g.k * bf16_columns
                                    : g.panels + (j0 * g.k + (block + 1 < split.count ? end : 0)) * bf16_columns;
     const bool last = j + 1 == j1 && block + 1 == split.count && row_block + 1 == row_blocks;
-    const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next)
-                                 : as_bytes(next);
+    const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : as_bytes(next);
     turn = 1 - turn;
     return PanelSplit(from, end - begin, following, panels + turn * panel_size);
   };
   PanelSplit panel = splitting(0, 0, j0);
   for (Index row_block = 0; row_block < row_blocks; ++row_block) {
     const Index top = r0 + unit * part(units, row_block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, row_block + 1, row_blocks)) - top, tiles = (rows + unit - 1) / unit;
+    const Index rows = std::min(r1, r0 + unit * part(units, row_block + 1, row_blocks)) - top,
+                tiles = (rows + unit - 1) / unit;
     for (Index block = 0; block < split.count; ++block) {
       const Index begin = first_of(block), k = std::min(g.k, first_of(block + 1)) - begin, depth = bf16_depth(k);
-      sound &= split_rows(Rows<float>{g.a, g.lda, g.a_transposed}.from(top).from_depth(begin), rows, k, depth, a, split.pitch);
+      sound &= split_rows(Rows<float>{g.a, g.lda, g.a_transposed}.from(top).from_depth(begin), rows, k, depth, a,
+                          split.pitch);
       for (Index j = j0; j < j1; ++j) {
         panel.finish();
         sound &= panel.sound();
         const Index next_block = block + (j + 1 == j1 ? 1 : 0), next_rows = row_block + next_block / split.count;
-        PanelSplit next = next_rows == row_blocks ? PanelSplit() : splitting(next_rows, next_block % split.count, j + 1 == j1 ? j0 : j + 1);
+        PanelSplit next = next_rows == row_blocks
+                              ? PanelSplit()
+                              : splitting(next_rows, next_block % split.count, j + 1 == j1 ? j0 : j + 1);
         next.each = (16 + tiles - 1) / tiles;
         for (Index t = 0; t < tiles; ++t) {
           const Index first = t * unit, row = top + first, column = j * bf16_columns;
-          TileProduct<std::uint16_t> product{.a = a + first * split.pitch,
-                                             .pitch = split.pitch,
-                                             .height = std::min(rows - first, unit),
-                                             .panel = panel.begin(),
-                                             .depth = depth,
-                                             .c = g.c + row * g.ldc + column,
-                                             .ldc = g.ldc,
-                                             .columns = std::min(g.n - column, bf16_columns),
-                                             .e = Epilogue<float>::of(g, row, column, block == 0, block + 1 == split.count),
-                                             .stream = stream,
-                                             .next = &next};
+          TileProduct<std::uint16_t> product{
+              .a = a + first * split.pitch,
+              .pitch = split.pitch,
+              .height = std::min(rows - first, unit),
+              .panel = panel.begin(),
+              .depth = depth,
+              .c = g.c + row * g.ldc + column,
+              .ldc = g.ldc,
+              .columns = std::min(g.n - column, bf16_columns),
+              .e = Epilogue<float>::of(g, row, column, block == 0, block + 1 == split.count),
+              .stream = stream,
+              .next = &next};
           tile.multiply(product);
         }
         panel = next;
@@ -8566,14 +8914,16 @@ inline const Kernels<float>& table_with_tiles() {
   }();
   return t;
 }
-}
+}  // namespace detail::avx512
+MOTIONLANG_NAMESPACE_END
 MOTIONLANG_TARGET_POP
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
 #undef MOTIONLANG_INLINE
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// The kernels of one instruction set, or nothing if this processor or this build does not have it.
 template <class S>
@@ -8592,8 +8942,8 @@ const Kernels<S>* kernels_for(Isa isa) {
   }
   return &portable::table<S>();
 }
-/// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the speed of
-/// products in float); else float instructions.
+/// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the
+/// speed of products in float); else float instructions.
 inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::bf16_table<portable::WideningTile>();
 #if defined(MOTIONLANG_WIDE_KERNELS)
@@ -8618,7 +8968,8 @@ inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
 template <class K>
 const K* present(const K* kernels) {
   if (kernels == nullptr)
-    raise<config_error>(103, "MOTIONLANG_KERNELS: compiled without optimisation, a program has only the portable kernels");
+    raise<config_error>(103,
+                        "MOTIONLANG_KERNELS: compiled without optimisation, a program has only the portable kernels");
   return kernels;
 }
 
@@ -8637,24 +8988,26 @@ inline const Bf16Kernels*& current_bf16_kernels() {
   return chosen;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_PRECISION_HPP  // <motionlang/core/precision.hpp>
 #define MOTIONLANG_HAS_CORE_PRECISION_HPP
 /// How exactly products of matrices are computed.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// fp32    the numbers as they are.
 /// bf16    both factors rounded to bfloat16 (8 bits of significand), products and sums in float: half the memory for
 ///         prepared weights, and up to ten times the speed where the processor has instructions for it. An element of a
 ///         product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|, besides the rounding of
 ///         the sum, of which a bias may be the first number. Numbers below 2^-126 may count as 0.
-/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added up. From 128 rows on; else, and on other processors,
-///         fp32. Half its error while products are above 2^-108 (below 2^-126 they count as 0), other last digits (those of a few rows may
-///         differ alone and in a larger batch). For few threads: with two, large products take 0.6 to 0.9 of the time; with 8 and 16 of one
-///         machine they took 1.1 to 2.3 times as long, as all instructions of AMX are slower there when every core uses them.
+/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added up. From 128 rows on; else, and
+///         on other processors, fp32. Half its error while products are above 2^-108 (below 2^-126 they count as 0),
+///         other last digits (those of a few rows may differ alone and in a larger batch). For few threads: with two,
+///         large products take 0.6 to 0.9 of the time; with 8 and 16 of one machine they took 1.1 to 2.3 times as long,
+///         as all instructions of AMX are slower there when every core uses them.
 /// All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
 enum class Precision { fp32, bf16, bf16x3 };
 
@@ -8679,23 +9032,26 @@ inline std::atomic<Precision>& current_product_precision() {
 
 inline Precision product_precision() { return detail::current_product_precision().load(std::memory_order_relaxed); }
 
-/// Changes the precision of products for the whole process. Weights that were prepared in another precision are packed anew at every
-/// use (but fp32 and bf16x3 use the same): set it before preparing a model.
-inline void set_product_precision(Precision p) { detail::current_product_precision().store(p, std::memory_order_relaxed); }
+/// Changes the precision of products for the whole process. Weights that were prepared in another precision are packed
+/// anew at every use (but fp32 and bf16x3 use the same): set it before preparing a model.
+inline void set_product_precision(Precision p) {
+  detail::current_product_precision().store(p, std::memory_order_relaxed);
+}
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_ROWS_TOGETHER_HPP  // <motionlang/core/rows_together.hpp>
 #define MOTIONLANG_HAS_CORE_ROWS_TOGETHER_HPP
 /// How many rows belong together that are multiplied a few at a time.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
-/// While it lives, products of this thread count as parts of one of so many rows (0: each as what it is), unless another lives already. In
-/// bf16x3 the instructions depend on the number of rows, and with them the last digit: where that must not depend on how rows are shared by
-/// threads, or on what else is in a batch, say so by this. As `many`, a product of a few rows takes up to four times as long. Threads that
-/// help have to be told (for_products, in_groups).
+/// While it lives, products of this thread count as parts of one of so many rows (0: each as what it is), unless
+/// another lives already. In bf16x3 the instructions depend on the number of rows, and with them the last digit: where
+/// that must not depend on how rows are shared by threads, or on what else is in a batch, say so by this. As `many`, a
+/// product of a few rows takes up to four times as long. Threads that help have to be told (for_products, in_groups).
 class RowsTogether {
  public:
   static constexpr Index few = 1, many = 1 << 20;
@@ -8719,15 +9075,16 @@ class RowsTogether {
   Index before_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Memory that the kernels of a parallel region may scribble on, a piece for every thread. The caller takes it, so that a
-/// region that ran before takes nothing from the system, whichever threads do the work.
+/// Memory that the kernels of a parallel region may scribble on, a piece for every thread. The caller takes it, so that
+/// a region that ran before takes nothing from the system, whichever threads do the work.
 template <class S>
 class Scratch {
  public:
@@ -8760,8 +9117,8 @@ struct Panels {
   }
 };
 
-/// The panels of a weight that was prepared, and those of the weight that was prepared after it: probably multiplied with next. Of these only
-/// the place is known, for the cache: they may be gone.
+/// The panels of a weight that was prepared, and those of the weight that was prepared after it: probably multiplied
+/// with next. Of these only the place is known, for the cache: they may be gone.
 template <class S>
 struct PreparedPanels {
   PreparedPanels(Panels<S> p, Index t) : panels(std::move(p)), taps(t) {}
@@ -8793,8 +9150,8 @@ template <class S>
 void pack_into(Panels<S>& p, const S* b, Index stride_k, Index stride_n, std::atomic<bool>* finite = nullptr) {
   const Index k = p.k, n = p.n;
   const bool bf16 = p.kernels == nullptr;
-  // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B. A column is both, but only
-  // as transposed is it looked at.
+  // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B. A column
+  // is both, but only as transposed is it looked at.
   const bool as_it_lies = stride_n == 1 && finite == nullptr;
   const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
   const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;
@@ -8847,8 +9204,9 @@ Dense<S> window_matrix(const Dense<S>& weight) {
   return DenseOps<S>::permute(weight, axes).reshaped(Shape{weight.shape()[0], weight.shape()[1] * weight.shape()[2]});
 }
 
-/// Tiles for a product of m x k and k x n in bf16x3, if there are any that are faster than multiply-adds: of less, splitting panels and rows
-/// takes as long as is saved. That depends on the product, not on how its rows are shared: the same numbers for any number of threads.
+/// Tiles for a product of m x k and k x n in bf16x3, if there are any that are faster than multiply-adds: of less,
+/// splitting panels and rows takes as long as is saved. That depends on the product, not on how its rows are shared:
+/// the same numbers for any number of threads.
 template <class S>
 const FloatTiles* float_tiles(Index m, Index n, Index k) {
   if (precision_of<S>() != Precision::bf16x3) return nullptr;
@@ -8865,9 +9223,10 @@ Scratch<S> gemm_scratch(const Panels<S>& p, Index rows) {
   const FloatTiles* tiles = float_tiles<S>(rows, p.n, p.k);
   return Scratch<S>(std::max(tiles == nullptr ? 0 : tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
 }
-/// Whether every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that threads share. Its rows
-/// a thread finds where it wrote them, in its cache. Those of others come slowly: with 16 threads a byte costs about what five of panels do,
-/// which are fetched ahead. Not if the rows are few and there is much more of the panels, or the rows do not fill tiles.
+/// Whether every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that
+/// threads share. Its rows a thread finds where it wrote them, in its cache. Those of others come slowly: with 16
+/// threads a byte costs about what five of panels do, which are fetched ahead. Not if the rows are few and there is
+/// much more of the panels, or the rows do not fill tiles.
 inline bool takes_own_rows(Index each, Index a_bytes, Index panel_bytes, Index rows_at_once, Index tile_rows) {
   const bool fills_tiles = each > 0 && 4 * each >= 3 * tile_rows * parts(each, tile_rows);
   return each >= std::max(tile_rows, rows_at_once / 4) || (fills_tiles && 5 * a_bytes >= panel_bytes);
@@ -8896,7 +9255,8 @@ void for_blocks(Index rows, Index panels, bool split, const Sharing& how, const 
 struct NothingBehind {
   void operator()(Index, Index, Index, Index) const {}
 };
-/// g with the right-hand side `p`; then behind(r0, r1, c0, c1) for every thread's blocks of rows and columns, by that thread.
+/// g with the right-hand side `p`; then behind(r0, r1, c0, c1) for every thread's blocks of rows and columns, by that
+/// thread.
 template <class S, class F = NothingBehind>
 void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F& behind = {}) {
   if (g.m == 0 || g.n == 0) return;
@@ -8931,8 +9291,8 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
   run_floats(*p.kernels, parallel_width() > 2 ? 3 : 1);
 }
 
-/// How many of `count` products of m x k and k x n are made by one thread each: as long as there is one for every thread. The rest is made by
-/// all of them, one after the other.
+/// How many of `count` products of m x k and k x n are made by one thread each: as long as there is one for every
+/// thread. The rest is made by all of them, one after the other.
 inline Index products_apart(Index count, Index m, Index n, Index k) {
   return worth_threads(count * m, n, k) ? count - count % parallel_width() : 0;
 }
@@ -8947,8 +9307,8 @@ void for_products(Index count, Index apart, const F& product) {
   for (Index i = apart; i < count; ++i) product(i);
 }
 
-/// Packed sequences with rows of zeros at both ends of each. The windows of such a sequence lie in memory as the rows of a matrix do, but
-/// overlap.
+/// Packed sequences with rows of zeros at both ends of each. The windows of such a sequence lie in memory as the rows
+/// of a matrix do, but overlap.
 template <class S>
 struct WithMargins {
   const Offsets& inside;
@@ -8970,7 +9330,8 @@ struct WithMargins {
   Index at(Index s) const { return (inside.begin(s) + 2 * margin * s) * width; }
 };
 
-/// f(place of a window's first number, its row among all windows) for every window of `size` numbers; those of a sequence by one thread.
+/// f(place of a window's first number, its row among all windows) for every window of `size` numbers; those of a
+/// sequence by one thread.
 template <class S, class F>
 void for_windows(const WithMargins<S>& margins, const Offsets& windows, Index stride, Index size, const F& f) {
   parallel_ranges(windows.count(), windows.longest() * size, [&](Index first, Index last) {
@@ -9024,7 +9385,8 @@ template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
   with_attention_kernels<S>([&](const auto& kernel) {
     const Scratch<S> scratch(kernel.attention_scratch(k.longest(), t.width));
-    // Few heads: the queries of each are split, so that every thread has as many tasks. Each task packs keys and values.
+    // Few heads: the queries of each are split, so that every thread has as many tasks. Each task packs keys and
+    // values.
     const Index heads = q.count() * t.heads, threads = parallel_width();
     const Index equal = heads < 4 * threads ? threads / std::gcd(heads, threads) : 1;
     const Index pieces = std::clamp<Index>(equal, 1, std::max<Index>(1, parts(q.longest(), kernel.tile_rows)));
@@ -9044,8 +9406,9 @@ void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, co
   });
 }
 
-/// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums in the same
-/// order as with panels of the weight, so the same bits (of multiply-adds; tiles do not treat both sides alike).
+/// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums
+/// in the same order as with panels of the weight, so the same bits (of multiply-adds; tiles do not treat both sides
+/// alike).
 template <class S>
 Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bias, Activation act, const S* residual) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
@@ -9454,12 +9817,12 @@ void KernelOps<S>::adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const De
   parallel_ranges(parameter.count(), 1, [&](Index a, Index b) { detail::kernels<S>().adamw(t, a, b); });
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct EigenBackend : DenseOps<S>, KernelOps<S> {
@@ -9477,16 +9840,16 @@ struct EigenBackend : DenseOps<S>, KernelOps<S> {
   static tensor max(const tensor& a, int axis);
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::EigenBackend<float>;
 extern template struct motionlang::EigenBackend<double>;
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_HPP  // <motionlang/compose/timeline_text.hpp>
@@ -9502,8 +9865,8 @@ static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
 /// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
 ///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
 ///          intervals are no matter of the text: see PlanOptions.
-/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is wrong with the
-///          whole of a timeline is found when it is planned, and named by line and column of an interval
+/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is
+///          wrong with the whole of a timeline is found when it is planned, and named by line and column of an interval
 
 #include <optional>     // times
 
@@ -9529,7 +9892,7 @@ static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
 #define MOTIONLANG_HAS_GEOMETRY_VEC_HPP
 /// Vectors of three coordinates.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <class S>
 struct Vec3 {
@@ -9586,10 +9949,10 @@ Vec3<S> vec_cast(const Vec3<T>& a) {
   return {S(a.x), S(a.y), S(a.z)};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One joint as it is written down: its parent by name ("" for the root) and its rest position relative to the parent,
 /// metres.
@@ -9603,8 +9966,8 @@ struct Skeleton {
   std::vector<std::string> names;
   std::vector<int> parents;
   std::vector<Vec3<double>> offsets;
-  /// Where the bones of joints without children end, relative to them: tips of toes and fingers, as BVH files have them. One for each
-  /// joint, (0, 0, 0) where it is not known, or none at all.
+  /// Where the bones of joints without children end, relative to them: tips of toes and fingers, as BVH files have
+  /// them. One for each joint, (0, 0, 0) where it is not known, or none at all.
   std::vector<Vec3<double>> ends{};
 
   /// From joints in an order in which parents come first. Throws config_error 106.
@@ -9694,10 +10057,10 @@ struct Skeleton {
   bool operator==(const Skeleton& s) const { return names == s.names && parents == s.parents && offsets == s.offsets; }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The five parts in the order that STMC uses everywhere.
 /// Source  STMC (Petrovich et al., CVPR workshops 2024); the thesis says "torso" for `spine`; neck and head are `head`.
@@ -9748,18 +10111,18 @@ inline constexpr std::array<BodyPart, 24> smpl_part_of_joint = [] {
 /// Part of each joint of KIT-ML (21, Master Motor Map): the neck belongs to the head, as in SMPL.
 inline constexpr std::array<BodyPart, 21> kit_part_of_joint = [] {
   using enum BodyPart;
-  return std::array{legs,      spine,     spine,     head, head, left_arm, left_arm, left_arm, right_arm, right_arm, right_arm,
-                    legs,      legs,      legs,      legs, legs, legs,     legs,     legs,     legs,      legs};
+  return std::array{legs, spine, spine, head, head, left_arm, left_arm, left_arm, right_arm, right_arm, right_arm,
+                    legs, legs,  legs,  legs, legs, legs,     legs,     legs,     legs,      legs};
 }();
 
 /// Partner of each SMPL joint under reflection in the sagittal plane.
 inline constexpr std::array<int, 24> smpl_mirror_joint{0,  2,  1,  3,  5,  4,  6,  8,  7,  9,  11, 10,
                                                        12, 14, 13, 15, 17, 16, 19, 18, 21, 20, 23, 22};
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Where an interval was read, for messages. It says nothing about the interval: all places are equal.
 struct TextPlace {
@@ -9840,14 +10203,15 @@ inline TimelineInSeconds to_seconds(const Timeline& timeline, double fps) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_TEXT_LINES_HPP  // <motionlang/core/text_lines.hpp>
 #define MOTIONLANG_HAS_CORE_TEXT_LINES_HPP
 /// Texts line by line, their blanks and small letters.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// A letter of ASCII in small, whatever the locale.
 constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
@@ -9871,10 +10235,11 @@ void for_each_line(std::string_view text, F on_line) {
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct TimelineTextOptions {
   double fps = 20;  // frame = trunc(fps * seconds)
@@ -10046,8 +10411,8 @@ inline Timeline parse_timeline(std::string_view text, const TimelineTextOptions&
   return std::move(all.front());
 }
 
-/// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than three
-/// fields. The published programs ask for one such line only (`as_published`), and then blame the others.
+/// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than
+/// three fields. The published programs ask for one such line only (`as_published`), and then blame the others.
 inline bool is_text_list(std::string_view text, const TimelineTextOptions& options = {}) {
   Index lines = 0, short_lines = 0;
   detail::for_each_line(text, [&](std::string_view line, Index number) {
@@ -10103,16 +10468,17 @@ inline std::string write_timeline(const TimelineInSeconds& timeline) {
   return write_timelines(std::span(&timeline, 1));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_FILE_PATH_HPP  // <motionlang/io/file_path.hpp>
 #define MOTIONLANG_HAS_IO_FILE_PATH_HPP
 /// Names of files.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// The name of a file: a string, or a std::filesystem::path, whose header takes longer to compile than this library's io.
+/// The name of a file: a string, or a std::filesystem::path, whose header takes longer to compile than this library's
+/// io.
 class FilePath {
  public:
   FilePath(const char* text) : text_(text) {}
@@ -10141,7 +10507,7 @@ class FilePath {
   std::string text_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_CLASS_HPP  // <motionlang/systems/detail/stmc_class.hpp>
@@ -10152,7 +10518,7 @@ class FilePath {
 #define MOTIONLANG_HAS_COMPOSE_OPTIONS_HPP
 /// What a caller can choose when timelines are planned.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What to do where no text is active: let the model move freely, or throw timeline_error 505.
 enum class Gaps { fill, refuse };
@@ -10160,8 +10526,8 @@ enum class Gaps { fill, refuse };
 /// 506, or leave the transition out (the result is the same without it).
 enum class HiddenTexts { refuse, ignore };
 
-/// Frames that go through the denoiser together unless told otherwise: more than 12 s on five tracks have, with and without
-/// their texts. The published network holds some 90 MB for them.
+/// Frames that go through the denoiser together unless told otherwise: more than 12 s on five tracks have, with and
+/// without their texts. The published network holds some 90 MB for them.
 inline constexpr Index usual_rows_at_once = 4096;
 
 struct PlanOptions {
@@ -10173,7 +10539,7 @@ struct PlanOptions {
   Index longest_crop = 0;  // frames that the denoiser accepts; 0: any
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_MDM_SMPL_HPP  // <motionlang/diffusion/mdm_smpl.hpp>
@@ -10188,7 +10554,7 @@ struct PlanOptions {
 #define MOTIONLANG_HAS_CORE_CONTEXT_HPP
 /// What a call of a model may be given besides its inputs. Nothing by default: then no dropout runs.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Dropout runs only if the context carries a generator: there is no train or eval flag to forget.
 ///
@@ -10202,7 +10568,7 @@ struct Context {
   Philox next_mask() const { return dropout->split(drawn++); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_FIELDS_HPP  // <motionlang/core/fields.hpp>
@@ -10212,15 +10578,16 @@ struct Context {
 ///     struct Linear {
 ///       Tensor<B, 2> weight;
 ///       Tensor<B, 1> bias;
-///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias); }
+///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias);
+///       }
 ///     };
 ///     visit(model, [](const std::string& path, auto& tensor) { ... });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
-/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here, and be empty where the fields of
-/// a member have no level of their own (the statistics of a BatchNorm).
+/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here, and be empty where
+/// the fields of a member have no level of their own (the statistics of a BatchNorm).
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <class M, class T>
 struct Field {
@@ -10297,8 +10664,8 @@ auto walk(Object& object) {
   return Walk<decltype(Object::fields()), Object>{Object::fields(), object};
 }
 
-/// Calls f(name, member of first, members of others...) for all fields. The others may be the same template over another
-/// backend: fields are matched by position.
+/// Calls f(name, member of first, members of others...) for all fields. The others may be the same template over
+/// another backend: fields are matched by position.
 template <class F, class First, class... Walks>
 void each_field(F& f, const First& first, const Walks&... others) {
   if constexpr (!std::is_same_v<decltype(first.list), NoFields>) {
@@ -10339,7 +10706,7 @@ Index count_leaves(const M& module) {
   return n;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_GAUSSIAN_HPP  // <motionlang/diffusion/gaussian.hpp>
@@ -10348,7 +10715,8 @@ Index count_leaves(const M& module) {
 /// network may predict, converted into each other.
 ///
 /// Notation (Ho et al. 2020)   beta_t, alpha_t = 1 - beta_t, abar_t = prod_{s <= t} alpha_s, abarp_t = abar_{t-1} (1
-///                             for t = 0), abarn_t = abar_{t+1} (0 for the last). Index t stands for t + 1 applications of noise.
+///                             for t = 0), abarn_t = abar_{t+1} (0 for the last). Index t stands for t + 1 applications
+///                             of noise.
 /// Precision   tables are built in double, the entry for t is rounded to the tensor's scalar, then one multiplication
 ///             and one addition per term in the order written: what the published code does, and what parity needs.
 
@@ -10356,10 +10724,11 @@ Index count_leaves(const M& module) {
 #define MOTIONLANG_HAS_DIFFUSION_RESPACING_HPP
 /// Which steps of a long process a short sampling run keeps.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One section of nearly equal size per count; in each, `count` steps evenly from its first to its last, rounded half
-/// to even; of 0, none. Source  improved diffusion (Nichol and Dhariwal 2021), `space_timesteps`. Throws config_error 105.
+/// to even; of 0, none. Source  improved diffusion (Nichol and Dhariwal 2021), `space_timesteps`. Throws config_error
+/// 105.
 inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
   std::vector<Index> kept;
   const auto sections = static_cast<Index>(counts.size());
@@ -10412,14 +10781,14 @@ inline std::vector<Index> respace(Index steps, std::string_view specification) {
   return respace(steps, counts);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_SCHEDULE_HPP  // <motionlang/diffusion/schedule.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_SCHEDULE_HPP
 /// Noise schedules: how much noise step t adds.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A forward process q(x_t | x_{t-1}) = N(sqrt(1 - beta_t) x_{t-1}, beta_t I), t = 0 ... steps-1.
 /// Minimum   steps, beta(t)
@@ -10501,10 +10870,10 @@ struct BetaList {
 static_assert(Schedule<LinearSchedule> && Schedule<ScaledLinearSchedule> && Schedule<CosineSchedule> &&
               Schedule<ChenCosineSchedule> && Schedule<BetaList>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What a network says about x_t.
 enum class Prediction { x0, eps, score, x_prev };
@@ -10703,14 +11072,14 @@ Tensor<B, R> convert_prediction(const GaussianDiffusion& d, Prediction from, Pre
   return x0;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP  // <motionlang/nn/text_features.hpp>
 #define MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP
 /// What a text encoder gives and a denoiser takes: some token vectors for every text.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct TextFeatures {
@@ -10737,10 +11106,10 @@ TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What of the other sequences of its batch a result depends on: a batch of such a denoiser cannot be divided.
 ///     longest_text   the length of the longest text (MDM-SMPL with texts of several lengths)
@@ -10762,8 +11131,8 @@ struct DenoiserTraits {
 
 /// A network that cleans noisy sequences given a text for each.
 ///     x (frames of all sequences, features), t (one step number per sequence), text (one per sequence) -> as x
-/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), but for last
-///          digits in bf16x3 (core/precision.hpp)
+/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), but for
+///          last digits in bf16x3 (core/precision.hpp)
 /// Models   MdmSmplDenoiser, MdmDenoiser, MotionDiffuseDenoiser, and yours
 template <class D, class B>
 concept Denoiser = Module<D> &&
@@ -10781,9 +11150,10 @@ concept EncodesText = Denoiser<D, B> &&
   { d(x, t, d.encode(text)) } -> std::same_as<Sequences<B>>;
 };
 
-/// What a denoiser makes of frames with several texts each: of sequence i of x with the texts uses.begin(i) ... uses.end(i) - 1, such as a text
-/// and none, for guidance. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
-/// A denoiser that computes once what the texts of a sequence have in common takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
+/// What a denoiser makes of frames with several texts each: of sequence i of x with the texts uses.begin(i) ...
+/// uses.end(i) - 1, such as a text and none, for guidance. t: a step for each text. Throws shape_error 204 for other
+/// numbers of sequences, texts or steps. A denoiser that computes once what the texts of a sequence have in common
+/// takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
 ///     d(x, uses, t, text) == d(repeat_sequences(x, uses), t, text)
 template <Backend B, Denoiser<B> D, class Text>
 Sequences<B> denoise_with_texts(const D& denoiser, const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
@@ -10803,14 +11173,14 @@ auto encoded_text(const D& denoiser, TextFeatures<B> text) {
     return text;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_POSITIONAL_ENCODING_HPP  // <motionlang/nn/positional_encoding.hpp>
 #define MOTIONLANG_HAS_NN_POSITIONAL_ENCODING_HPP
 /// Sinusoidal positions.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     pe[p, 2i] = sin(p w_i),   pe[p, 2i + 1] = cos(p w_i),   w_i = exp(-2i ln(10000) / width)
 /// Source  Vaswani et al. (2017), section 3.5. Every intermediate is rounded to float, as in the published tables,
@@ -10885,8 +11255,8 @@ Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std
   return x.with(gather(table, rows) + x.rows);
 }
 
-/// How far each row is through its sequence, (rows, 1): t / (length - 1). Differs from published code where a sequence has one row: 0
-/// instead of a division by 0.
+/// How far each row is through its sequence, (rows, 1): t / (length - 1). Differs from published code where a sequence
+/// has one row: 0 instead of a division by 0.
 template <Backend B>
 Tensor<B, 2> relative_time(const Offsets& offsets) {
   std::vector<typename B::scalar> time;
@@ -10898,7 +11268,7 @@ Tensor<B, 2> relative_time(const Offsets& offsets) {
   return Tensor<B, 2>::from(time, {offsets.rows(), 1});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_TIMESTEP_EMBEDDING_HPP  // <motionlang/nn/timestep_embedding.hpp>
@@ -10913,7 +11283,7 @@ Tensor<B, 2> relative_time(const Offsets& offsets) {
 #define MOTIONLANG_HAS_NN_INIT_HPP
 /// Initial values of parameters, as PyTorch draws them (the distributions, not the same numbers).
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A generator that gives zeros at no cost: for models whose parameters are about to be loaded.
 struct NoInit {
@@ -10979,7 +11349,8 @@ Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
   if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
   return t;
 }
-/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), with the kernel behind it if there is one.
+/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), with the kernel behind it if
+/// there is one.
 template <Backend B, int R>
 Tensor<B, R> xavier_normal(const Shape& shape, Rng auto& rng) {
   const Index kernel = shape.count(2, shape.rank());
@@ -10992,14 +11363,14 @@ Tensor<B, R> constant_init(const Shape& shape, double value) {
   return t;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TENSOR_MODULE_HPP  // <motionlang/tensor/module.hpp>
 #define MOTIONLANG_HAS_TENSOR_MODULE_HPP
 /// What every module can do because it lists its fields: visit tensors, count parameters, move to another backend.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Statistics and tables (`static constexpr bool trainable = false`) are saved and loaded, but get no gradient.
 template <class M>
@@ -11012,8 +11383,8 @@ inline constexpr bool is_trainable = [] {
 
 namespace detail {
 
-/// Passes the tensors among the leaves on to f. A type of its own: inside visit_tensors it would be another one for every
-/// module, and all that lies below would be compiled again.
+/// Passes the tensors among the leaves on to f. A type of its own: inside visit_tensors it would be another one for
+/// every module, and all that lies below would be compiled again.
 template <class F>
 struct TensorsOnly {
   F& f;
@@ -11121,10 +11492,10 @@ void prepare(M& model) {
   visit_tensors(model, detail::PrepareWeights{});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct Linear {
@@ -11177,10 +11548,10 @@ struct LinearMap {
   Tensor<B, 2> operator()(const Tensor<B, 2>& x) const { return linear<B>(x, weight, nullptr); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     e = W2 silu(W1 pe[t])
 /// Source  MDM (Tevet et al. 2023), `TimestepEmbedder`; keys time_embed.0 and time_embed.2. The table pe is the one of
@@ -11201,7 +11572,7 @@ struct TimestepEmbedding {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_TRANSFORMER_ENCODER_HPP  // <motionlang/nn/transformer_encoder.hpp>
@@ -11216,7 +11587,7 @@ struct TimestepEmbedding {
 #define MOTIONLANG_HAS_NN_DROPOUT_HPP
 /// Dropout that runs only when the call brings a generator.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The next mask of a context: probability 0 when there is no generator. Throws config_error 101 unless 0 <= p < 1.
 inline Dropout next_dropout(double p, const Context& context) {
@@ -11230,10 +11601,10 @@ Tensor<B, R> dropout(const Tensor<B, R>& x, double p, const Context& context) {
   return dropout(x, next_dropout(p, context));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// dropout(W2 dropout(act(W1 x))) + residual, row by row: Vaswani et al. (2017), equation 2, with PyTorch's dropout.
 template <Backend B>
@@ -11244,14 +11615,14 @@ Tensor<B, 2> feed_forward(const Linear<B>& linear1, const Linear<B>& linear2, Ac
   return linear2(inside, Activation::none, &residual, next_dropout(dropout_p, context));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_LAYER_NORM_HPP  // <motionlang/nn/layer_norm.hpp>
 #define MOTIONLANG_HAS_NN_LAYER_NORM_HPP
 /// Layer normalisation with gain and bias.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Ba, Kiros, Hinton (2016). eps = 1e-5, as everywhere in the published systems.
 template <Backend B>
@@ -11272,14 +11643,14 @@ struct LayerNorm {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_MULTIHEAD_ATTENTION_HPP  // <motionlang/nn/multihead_attention.hpp>
 #define MOTIONLANG_HAS_NN_MULTIHEAD_ATTENTION_HPP
 /// Multi-head attention with PyTorch's packing of the projections.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Throws config_error 101 if the heads do not divide the width. In a constant expression the compiler refuses it.
 constexpr void check_heads(Index width, Index heads) {
@@ -11315,8 +11686,8 @@ struct MultiheadAttention {
     out_proj.bias = constant_init<B, 1>({width}, 0);
   }
 
-  /// x (rows, width) attends to itself within each sequence; the result is projected, dropped out with probability `drop` (where the context
-  /// brings a generator) and added to `residual`.
+  /// x (rows, width) attends to itself within each sequence; the result is projected, dropped out with probability
+  /// `drop` (where the context brings a generator) and added to `residual`.
   Tensor<B, 2> self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context,
                     const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
     return attend(project(x), offsets, context, residual, causal, drop);
@@ -11345,7 +11716,7 @@ struct MultiheadAttention {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_RECOMPUTE_HPP  // <motionlang/nn/recompute.hpp>
@@ -11356,7 +11727,7 @@ struct MultiheadAttention {
 #define MOTIONLANG_HAS_TENSOR_GRADIENT_HPP
 /// Differentiation as user code sees it: variables, `backward`, and gradients as a value.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What `backward` returns: the gradient of every variable, on the inner backend.
 template <AutodiffBackend A>
@@ -11394,11 +11765,12 @@ auto backward(const Tensor<A, 0>& loss) {
   return Gradients<A>(A::gradients(loss.data()));
 }
 
-/// y, of which the graph keeps `inputs` and not what led from them to y: the backward pass calls again(inputs...), which
-/// has to give y once more. Training needs the memory of one such piece instead of all, for a second forward pass.
+/// y, of which the graph keeps `inputs` and not what led from them to y: the backward pass calls again(inputs...),
+/// which has to give y once more. Training needs the memory of one such piece instead of all, for a second forward
+/// pass.
 /// Source   Chen, Xu, Zhang, Guestrin: "Training deep nets with sublinear memory cost" (2016), section 4.1
-/// Caution  `again` is copied and called by `backward`: it may hold parameters and constants, but what has been calculated
-///          has to be an input (config_error 102). Gradients are the same bits as without
+/// Caution  `again` is copied and called by `backward`: it may hold parameters and constants, but what has been
+///          calculated has to be an input (config_error 102). Gradients are the same bits as without
 template <AutodiffBackend A, int R, class F, int... Q>
 Tensor<A, R> keep_inputs(const Tensor<A, R>& y, F again, const Tensor<A, Q>&... inputs) {
   return Tensor<A, R>(A::checkpoint(
@@ -11430,13 +11802,13 @@ Tensor<B, R> stop_gradient(const Tensor<B, R>& t) {
     return t;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// layer(x, offsets, context). With `context.recompute` the graph keeps x and a copy of the layer's handles; what happens inside
-/// is calculated once more with the same dropout masks, so gradients are the same bits.
+/// layer(x, offsets, context). With `context.recompute` the graph keeps x and a copy of the layer's handles; what
+/// happens inside is calculated once more with the same dropout masks, so gradients are the same bits.
 template <class Layer, Backend B>
 Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets& offsets, const Context& context) {
   if constexpr (AutodiffBackend<B>) {
@@ -11465,7 +11837,7 @@ Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets&
   return layer(x, offsets, memory, context);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP  // <motionlang/nn/sequence_groups.hpp>
@@ -11476,12 +11848,13 @@ Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets&
 #define MOTIONLANG_HAS_CORE_ROWS_TOGETHER_HPP
 /// How many rows belong together that are multiplied a few at a time.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
-/// While it lives, products of this thread count as parts of one of so many rows (0: each as what it is), unless another lives already. In
-/// bf16x3 the instructions depend on the number of rows, and with them the last digit: where that must not depend on how rows are shared by
-/// threads, or on what else is in a batch, say so by this. As `many`, a product of a few rows takes up to four times as long. Threads that
-/// help have to be told (for_products, in_groups).
+/// While it lives, products of this thread count as parts of one of so many rows (0: each as what it is), unless
+/// another lives already. In bf16x3 the instructions depend on the number of rows, and with them the last digit: where
+/// that must not depend on how rows are shared by threads, or on what else is in a batch, say so by this. As `many`, a
+/// product of a few rows takes up to four times as long. Threads that help have to be told (for_products, in_groups).
 class RowsTogether {
  public:
   static constexpr Index few = 1, many = 1 << 20;
@@ -11505,17 +11878,20 @@ class RowsTogether {
   Index before_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_SORT_HPP  // <motionlang/core/sort.hpp>
 #define MOTIONLANG_HAS_CORE_SORT_HPP
-/// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty functions.
+/// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty
+/// functions.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
-/// Sorts by `less`, which leaves no two elements equal or does not care for their order. Heap sort: n log n steps whatever
-/// the list. `List` is a vector.
+/// Sorts by `less`, which leaves no two elements equal or does not care for their order. Heap sort: n log n steps
+/// whatever the list. `List` is a vector.
 template <class List, class Less>
 void sort(List& list, Less less) {
   const auto sift_down = [&](std::size_t i, std::size_t size) {
@@ -11532,16 +11908,18 @@ void sort(List& list, Less less) {
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// How threads share sequences: the thread of each of the first ones.
 using SequenceShares = PoolVector<Index>;
-/// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread has a twentieth more
-/// than the mean, and that is at least the 128 rows from which on it pays to read all weights in every thread. None if there is no such
-/// number.
+/// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread
+/// has a twentieth more than the mean, and that is at least the 128 rows from which on it pays to read all weights in
+/// every thread. None if there is no such number.
 inline SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads) {
   SequenceShares out;
   if (threads == 1) return out;
@@ -11581,8 +11959,8 @@ inline std::span<const Index> first_group(const Offsets& offsets, std::span<cons
 
 /// Calls put(group) for the sequences that each thread has, in groups of at most so many rows. All threads at once.
 template <class F>
-void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads, Index rows,
-                const F& put) {
+void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads,
+                Index rows, const F& put) {
   const auto modules = ModulePath::names();  // a copy: this thread goes into modules itself
   parallel_for(threads, [&](Index thread) {
     const ModulePath::Continued path(modules);
@@ -11597,11 +11975,12 @@ void put_shares(const Offsets& offsets, std::span<const Index> order, const Sequ
   });
 }
 
-/// The rows f(which) of the sequences `which` (a span of their numbers), where each has the rows `results` of `width` numbers. f treats each
-/// sequence on its own, so that it can be called for a few at a time, as many as have B::rows_in_cache() rows (a longer one alone): what one
-/// layer writes is still in the cache when the next reads it. Threads that can share the sequences evenly go through the layers without
-/// waiting for each other; what is left over they do together. The numbers are those of all at once. Where the backend says nothing,
-/// gradients are kept or dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
+/// The rows f(which) of the sequences `which` (a span of their numbers), where each has the rows `results` of `width`
+/// numbers. f treats each sequence on its own, so that it can be called for a few at a time, as many as have
+/// B::rows_in_cache() rows (a longer one alone): what one layer writes is still in the cache when the next reads it.
+/// Threads that can share the sequences evenly go through the layers without waiting for each other; what is left over
+/// they do together. The numbers are those of all at once. Where the backend says nothing, gradients are kept or
+/// dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index width, const Context& context, F f) {
   const auto whole = [&] {
@@ -11648,10 +12027,11 @@ Tensor<B, 2> in_groups(const Sequences<B>& x, const Offsets& results, const Cont
   return in_groups<B>(x.offsets, results, x.width(), context, some);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct TransformerConfig {
   Index d_model = 512;
@@ -11674,7 +12054,8 @@ struct TransformerConfig {
 ///     post-norm   x = LN1(x + SA(x));      x = LN2(x + W2 act(W1 x))
 ///     pre-norm    x = x + SA(LN1 x);       x = x + W2 act(W1 LN2 x)
 /// Source  Vaswani et al. (2017), section 3.1; pre-norm: Xiong et al. (2020). Parameter names of PyTorch. Dropout (only
-///         with a context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has it.
+///         with a context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has
+///         it.
 template <Backend B>
 struct TransformerEncoderLayer {
   MultiheadAttention<B> self_attn;
@@ -11744,14 +12125,14 @@ struct TransformerEncoder {
       return some.rows;
     }));
   }
-  /// Of sequences that end alike: sequence j has the rows of heads[j], then those of tails[i], where uses.begin(i) <= j < uses.end(i). The same
-  /// numbers as of whole sequences; what the first layer projects of a tail is computed once. No dropout. Throws shape_error 204 for other
-  /// numbers of heads or tails.
+  /// Of sequences that end alike: sequence j has the rows of heads[j], then those of tails[i], where uses.begin(i) <= j
+  /// < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail is computed once.
+  /// No dropout. Throws shape_error 204 for other numbers of heads or tails.
   Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
     const Offsets repeated = repeat_lengths(tails.offsets, uses);
     if (heads.count() != repeated.count())
-      raise<shape_error>(204, "with_tails: ", heads.count(), " heads for ", repeated.count(), " uses of ", tails.count(),
-                         " tails");
+      raise<shape_error>(204, "with_tails: ", heads.count(), " heads for ", repeated.count(), " uses of ",
+                         tails.count(), " tails");
     PoolVector<Index> lengths;
     for (Index j = 0; j < heads.count(); ++j) lengths.push_back(heads.offsets.length(j) + repeated.length(j));
     const Offsets offsets{std::span<const Index>(lengths)};
@@ -11785,10 +12166,10 @@ struct TransformerEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes (27 M parameters).
 struct MdmSmplConfig {
@@ -11885,8 +12266,8 @@ struct MdmSmplDenoiser {
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) const {
     return sequence(x, t, encode(text));
   }
-  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout: what they have in common is computed once. t: a
-  /// step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
+  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout: what they have in common is
+  /// computed once. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
   Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
                           const EncodedText& text) const {
     check_counts(uses.rows(), t, text);
@@ -11928,7 +12309,7 @@ struct MdmSmplDenoiser {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_SAMPLER_HPP  // <motionlang/diffusion/sampler.hpp>
@@ -11944,7 +12325,7 @@ struct MdmSmplDenoiser {
 #define MOTIONLANG_HAS_CORE_PROGRESS_HPP
 /// How long work tells its caller where it is, and how the caller stops it.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. May be empty.
 /// Without exceptions false ends the program, like an error: there the C functions can be cancelled (motionlang/c).
@@ -11977,10 +12358,10 @@ class Progress {
   bool (*call_)(void*, Index, Index) = nullptr;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct StepOptions {
   Prediction prediction = Prediction::x0;
@@ -11995,8 +12376,8 @@ inline GaussianDiffusion with_steps(const GaussianDiffusion& process, Index step
   return process.respaced(respace(process.steps(), std::vector<Index>{steps}));
 }
 
-/// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a batch it
-/// sees the same noise. draw: 0 for the initial tensor, 1, 2, ... for the steps.
+/// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a
+/// batch it sees the same noise. draw: 0 for the initial tensor, 1, 2, ... for the steps.
 template <Backend B>
 Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape) {
   using S = typename B::scalar;
@@ -12188,7 +12569,7 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
   return x;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_HPP  // <motionlang/features/layout.hpp>
@@ -12200,7 +12581,7 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
 ///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule.
 ///         Meanings and units: specs humanml3d-features.md 6 and 10, mdm.md 6, temos.md 4.1, tmr.md 4.1
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Half-open range of positions.
 struct IndexRange {
@@ -12345,7 +12726,8 @@ constexpr std::array<FeatureRange, 7> guoh3dfeats_ranges_of(const Guoh3dSlots& s
       {rotations,
        "rotation of the bone that ends here relative to the one before it in its chain, of the first to the root: "
        "the first two columns of the matrix",
-       "1", {1, slots.joints}},
+       "1",
+       {1, slots.joints}},
       {velocities, "velocity to the next frame, seen from the body: x, y, z", speed, {0, slots.joints}},
       {feet, contacts, "1"},
   }};
@@ -12359,8 +12741,8 @@ inline constexpr auto guoh3dfeats_ranges = detail::guoh3dfeats_ranges_of(
 inline constexpr auto kit_ranges =
     detail::guoh3dfeats_ranges_of({21}, "m/640", "m/640/frame", "RMrot, RF, LMrot, LF: 1 if it stands, else 0");
 
-/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67 for SMPL's 22
-/// joints and with `kit_part_of_joint` TEMOS's 64.
+/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67
+/// for SMPL's 22 joints and with `kit_part_of_joint` TEMOS's 64.
 inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
   const Index joints = std::ssize(part_of_joint);
   if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
@@ -12384,14 +12766,14 @@ inline constexpr std::array<FeatureRange, 4> rifke64_ranges{{
     {{62, 64}, "velocity of the root since the frame before, seen from the body: x, z", "m/640/frame"},
 }};
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
 #define MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP
 /// Features to zero mean and unit deviation, and back.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
 /// Statistics are saved with a model but not trained. eps matters only where std is 0.
@@ -12419,7 +12801,7 @@ struct Normalizer {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_HPP  // <motionlang/kinematics/motion.hpp>
@@ -12433,7 +12815,8 @@ struct Normalizer {
 #ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP  // <motionlang/kinematics/forward.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP
 /// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
-/// derivatives (Dual), for poses side by side in a register (Lane) and for a differentiable batch (Tensor; see lanes.hpp).
+/// derivatives (Dual), for poses side by side in a register (Lane) and for a differentiable batch (Tensor; see
+/// lanes.hpp).
 ///
 ///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
 
@@ -12451,7 +12834,7 @@ struct Normalizer {
 ///
 /// Conventions of the whole library: right-handed, active rotations, column vectors (v' = R v).
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Three by three numbers, row by row: m[3 * row + column].
 template <class S>
@@ -12512,10 +12895,10 @@ concept Rotation = requires(const R& r) {
   to_matrix(r).m;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <class S>
 struct Quaternion {
@@ -12602,10 +12985,10 @@ auto to_quaternion(const R& r) {
 }
 static_assert(Rotation<Quaternion<double>> && Rotation<Matrix3<float>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <class S>
 struct AxisAngle {
@@ -12657,10 +13040,10 @@ auto to_axis_angle(const R& r) {
 }
 static_assert(Rotation<AxisAngle<double>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Local rotations of all joints and the position of the root.
 template <ScalarLike S>
@@ -12686,7 +13069,8 @@ namespace detail {
 
 /// Position of joint j, whose parent is done, and its rotation unless nothing hangs on it.
 template <Rotation R, ScalarLike S>
-void place_joint(const Skeleton& skeleton, std::size_t j, const R& local, const Vec3<S>& root, bool rotate, JointTransforms<S>& world) {
+void place_joint(const Skeleton& skeleton, std::size_t j, const R& local, const Vec3<S>& root, bool rotate,
+                 JointTransforms<S>& world) {
   if (j == 0) {
     world.position[0] = root;
     world.rotation[0] = to_matrix(local);
@@ -12726,10 +13110,10 @@ JointTransforms<S> forward_kinematics(const Skeleton& skeleton, const Pose<S>& p
   return forward_kinematics(skeleton, std::span<const Quaternion<S>>(pose.local), pose.root);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Rotations (frames x joints) of a clip that is made by sampling another; 1.6 GB. More are a frame rate typed wrong.
 inline constexpr double max_rotations = 5e7;
@@ -12769,8 +13153,8 @@ struct Motion {
     }
     return out;
   }
-  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none or at which times overflow, numeric_error 301
-  /// on a value that is not finite and on a rotation of length 0.
+  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none or at which times
+  /// overflow, numeric_error 301 on a value that is not finite and on a rotation of length 0.
   void validate() const {
     skeleton.validate();
     if (local.size() != root.size() * static_cast<std::size_t>(skeleton.size())) {
@@ -12778,7 +13162,8 @@ struct Motion {
                          skeleton.size(), " joints");
     }
     for (int j = 0; j < skeleton.size(); ++j) {
-      const auto o = skeleton.ends.empty() ? skeleton.offset(j) : skeleton.offset(j) + skeleton.ends[static_cast<std::size_t>(j)];
+      const auto o =
+          skeleton.ends.empty() ? skeleton.offset(j) : skeleton.offset(j) + skeleton.ends[static_cast<std::size_t>(j)];
       if (!std::isfinite(o.x + o.y + o.z))
         raise<numeric_error>(301, "Motion '", name, "': the offset of joint '", skeleton.name(j), "' is not finite");
     }
@@ -12802,19 +13187,19 @@ struct Motion {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP  // <motionlang/text/caption_encoder.hpp>
 #define MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP
-/// A small text encoder of our own: word pieces, a transformer, one vector per caption. Below 2 MB, so that it can come with a
-/// motion model and be trained together with it.
+/// A small text encoder of our own: word pieces, a transformer, one vector per caption. Below 2 MB, so that it can come
+/// with a motion model and be trained together with it.
 
 #ifndef MOTIONLANG_HAS_NN_EMBEDDING_HPP  // <motionlang/nn/embedding.hpp>
 #define MOTIONLANG_HAS_NN_EMBEDDING_HPP
 /// A learned row for every symbol.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct Embedding {
@@ -12842,44 +13227,46 @@ Tensor<B, 2> one_hot(std::span<const Index> labels, Index classes) {
   return Tensor<B, 2>::from(rows, {std::ssize(labels), classes});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_TEXT_ENCODER_HPP  // <motionlang/text/text_encoder.hpp>
 #define MOTIONLANG_HAS_TEXT_TEXT_ENCODER_HPP
 /// The concept of a text encoder.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Turns texts into vectors: one sequence of tokens for each, a single row if it pools.
-/// Laws     a text gives the same features alone and among others (but for last digits in bf16x3); "" is a text like any other
+/// Laws     a text gives the same features alone and among others (but for last digits in bf16x3); "" is a text like
+///          any other
 /// Models   CaptionEncoder, and yours
 template <class E, class B>
 concept TextEncoder = requires(const E& e, std::span<const std::string> texts) {
   { e.template encode<B>(texts) } -> std::same_as<TextFeatures<B>>;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_WORD_PIECE_HPP  // <motionlang/text/word_piece.hpp>
 #define MOTIONLANG_HAS_TEXT_WORD_PIECE_HPP
 /// A small word-piece tokenizer whose vocabulary is learnt from the captions of a training set.
 ///
-/// For plain captions: ASCII letters are lowered, everything that is neither letter nor digit separates words. The tokenizers of
-/// BERT and CLIP, with their Unicode rules, are other headers.
+/// For plain captions: ASCII letters are lowered, everything that is neither letter nor digit separates words. The
+/// tokenizers of BERT and CLIP, with their Unicode rules, are other headers.
 
 #include <map>            // word counts, in a fixed order
 #include <unordered_map>  // piece -> id
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
 /// Splits a word from the left into the longest known pieces and appends their ids; `unknown` alone if that fails.
 /// find(text, first) is the id of a piece that begins the word (first) or continues it, -1 if there is none.
 template <class Find>
-void append_longest_pieces(std::vector<Index>& ids, std::string_view word, std::size_t longest, Index unknown, Find find) {
+void append_longest_pieces(std::vector<Index>& ids, std::string_view word, std::size_t longest, Index unknown,
+                           Find find) {
   const std::size_t before = ids.size();
   for (std::size_t at = 0; at < word.size();) {
     std::size_t length = std::min(word.size() - at, longest);
@@ -12903,8 +13290,8 @@ class WordPiece {
   static constexpr Index begin_id = 0, end_id = 1, unknown_id = 2;
 
   WordPiece() = default;
-  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice; `source` stands in
-  /// messages.
+  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice; `source`
+  /// stands in messages.
   explicit WordPiece(std::vector<std::string> vocabulary, std::string_view source = "WordPiece")
       : pieces_(std::move(vocabulary)) {
     if (pieces_.size() < 3 || pieces_[0] != "[CLS]" || pieces_[1] != "[SEP]" || pieces_[2] != "[UNK]") {
@@ -12918,8 +13305,8 @@ class WordPiece {
     }
   }
 
-  /// Learns a vocabulary: all letters, then the merges with the largest count(ab) / (count(a) count(b)) that occur at least
-  /// `least` times, until `size` pieces; ties go to the alphabetically first.
+  /// Learns a vocabulary: all letters, then the merges with the largest count(ab) / (count(a) count(b)) that occur at
+  /// least `least` times, until `size` pieces; ties go to the alphabetically first.
   /// Source  the WordPiece criterion as described for BERT (Schuster and Nakajima 2012)
   static WordPiece learn(std::span<const std::string> texts, Index size, Index least = 2) {
     std::map<std::string, Index> counts;
@@ -12974,8 +13361,8 @@ class WordPiece {
   const std::vector<std::string>& vocabulary() const { return pieces_; }
   Index size() const { return static_cast<Index>(pieces_.size()); }
 
-  /// [CLS] pieces [SEP], at most `longest` ids; every word is split greedily into the longest known pieces, a word that cannot be
-  /// split is [UNK]. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
+  /// [CLS] pieces [SEP], at most `longest` ids; every word is split greedily into the longest known pieces, a word that
+  /// cannot be split is [UNK]. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
   std::vector<Index> encode(std::string_view text, Index longest = 64) const {
     if (longest < 2) raise<config_error>(101, "WordPiece: at most ", longest, " ids, the frame has 2");
     std::vector<Index> ids{begin_id};
@@ -13012,10 +13399,10 @@ class WordPiece {
   std::size_t longest_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct CaptionEncoderConfig {
   Index width = 128;
@@ -13074,10 +13461,10 @@ struct CaptionEncoder {
   const { return TextFeatures<C>::pooled((*this)(texts)); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct BatchPlan;
 
@@ -13096,7 +13483,7 @@ struct StmcOptions {
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
   Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Changes the memory only
-  Progress progress{};  // called after every step; may cancel
+  Progress progress{};                      // called after every step; may cancel
 };
 
 /// The denoiser and encoder may be any models of `Denoiser<B>` and `TextEncoder<B>`.
@@ -13121,8 +13508,8 @@ struct Stmc {
                               &Stmc::motion_normalizer, "text_normalizer", &Stmc::text_normalizer);
   }
 
-  /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends only on
-  /// the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
+  /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends
+  /// only on the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
   std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng,
                                      const StmcOptions& options = {}) const;
   Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const;
@@ -13133,12 +13520,12 @@ struct Stmc {
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options = {}) const;
 
-  /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape (rows of the
-  /// collage, features); whole(collage, x, t) is what a plain run takes. In the SINC modes the collage is that of the texts alone,
-  /// and what is estimated is not yet the motion.
+  /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape
+  /// (rows of the collage, features); whole(collage, x, t) is what a plain run takes. In the SINC modes the collage is
+  /// that of the texts alone, and what is estimated is not yet the motion.
   template <class Noise, class Estimate>
-  std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise, const StmcOptions& options,
-                                          Estimate&& estimate) const;
+  std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
+                                          const StmcOptions& options, Estimate&& estimate) const;
   /// The same from a plan made with `plan_options`, by other rules for texts that want a part at the same time, say.
   template <class Noise, class Estimate>
   std::vector<Tensor<B, 2>> generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
@@ -13147,10 +13534,12 @@ struct Stmc {
   /// How timelines are planned for this model.
   PlanOptions plan_options(const StmcOptions& options) const;
 
-  /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same noise.
+  /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same
+  /// noise.
   Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
 
-  /// The process with so many steps evenly kept, all when 0; the model's own number unless given. Throws config_error 105.
+  /// The process with so many steps evenly kept, all when 0; the model's own number unless given. Throws config_error
+  /// 105.
   GaussianDiffusion process(std::optional<Index> wanted) const;
 
  private:
@@ -13162,16 +13551,16 @@ struct Stmc {
   Tensor<B, 2> stitch_independent(const BatchPlan& plan, const Tensor<B, 2>& x0, Index stride) const;
 };
 
-/// Generated features (frames, 205) as a motion of the 24-joint skeleton, Y up, metres. Bone lengths are the skeleton's: the
-/// rotations are used, not the predicted positions. Published generation starts facing pi.
+/// Generated features (frames, 205) as a motion of the 24-joint skeleton, Y up, metres. Bone lengths are the
+/// skeleton's: the rotations are used, not the predicted positions. Published generation starts facing pi.
 template <Backend B>
 Motion stmc_motion(const Tensor<B, 2>& features, double fps = 20);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifdef MOTIONLANG_INSTANTIATED
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 Stmc<B> load_stmc(const FilePath& path);
@@ -13181,21 +13570,21 @@ extern template Stmc<EigenBackend<float>> load_stmc<EigenBackend<float>>(const F
 extern template Motion stmc_motion<EigenBackend<float>>(const Tensor<EigenBackend<float>, 2>&, double);
 extern template std::vector<Timeline> detail::parse_timelines_as<Index>(std::string_view, const TimelineTextOptions&);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #else
 
 #ifndef MOTIONLANG_HAS_IO_STMC_FILE_HPP  // <motionlang/io/stmc_file.hpp>
 #define MOTIONLANG_HAS_IO_STMC_FILE_HPP
 /// An STMC model in one safetensors file: weights under their names, sizes and vocabulary in the metadata.
 ///
-/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; how the model should be sampled: guidance and
-///             sampling ("ddpm 20": sampler and steps, all without a number); and, for people: license, provenance, data, command, commit.
-///             Nothing in the file is executed.
+/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; how the model should be
+///             sampled: guidance and sampling ("ddpm 20": sampler and steps, all without a number); and, for people:
+///             license, provenance, data, command, commit. Nothing in the file is executed.
 
 #ifndef MOTIONLANG_HAS_IO_MODULE_FILE_HPP  // <motionlang/io/module_file.hpp>
 #define MOTIONLANG_HAS_IO_MODULE_FILE_HPP
-/// Parameters of modules in files of weights: paths of fields are the names of tensors. Any TensorSet will do: SafetensorsFile,
-/// WeightFile.
+/// Parameters of modules in files of weights: paths of fields are the names of tensors. Any TensorSet will do:
+/// SafetensorsFile, WeightFile.
 
 #include <set>        // names
 
@@ -13203,14 +13592,15 @@ extern template std::vector<Timeline> detail::parse_timelines_as<Index>(std::str
 #define MOTIONLANG_HAS_IO_KEY_REPORT_HPP
 /// Names of tensors that do not match between a file and a model, as one list that a person can act on.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Names that a file lacks, and names that nobody asked for.
 struct KeyReport {
   std::vector<std::string> missing, unexpected;
 };
 
-/// How many characters have to be inserted, removed or exchanged to make b of a (Levenshtein), or `limit` if it is that many.
+/// How many characters have to be inserted, removed or exchanged to make b of a (Levenshtein), or `limit` if it is that
+/// many.
 inline std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
   if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
   std::vector<std::size_t> row(b.size() + 1);
@@ -13226,7 +13616,8 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b, std::si
   return std::min(row.back(), limit);
 }
 
-/// The name that is most like `name`; empty if none has half of it. Of a long list only the first 2,000 names are looked at.
+/// The name that is most like `name`; empty if none has half of it. Of a long list only the first 2,000 names are
+/// looked at.
 inline std::string nearest_name(std::string_view name, const std::vector<std::string>& among) {
   constexpr std::size_t longest = 256;
   std::string_view best;
@@ -13266,7 +13657,7 @@ namespace detail {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_SAFETENSORS_HPP  // <motionlang/io/safetensors.hpp>
@@ -13288,7 +13679,7 @@ namespace detail {
 #define MOTIONLANG_HAS_IO_DETAIL_BYTES_HPP
 /// Little-endian numbers in byte buffers: checked reading, appending. And base64.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -13371,7 +13762,7 @@ inline std::vector<std::byte> from_base64(std::string_view text, std::string_vie
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_DETAIL_JSON_CURSOR_HPP  // <motionlang/io/detail/json_cursor.hpp>
@@ -13383,7 +13774,8 @@ inline std::vector<std::byte> from_base64(std::string_view text, std::string_vie
 /// compilation (GCC 12, -O0), this one 0.2 s. Stricter than JSON: no name twice in an object, nesting up to
 /// `max_depth`.
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 class JsonCursor {
  public:
@@ -13558,7 +13950,8 @@ class JsonCursor {
   int depth_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_FILE_HPP  // <motionlang/io/file.hpp>
@@ -13588,7 +13981,8 @@ class JsonCursor {
 extern "C" __declspec(dllimport) int __stdcall MoveFileExA(const char* from, const char* to, unsigned long flags);
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::detail::system {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::system {
 
 /// An open file of a new name where temporary files go, for this user only; -1 if there is no place for it.
 inline int create_temporary(std::string& name) {
@@ -13615,8 +14009,8 @@ inline bool is_regular(int file, std::uint64_t& size) {
 inline void copy_permissions(const char*, int) {}  // of a folder, for all in it
 inline bool flush(int file) { return ::_commit(file) == 0; }
 inline void unmap(void* data, std::size_t) { ::_aligned_free(data); }
-/// The whole file, for reading; null if that fails. size > 0. A copy: nobody could write a file anew that is mapped, such as the checkpoint
-/// from which a training goes on.
+/// The whole file, for reading; null if that fails. size > 0. A copy: nobody could write a file anew that is mapped,
+/// such as the checkpoint from which a training goes on.
 inline void* map(int file, std::size_t size) {
   auto* const data = static_cast<char*>(::_aligned_malloc(size, 64));
   if (data == nullptr) return errno = ENOMEM, nullptr;
@@ -13681,10 +14075,11 @@ inline bool is_folder(const char* path) {
   return ::stat(path, &s) == 0 && S_ISDIR(s.st_mode);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail::system
+}  // namespace detail::system
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -13731,8 +14126,8 @@ class MappedFile {
   static std::shared_ptr<const MappedFile> open(const FilePath& path) {
     return std::shared_ptr<const MappedFile>(new MappedFile(path));
   }
-  /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read again. Null if
-  /// there is no place for it.
+  /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read
+  /// again. Null if there is no place for it.
   static std::shared_ptr<const MappedFile> put_aside(std::span<const std::byte> bytes) {
     const detail::Descriptor file(bytes.empty() ? -1 : detail::system::create_nameless());
     if (file.get() < 0 || !file.write(bytes)) return nullptr;
@@ -13767,7 +14162,8 @@ class MappedFile {
   void forget(std::span<const std::byte> part) const {
     constexpr std::uintptr_t block = std::uintptr_t{2} << 20;
     const std::uintptr_t begin = std::max(address(part) / block * block, address(bytes())),
-                         end = std::min((address(part) + part.size() + block - 1) / block * block, address(bytes()) + size_);
+                         end = std::min((address(part) + part.size() + block - 1) / block * block,
+                                        address(bytes()) + size_);
     if (begin < end) detail::system::forget(reinterpret_cast<void*>(begin), end - begin);
   }
   /// The same of bytes that lie in a mapped file or elsewhere.
@@ -13809,8 +14205,9 @@ inline std::string read_file(const FilePath& path) {
   return std::string(reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size());
 }
 
-/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is, which has its permissions. Of a
-/// symbolic link, the file that it leads to is written. Throws io_error 401, also for devices and pipes.
+/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is, which has its
+/// permissions. Of a symbolic link, the file that it leads to is written. Throws io_error 401, also for devices and
+/// pipes.
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
   static std::atomic<unsigned> writers{0};
   std::error_code problem;
@@ -13860,7 +14257,7 @@ inline void make_folder(const FilePath& path) {
   raise<io_error>(401, "cannot make the folder ", path.string());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_IO_TENSOR_SET_HPP  // <motionlang/io/tensor_set.hpp>
@@ -13877,7 +14274,7 @@ inline void make_folder(const FilePath& path) {
 /// The two 16-bit floating-point formats in which weights are stored: IEEE half (F16) and bfloat16 (BF16). Conversions
 /// only; nothing is calculated in them.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Value of a half: 1 sign, 5 exponent, 10 fraction bits. Exact, subnormals and NaN payloads included.
 constexpr float half_to_float(std::uint16_t h) {
@@ -13913,10 +14310,10 @@ constexpr std::uint16_t float_to_bfloat16(float f) {
   return static_cast<std::uint16_t>((bits + 0x7FFFu + (bits >> 16 & 1u)) >> 16);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 // clang-format off
 /// Element types of safetensors files. Values of those up to F64 can be read; of the others only the size is known.
@@ -13958,8 +14355,8 @@ consteval DType dtype_of() {
   return static_cast<DType>(static_cast<unsigned>(table[size]) + (std::signed_integral<T> ? 1u : 0u));
 }
 
-/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, of what is calculated with, has six
-/// at most.
+/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, of what is calculated
+/// with, has six at most.
 class FileShape {
  public:
   static constexpr int max_rank = 64;
@@ -13981,7 +14378,8 @@ class FileShape {
   std::span<const Index> sizes() const { return sizes_; }
   /// Number of elements.
   Index count() const {
-    if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;  // beside a 0 the others may be of any size
+    // beside a 0 the others may be of any size
+    if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;
     Index n = 1;
     for (const Index size : sizes_) n *= size;
     return n;
@@ -14105,10 +14503,10 @@ std::vector<T> values_of(const TensorView& view) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class TensorSet {
  public:
@@ -14147,10 +14545,10 @@ class TensorSet {
   std::vector<TensorView> tensors_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class SafetensorsFile : public TensorSet {
  public:
@@ -14185,7 +14583,8 @@ class SafetensorsFile : public TensorSet {
       : TensorSet(std::move(name), std::move(owner)) {
     const auto length = detail::load<std::uint64_t>(bytes, 0, name_, "the header length");
     if (length > max_header)
-      raise<io_error>(405, name_, ": a header of ", length, " bytes; at most ", max_header, ". Is it a .safetensors file?");
+      raise<io_error>(405, name_, ": a header of ", length, " bytes; at most ", max_header,
+                      ". Is it a .safetensors file?");
     const auto header = detail::slice(bytes, prefix, length, name_, "the header");
     Cursor json(detail::as_text(header), name_, prefix);
     const auto data = bytes.subspan(prefix + static_cast<std::size_t>(length));
@@ -14383,10 +14782,10 @@ inline void write_safetensors(const FilePath& path, std::span<const TensorView> 
   write_file(path, safetensors_bytes(tensors, metadata));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The name under which a tensor of the module is filed: its path, unless the module translates (`official_key`).
 template <Module M>
@@ -14437,8 +14836,8 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
   }
 }
 
-/// What a module is loaded for. For inference it is made ready as by prepare_loaded, in the same pass over the file: all its matrices are
-/// weights, and it is neither trained nor changed afterwards.
+/// What a module is loaded for. For inference it is made ready as by prepare_loaded, in the same pass over the file:
+/// all its matrices are weights, and it is neither trained nor changed afterwards.
 enum class LoadFor { any_use, inference };
 
 namespace detail {
@@ -14494,8 +14893,8 @@ bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, 
 /// Tensors on their way into a file, with their own memory.
 class TensorStore {
  public:
-  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error 301
-  /// for a number that would become infinite; F16 holds no NaN and infinity either.
+  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error
+  /// 301 for a number that would become infinite; F16 holds no NaN and infinity either.
   template <Scalar S>
   void add(std::string name, const FileShape& shape, std::span<const S> values, DType dtype) {
     switch (dtype) {
@@ -14559,8 +14958,8 @@ class TensorStore {
 };
 
 namespace detail {
-/// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the file again.
-/// Whether all its numbers are finite.
+/// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the
+/// file again. Whether all its numbers are finite.
 template <PackingBackend B, int R>
 bool pack_loaded(const Tensor<B, R>& weight) {
   const bool finite = pack_weight(weight);
@@ -14568,7 +14967,8 @@ bool pack_loaded(const Tensor<B, R>& weight) {
   return finite;
 }
 
-/// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a place for it.
+/// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a
+/// place for it.
 template <PackingBackend B, int R>
 void put_aside(Tensor<B, R>& weight) {
   const auto bytes = std::as_bytes(weight.span());
@@ -14612,7 +15012,8 @@ struct PrepareLoaded {
     copy_small(t);
   }
 };
-/// For large networks: a weight that had to be converted is put aside, so that it is not there twice. If it cannot be, it is not packed.
+/// For large networks: a weight that had to be converted is put aside, so that it is not there twice. If it cannot be,
+/// it is not packed.
 struct PrepareLoadedOnce {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
@@ -14636,18 +15037,18 @@ void prepare_in_shares(M& model, std::atomic<bool>* finite) {
 }
 }  // namespace detail
 
-/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given back as soon as
-/// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
-/// Weights that had to be converted are packed beside their numbers.
+/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given
+/// back as soon as a weight is packed, so that none is there twice, and small tensors become copies. Whoever still
+/// reads the file gets it from the disk. Weights that had to be converted are packed beside their numbers.
 template <Module M>
 void prepare_loaded(M& model) {
   detail::prepare_in_shares(model, nullptr);
 }
 
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
-/// Returns what did not match (then the module is not made ready); throws io_error 407 for a tensor of another shape, numeric_error 301
-/// for NaN and infinity. A module may say (`copy_of`) which further names repeat a tensor of its own; io_error 407 if such a tensor is
-/// another one.
+/// Returns what did not match (then the module is not made ready); throws io_error 407 for a tensor of another shape,
+/// numeric_error 301 for NaN and infinity. A module may say (`copy_of`) which further names repeat a tensor of its own;
+/// io_error 407 if such a tensor is another one.
 template <Module M>
 KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "",
                              LoadFor use = LoadFor::any_use) {
@@ -14678,15 +15079,15 @@ void load_module(M& module, const TensorSet& file, const std::string& prefix = "
   detail::raise_key_mismatch(file.name(), report);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_HPP  // <motionlang/systems/stmc.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_STMC_HPP
 /// STMC: spatio-temporal motion collage. A timeline of texts on several tracks in, one motion out.
 ///
-/// Source  Petrovich, Litany, Iqbal, Black, Varol, Peng, Rempe: "Multi-track timeline control for text-driven 3D human motion
-///         generation" (2024). Works at test time with any denoiser of explicit poses; no training.
+/// Source  Petrovich, Litany, Iqbal, Black, Varol, Peng, Rempe: "Multi-track timeline control for text-driven 3D human
+///         motion generation" (2024). Works at test time with any denoiser of explicit poses; no training.
 
 #ifndef MOTIONLANG_HAS_COMPOSE_COLLAGE_HPP  // <motionlang/compose/collage.hpp>
 #define MOTIONLANG_HAS_COMPOSE_COLLAGE_HPP
@@ -14731,7 +15132,7 @@ void load_module(M& module, const TensorSet& file, const std::string& prefix = "
 ///
 /// Source  STMC (Petrovich et al. 2024), section 3.2; spec stmc.md 3.1
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A stretch without cuts inside, and the intervals that cover it, in file order.
 template <class T>
@@ -14790,10 +15191,10 @@ void fill_gaps(BasicTimeline<T>& timeline) {
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Number of the interval that owns each body part.
 using PartOwners = std::array<Index, body_part_count>;
@@ -14849,7 +15250,7 @@ PartOwners assign_parts(const BasicTimeline<T>& timeline, std::span<const Index>
   return owners;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_TRANSITION_HPP  // <motionlang/compose/transition.hpp>
@@ -14860,7 +15261,7 @@ PartOwners assign_parts(const BasicTimeline<T>& timeline, std::span<const Index>
 /// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap, the longer half to the
 ///          right
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A half-open range of frames.
 struct FrameRange {
@@ -14888,10 +15289,10 @@ struct Overlap {
   FrameRange window(Index cut, Index frames) const { return extend({cut, cut}, frames); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A stretch of the timeline that the denoiser sees as one sequence. Crops without frames (overlap 0) are kept, so that
 /// numbers agree with the reference; they take part in nothing.
@@ -15026,8 +15427,9 @@ inline void check_crops(const TimelinePlan& plan, Index longest) {
     if (longest == 0 || c.range.size() <= longest) continue;
     raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", c.range.size(),
                           " frames with its overlap; the denoiser accepts ", longest,
-                          c.is_transition() ? "" : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]) +
-                                                       ". Divide it into shorter ones");
+                          c.is_transition() ? ""
+                                            : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]) +
+                                                  ". Divide it into shorter ones");
   }
 }
 
@@ -15137,10 +15539,10 @@ inline NetWeights net_weights(const TimelinePlan& plan) {
   return net;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -15187,8 +15589,8 @@ template <Backend B>
 class Stitcher {
  public:
   Stitcher() = default;
-  /// `crops`: offsets of the crops in batch order; `stride`: rows per motion. Throws config_error 102 for a layout that does not give
-  /// each number to one body part.
+  /// `crops`: offsets of the crops in batch order; `stride`: rows per motion. Throws config_error 102 for a layout that
+  /// does not give each number to one body part.
   Stitcher(const BatchPlan& plan, const FeatureLayout& layout, const Offsets& crops, Index stride)
       : rows_(static_cast<Index>(plan.timelines.size()) * stride), features_(layout.size) {
     layout.validate();
@@ -15263,14 +15665,14 @@ Tensor<B, 2> interpolate_transitions(const BatchPlan& plan, const FeatureLayout&
   return Tensor<B, 2>::from(out, motion.shape());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_GUIDANCE_HPP  // <motionlang/diffusion/guidance.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_GUIDANCE_HPP
 /// Classifier-free guidance.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     guided = null + w (cond - null)
 /// Source  Ho and Salimans (2022), eq. 6 in the form that all motion models use. Applied to whatever the network
@@ -15285,10 +15687,10 @@ Tensor<B, R> guide(const Tensor<B, R>& cond, const Tensor<B, R>& null, const Ten
   return null + (cond - null) * w;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What one step computed, for those who want to see it. Rows are those of the crops, in batch order.
 template <Backend B>
@@ -15297,18 +15699,19 @@ struct CollageStep {
 };
 
 /// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
-/// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow with the
-///         timelines. Sequences of the same frames and the same text go through it once: both calls of guidance of a crop whose
-///         text is "", and the unconditional calls of texts that begin and end together; what a denoiser can compute for the frames of a
-///         crop whatever its text is computed once as well. The longest come first, so that threads end together; crops without frames
-///         are left out. Texts, offsets and index lists are prepared here, not in the loop.
+/// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow
+///         with the timelines. Sequences of the same frames and the same text go through it once: both calls of
+///         guidance of a crop whose text is "", and the unconditional calls of texts that begin and end together; what
+///         a denoiser can compute for the frames of a crop whatever its text is computed once as well. The longest come
+///         first, so that threads end together; crops without frames are left out. Texts, offsets and index lists are
+///         prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
   /// text: features of every interval of every timeline, in order; null: of "" (one). The denoiser must outlive the
   /// collage. rows_at_once: frames of a batch, more only if one crop has more; 0: any number. No result depends on it.
-  /// Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for the denoiser,
-  /// config_error 101 for a negative rows_at_once.
+  /// Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for the
+  /// denoiser, config_error 101 for a negative rows_at_once.
   Collage(const D& denoiser, BatchPlan plan, const FeatureLayout& layout, const TextFeatures<B>& text,
           const TextFeatures<B>& null, double guidance, Index rows_at_once = usual_rows_at_once)
       : denoiser_(&denoiser),
@@ -15389,7 +15792,8 @@ class Collage {
     Index intervals = 0;
     for (const TimelinePlan& p : plan_.timelines) intervals += static_cast<Index>(p.timeline.intervals.size());
     if (texts == intervals && nulls == 1) return;
-    raise<shape_error>(204, "Collage: ", texts, " texts for ", intervals, " intervals; ", nulls, " unconditional texts");
+    raise<shape_error>(204, "Collage: ", texts, " texts for ", intervals, " intervals; ", nulls,
+                       " unconditional texts");
   }
 
   void prepare_step() {
@@ -15434,7 +15838,8 @@ class Collage {
     std::map<std::string_view, Index> known{{"", null}};
     Index first = 0;
     for (const TimelinePlan& p : plan_.timelines) {
-      for (const Crop& c : p.crops) out.push_back(c.is_transition() ? null : known.emplace(p.text(c), first + c.interval).first->second);
+      for (const Crop& c : p.crops)
+        out.push_back(c.is_transition() ? null : known.emplace(p.text(c), first + c.interval).first->second);
       first += static_cast<Index>(p.timeline.intervals.size());
     }
     return out;
@@ -15492,7 +15897,8 @@ class Collage {
       }
     }
   }
-  /// Where a sequence depends on the others: as published, all crops in their order, and then the same without their texts.
+  /// Where a sequence depends on the others: as published, all crops in their order, and then the same without their
+  /// texts.
   void build_two_calls(std::span<const std::pair<Job, Job>> crops) {
     const Index rows = crops_.offsets.rows();
     for (Index call = 0; call < (guidance_ == 1 ? 1 : 2); ++call) {
@@ -15538,20 +15944,22 @@ Tensor<B, 2> clean_motion(const Collage<B, D>& collage, const GaussianDiffusion&
   return collage.step(x, diffusion.network_t(t), to_clean).x0;
 }
 
-/// The whole reverse process with any clean_motion(x, t). noise(0) is the initial x, noise(1), noise(2), ... belong to the steps; all of shape
-/// (rows, features).
+/// The whole reverse process with any clean_motion(x, t). noise(0) is the initial x, noise(1), noise(2), ... belong to
+/// the steps; all of shape (rows, features).
 /// -> clean motions (rows, features), normalised; rows behind a timeline's end mean nothing. `watch(t, step)` sees
 /// every step. Throws `cancelled` if progress says so.
 template <Backend B, class Clean, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_clean_motions(const GaussianDiffusion& diffusion, const Clean& clean_motion, Noise&& noise,
-                                  const SamplingOptions& options = {}, Progress progress = {}, const Watch& watch = {}) {
+                                  const SamplingOptions& options = {}, Progress progress = {},
+                                  const Watch& watch = {}) {
   auto step_noise = [&](Index draw) { return noise(draw + 1); };
   const StepOptions step{.noise_scale = options.noise_scale, .clip = options.clip};
   if (options.sampler == SamplingOptions::Sampler::ddim) {
-    return sample_ddim<B, 2>(diffusion, noise(0), clean_motion, step_noise, options.eta, step, detail::KeepX0{}, progress,
-                             watch);
+    return sample_ddim<B, 2>(diffusion, noise(0), clean_motion, step_noise, options.eta, step, detail::KeepX0{},
+                             progress, watch);
   }
-  return sample_ancestral<B, 2>(diffusion, noise(0), clean_motion, step_noise, step, detail::KeepX0{}, progress, -1, watch);
+  return sample_ancestral<B, 2>(diffusion, noise(0), clean_motion, step_noise, step, detail::KeepX0{}, progress, -1,
+                                watch);
 }
 template <Backend B, Denoiser<B> D, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_collage(const Collage<B, D>& collage, const GaussianDiffusion& diffusion, Prediction prediction,
@@ -15573,7 +15981,7 @@ inline BatchPlan independent_plan(const BatchPlan& plan, Index frames = 0) {
   return batch_plans(std::move(alone));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_SMPLRIFKE_HPP  // <motionlang/features/smplrifke.hpp>
@@ -15596,7 +16004,7 @@ inline BatchPlan independent_plan(const BatchPlan& plan, Index frames = 0) {
 /// Intrinsic angles: order "ZXY" means R = Rz(a) Rx(b) Ry(c) on column vectors, the first letter outermost, which is
 /// the order of BVH channels and of pytorch3d's conventions.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Three axes, 0 = x, 1 = y, 2 = z; neighbours differ.
 struct EulerOrder {
@@ -15675,7 +16083,7 @@ auto to_euler(const R& rotation, EulerOrder order, double last = 0.0) {
 }
 static_assert(Rotation<EulerAngles<double>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_PYTORCH3D_HPP  // <motionlang/geometry/pytorch3d.hpp>
@@ -15695,7 +16103,7 @@ static_assert(Rotation<EulerAngles<double>>);
 /// Two conventions are in use and must not be mixed, hence two types: ACTOR, TEMOS, TEACH, SINC and the 205-vector take
 /// the first two ROWS, row by row; the 263-vector of HumanML3D takes the first two COLUMNS, column by column.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <class S>
 struct Rotation6dRows {
@@ -15732,10 +16140,11 @@ auto to_rotation6d_columns(const R& r) {
 }
 static_assert(Rotation<Rotation6dRows<double>> && Rotation<Rotation6dColumns<double>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::pytorch3d {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace pytorch3d {
 
 /// w = sqrt(max(0, 1 + m00 + m11 + m22)) / 2, ...; signs of x, y, z are those of the antisymmetric part (0 counts as
 /// +).
@@ -15774,14 +16183,15 @@ Matrix3<S> rodrigues(const Vec3<S>& v) {
   return r;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::pytorch3d
+}  // namespace pytorch3d
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_SO3_HPP  // <motionlang/geometry/so3.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_SO3_HPP
 /// What every rotation can do, whatever its representation: the API deduced from `to_matrix`.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// a after b: the matrix A B.
 template <Rotation A, Rotation B>
@@ -15840,7 +16250,7 @@ Quaternion<S> rotation_between(const Vec3<S>& from, const Vec3<S>& to) {
                                   where_less(w, tiny, any.y, c.y), where_less(w, tiny, any.z, c.z)});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_STANDARD_HPP  // <motionlang/kinematics/standard.hpp>
@@ -15849,7 +16259,7 @@ Quaternion<S> rotation_between(const Vec3<S>& from, const Vec3<S>& to) {
 /// our own (1.75 m), so that no licensed body model is needed. Rest pose: standing, arms to the sides, Y up, facing +Z,
 /// left at +X, metres.
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 // clang-format off
 /// SMPL, 24 joints. Source: Loper et al. 2015; names as in the smplx package.
@@ -15884,7 +16294,8 @@ inline const Skeleton& humanml3d22_skeleton() {
   return skeleton;
 }
 
-/// KIT Motion-Language, 21 joints of the Master Motor Map. Here in metres; the data set's own coordinates are in other units.
+/// KIT Motion-Language, 21 joints of the Master Motor Map. Here in metres; the coordinates of the data set have other
+/// units.
 inline const Skeleton& kit21_skeleton() {
   static const Skeleton skeleton = Skeleton::from_joints({
       {"root", "", {0, 0.95, 0}},
@@ -15900,10 +16311,10 @@ inline const Skeleton& kit21_skeleton() {
 }
 // clang-format on
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 inline constexpr Index smplrifke_size = 205, smplrifke_rotations = 22, smplrifke_joints = 24;
 
@@ -16105,10 +16516,10 @@ Motion smplrifke_to_motion(std::span<const S> features, const SmplRifkeOptions& 
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate(std::span<const Timeline> timelines, const Philox& rng,
@@ -16137,8 +16548,9 @@ template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 template <class Noise>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options) const {
-  return generate_from(timelines, noise, options,
-                       [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
+  return generate_from(
+      timelines, noise, options,
+      [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
@@ -16263,10 +16675,10 @@ void prepare(Stmc<B, D, E>& stmc) {
   if constexpr (Module<E>) prepare(stmc.text_encoder);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sizes of a bundled model: everything that its constructor needs.
 struct StmcModelConfig {
@@ -16351,7 +16763,8 @@ inline WordPiece metadata_vocabulary(const Metadata& metadata, const std::string
 
 }  // namespace detail
 
-/// The sizes as metadata. `vocabulary` of the tokenizer. Throws config_error 101 for more steps of sampling than there are.
+/// The sizes as metadata. `vocabulary` of the tokenizer. Throws config_error 101 for more steps of sampling than there
+/// are.
 inline std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c, const WordPiece& tokenizer) {
   detail::check_sampling_steps(c, "stmc_metadata");
   std::string vocabulary;
@@ -16479,8 +16892,8 @@ inline void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, I
   transformer("text_encoder.encoder", c.text.layers, c.text.width, c.text.d_ff);
 }
 
-/// Reads a model and makes it ready for inference. Throws io_error 401 ... 407, config_error 101, 103, 107, numeric_error
-/// 301.
+/// Reads a model and makes it ready for inference. Throws io_error 401 ... 407, config_error 101, 103, 107,
+/// numeric_error 301.
 template <Backend B>
 Stmc<B> load_stmc(const SafetensorsFile& file) {
   const StmcModelConfig c = stmc_config(file);
@@ -16511,7 +16924,7 @@ void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig
   write_safetensors(path, store.views(), metadata);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 #endif

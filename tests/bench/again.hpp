@@ -1,4 +1,5 @@
-// Memory of this program, and the program started again: memory and times from the start can be shown only once in its life.
+// Memory of this program, and the program started again: memory and times from the start can be shown only once in its
+// life.
 #pragma once
 
 #include <sys/wait.h>

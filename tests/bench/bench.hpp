@@ -1,4 +1,5 @@
-// Timing for the benchmarks: what a program is asked for, medians, and one line per measurement in the form that run.py reads.
+// Timing for the benchmarks: what a program is asked for, medians, and one line per measurement in the form that run.py
+// reads.
 #pragma once
 
 #include <cstdio>
@@ -16,7 +17,8 @@ namespace bench {
 
 namespace ml = motionlang;
 
-/// [THREADS] [--fp32 | --bf16 | --bf16x3] [WORK ...]: all threads of the machine, products in fp32 and all works unless said.
+/// [THREADS] [--fp32 | --bf16 | --bf16x3] [WORK ...]: all threads of the machine, products in fp32 and all works unless
+/// said.
 struct Arguments {
   std::set<std::string> works;
 
@@ -69,8 +71,8 @@ struct Timed {
   Turn turn;
 };
 
-/// f in turns of 5 ms with the peak: the clock of a processor, and what the neighbours leave of it, changes from one moment to the next,
-/// by a tenth and more.
+/// f in turns of 5 ms with the peak: the clock of a processor, and what the neighbours leave of it, changes from one
+/// moment to the next, by a tenth and more.
 template <class F>
 Timed time_beside_peak(F f, const Manner& manner) {
   Timed out;
@@ -108,7 +110,8 @@ double report(const std::string& work, const std::string& config, double gflop, 
   return median;
 }
 
-/// A number that is no time: memory in MB, a factor, milliseconds of something that happens once. Its place is that of the times.
+/// A number that is no time: memory in MB, a factor, milliseconds of something that happens once. Its place is that of
+/// the times.
 inline void report_value(const std::string& work, const std::string& config, double value) {
   std::printf("%s,%s,motionlang,%d,%.4f,%.4f,%.4f,0,0,0\n", work.c_str(), config.c_str(), ml::thread_count(), value,
               value, value);

@@ -1,5 +1,5 @@
-// Bodies: SMPL's forward pass (6,890 vertices, 24 joints, 10 coefficients, four weights a vertex; random numbers) for 200 poses,
-// and its joints alone for many.
+// Bodies: SMPL's forward pass (6,890 vertices, 24 joints, 10 coefficients, four weights a vertex; random numbers) for
+// 200 poses, and its joints alone for many.
 //
 // usage: bench_body [THREADS]
 #include <motionlang/backend/eigen.hpp>

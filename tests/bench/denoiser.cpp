@@ -1,5 +1,5 @@
-// The MDM shape (8 layers, width 512, feed-forward 1024, 4 heads): one denoising step on crops of equal and of different lengths, and
-// one training step with the memory that it takes.
+// The MDM shape (8 layers, width 512, feed-forward 1024, 4 heads): one denoising step on crops of equal and of
+// different lengths, and one training step with the memory that it takes.
 //
 // usage: bench_denoiser [THREADS] [--bf16 | --bf16x3] [mdm_step mdm_ragged train_mdm train_mdm_memory ...]
 #include <motionlang/backend/autodiff.hpp>

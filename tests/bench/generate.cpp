@@ -1,7 +1,7 @@
-// The whole job: a timeline of three texts and 12 s, all 100 steps, with random weights of the published size (stmc_full) and with the
-// bundled model (stmc_bundled): real-time factor (time taken, loading included, by length of the motion), and peak memory beyond the
-// file of weights. And how long a program takes from its start to the end of its first denoising step, and its memory then (start).
-// Every run is a program of its own: this one, started again.
+// The whole job: a timeline of three texts and 12 s, all 100 steps, with random weights of the published size
+// (stmc_full) and with the bundled model (stmc_bundled): real-time factor (time taken, loading included, by length of
+// the motion), and peak memory beyond the file of weights. And how long a program takes from its start to the end of
+// its first denoising step, and its memory then (start). Every run is a program of its own: this one, started again.
 //
 // usage: bench_generate [THREADS] [--bf16 | --bf16x3] [stmc_full stmc_bundled start ...]
 #include <motionlang/io/stmc_file.hpp>

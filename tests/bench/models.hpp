@@ -1,5 +1,5 @@
-// The models that are measured, at their published sizes, with random weights and inputs: made once, then called like a function.
-// `gflop` is what is computed without any of the exact savings, so that figures of all programs compare.
+// The models that are measured, at their published sizes, with random weights and inputs: made once, then called like a
+// function. `gflop` is what is computed without any of the exact savings, so that figures of all programs compare.
 #pragma once
 
 #include <motionlang/diffusion/mdm_smpl.hpp>

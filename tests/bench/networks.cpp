@@ -1,7 +1,8 @@
-// The other networks at their published sizes, with random weights: a denoising step of MotionDiffuse, the evaluator of Guo et al., TM2T's
-// tokenizer and writer of motions, ST-GCN; training of the tokenizer and of ST-GCN.
+// The other networks at their published sizes, with random weights: a denoising step of MotionDiffuse, the evaluator of
+// Guo et al., TM2T's tokenizer and writer of motions, ST-GCN; training of the tokenizer and of ST-GCN.
 //
-// usage: bench_networks [THREADS] [--bf16] [motiondiffuse guo_evaluator tm2t_tokenizer train_tokenizer tm2t_write stgcn train_stgcn ...]
+// usage: bench_networks [THREADS] [--bf16] [motiondiffuse guo_evaluator tm2t_tokenizer train_tokenizer tm2t_write stgcn
+// train_stgcn ...]
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/optim/adamw.hpp>

@@ -1,6 +1,6 @@
-// What the machine can multiply and add at most, measured: independent multiply-adds that stay in registers, on all threads of
-// the pool. A figure of the moment (the clock changes, neighbours come and go), so it is measured beside everything that is
-// compared with it. MOTIONLANG_KERNELS bounds what instructions it is of, as it bounds the kernels.
+// What the machine can multiply and add at most, measured: independent multiply-adds that stay in registers, on all
+// threads of the pool. A figure of the moment (the clock changes, neighbours come and go), so it is measured beside
+// everything that is compared with it. MOTIONLANG_KERNELS bounds what instructions it is of, as it bounds the kernels.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,9 @@ namespace bench {
 namespace detail {
 
 using motionlang::detail::Isa;
-inline bool may_use(Isa isa) { return motionlang::detail::wanted_isa() >= isa && motionlang::detail::processor_has(isa); }
+inline bool may_use(Isa isa) {
+  return motionlang::detail::wanted_isa() >= isa && motionlang::detail::processor_has(isa);
+}
 
 /// A piece of work for one thread: so many multiplications and additions.
 struct Piece {
@@ -30,8 +32,8 @@ struct Piece {
 };
 constexpr long rounds = 2000;
 
-// Twelve sums: more than latency times units of any processor so far, and registers for all of them. The numbers stay close to 1. The
-// compiler must not know that they are equal.
+// Twelve sums: more than latency times units of any processor so far, and registers for all of them. The numbers stay
+// close to 1. The compiler must not know that they are equal.
 #define MOTIONLANG_BENCH_UNKNOWN(a, b, c, d, e, f) asm volatile("" : MOTIONLANG_BENCH_REGISTERS(a, b, c, d, e, f))
 #define MOTIONLANG_BENCH_FMA(name, attribute, bytes)                                            \
   attribute __attribute__((noinline)) inline void name() {                                      \

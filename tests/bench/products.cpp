@@ -1,6 +1,7 @@
-// Matrix products with packed weights at the shapes of transformers (rows x inner x columns), with nothing and with bias + GELU behind
-// them, and the batched products of attention. Built twice: bench_products chooses its kernels at run time, as every program does;
-// bench_products_native is compiled for this very machine (-march=native) and is its peer.
+// Matrix products with packed weights at the shapes of transformers (rows x inner x columns), with nothing and with
+// bias + GELU behind them, and the batched products of attention. Built twice: bench_products chooses its kernels at
+// run time, as every program does; bench_products_native is compiled for this very machine (-march=native) and is its
+// peer.
 //
 // usage: bench_products [THREADS] [--bf16] [product product_gelu product_batched ...]
 #include <motionlang/backend/eigen.hpp>

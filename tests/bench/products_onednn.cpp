@@ -1,5 +1,5 @@
-// The products of products.cpp in oneDNN: weights are brought once into the order that it likes best, bias + GELU are in its epilogue.
-// In bfloat16 it is given activations that are bfloat16 already, where ours begin and end in float.
+// The products of products.cpp in oneDNN: weights are brought once into the order that it likes best, bias + GELU are
+// in its epilogue. In bfloat16 it is given activations that are bfloat16 already, where ours begin and end in float.
 //
 // usage: bench_products_onednn [THREADS] [--bf16] [product product_gelu product_batched ...]
 #include <omp.h>

@@ -1,5 +1,5 @@
-// Exact search over 1,000,000 vectors of 256 numbers, ten nearest: one query and a thousand. search_bf16 scans a copy in bfloat16 and
-// compares the best ones exactly: the same answer.
+// Exact search over 1,000,000 vectors of 256 numbers, ten nearest: one query and a thousand. search_bf16 scans a copy
+// in bfloat16 and compares the best ones exactly: the same answer.
 //
 // usage: bench_search [THREADS] [search search_bf16 ...]
 #include <motionlang/core/rng.hpp>

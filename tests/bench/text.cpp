@@ -1,5 +1,5 @@
-// Text networks at their published sizes, with random weights: DistilBERT on 32 tokens, CLIP's ViT-B/32 tower on 77, MPNet on 32. The
-// memory that they take is a test, tests/systems/text_memory.cpp.
+// Text networks at their published sizes, with random weights: DistilBERT on 32 tokens, CLIP's ViT-B/32 tower on 77,
+// MPNet on 32. The memory that they take is a test, tests/systems/text_memory.cpp.
 //
 // usage: bench_text [THREADS] [--bf16] [distilbert clip_text mpnet ...]
 #include <motionlang/backend/eigen.hpp>
@@ -23,7 +23,8 @@ ml::TokenBatch batch_of(const std::vector<Index>& lengths) {
   out.lengths = lengths;
   return out;
 }
-/// Tokens of every 380th caption of KIT-ML, [CLS] and [SEP] included: 12.3 on average. The same numbers stand in peer_torch.py.
+/// Tokens of every 380th caption of KIT-ML, [CLS] and [SEP] included: 12.3 on average. The same numbers stand in
+/// peer_torch.py.
 const std::vector<Index> caption_lengths{8,  8,  10, 14, 8,  10, 10, 29, 9,  10, 12, 9, 11, 16, 8,  13,
                                          19, 11, 16, 23, 10, 12, 7,  16, 14, 17, 13, 6, 9,  7,  12, 17};
 

@@ -1,5 +1,5 @@
-// The variational autoencoders (width 256, feed-forward 1024, 4 heads): TMR's motion encoder, the decoders of TEMOS and ACTOR, and a
-// training step of TMR with the memory that it takes.
+// The variational autoencoders (width 256, feed-forward 1024, 4 heads): TMR's motion encoder, the decoders of TEMOS and
+// ACTOR, and a training step of TMR with the memory that it takes.
 //
 // usage: bench_vae [THREADS] [--bf16] [tmr_encoder temos_decoder actor_decoder train_tmr train_tmr_memory ...]
 #include <motionlang/backend/autodiff.hpp>

@@ -1,4 +1,5 @@
-// The same models over the xtensor backend and over the Eigen backend, in turns: rows of the variant "eigen" are the peer.
+// The same models over the xtensor backend and over the Eigen backend, in turns: rows of the variant "eigen" are the
+// peer.
 //
 // usage: bench_xtensor [THREADS] [xtensor]
 #include <motionlang/backend/eigen.hpp>

@@ -1,4 +1,5 @@
-// Writes the pages that tests/browser/run.sh opens, with the figure and with a body: browser_page <figure.html> <body.html>
+// Writes the pages that tests/browser/run.sh opens, with the figure and with a body: browser_page <figure.html>
+// <body.html>
 #include <string>
 #include <vector>
 

@@ -1,5 +1,5 @@
-// What a fuzz target demands of a result: a crash when it does not hold, which the fuzzer reports with its input. And what it
-// allows: an error of the library.
+// What a fuzz target demands of a result: a crash when it does not hold, which the fuzzer reports with its input. And
+// what it allows: an error of the library.
 #pragma once
 
 #include <cstdio>

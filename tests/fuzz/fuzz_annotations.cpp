@@ -1,5 +1,5 @@
-// Annotation JSON: any text is read or refused with an error of the library; members are what nlohmann finds in the whole
-// file; what was read survives writing.
+// Annotation JSON: any text is read or refused with an error of the library; members are what nlohmann finds in the
+// whole file; what was read survives writing.
 #include <cstdint>
 
 #include <motionlang/io/annotations.hpp>

@@ -1,5 +1,5 @@
-// The text files of data sets: captions of HumanML3D, index.csv, lists of ids, joints of raw KIT-ML. Any text is read or
-// refused with an error of the library; captions that may be written survive it.
+// The text files of data sets: captions of HumanML3D, index.csv, lists of ids, joints of raw KIT-ML. Any text is read
+// or refused with an error of the library; captions that may be written survive it.
 #include <cstdint>
 
 #include <motionlang/io/humanml3d_folder.hpp>

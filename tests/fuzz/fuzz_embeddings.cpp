@@ -1,5 +1,5 @@
-// Caches of embeddings: the input is the three files, each behind its length of two bytes. They are read or refused with an error of
-// the library; every text of a cache has its rows, and a text may be added to it.
+// Caches of embeddings: the input is the three files, each behind its length of two bytes. They are read or refused
+// with an error of the library; every text of a cache has its rows, and a text may be added to it.
 #include <cstdint>
 
 #include <motionlang/backend/reference.hpp>
@@ -25,11 +25,13 @@ std::span<const std::byte> next_file(std::span<const std::byte>& rest) {
 void read(std::span<const std::byte> input) {
   const auto rows = next_file(input), slices = next_file(input), index = next_file(input);
   const std::string text(reinterpret_cast<const char*>(index.data()), index.size());
-  auto cache = ml::EmbeddingCache::from_bytes(rows, slices.empty() ? std::nullopt : std::optional(slices), text, "fuzz");
+  auto cache =
+      ml::EmbeddingCache::from_bytes(rows, slices.empty() ? std::nullopt : std::optional(slices), text, "fuzz");
   const auto document = ml::parse_json(text);
   for (const auto& entry : document.items()) {
     const auto found = cache.find(entry.key());
-    check(cache.width() == 0 ? found.empty() : found.size() % static_cast<std::size_t>(cache.width()) == 0, "whole rows");
+    check(cache.width() == 0 ? found.empty() : found.size() % static_cast<std::size_t>(cache.width()) == 0,
+          "whole rows");
     const std::string one = entry.key();
     const auto features = cache.encode<B>(std::span(&one, 1));
     check(features.tokens.rows.count() == static_cast<ml::Index>(found.size()), "rows of a text");

@@ -1,5 +1,5 @@
-// config.json of model folders and index.json of weights in shards: any text is read or refused with an error of the library; what is
-// read survives being written.
+// config.json of model folders and index.json of weights in shards: any text is read or refused with an error of the
+// library; what is read survives being written.
 #include <cstdint>
 
 #include <motionlang/io/model_folder.hpp>
@@ -17,7 +17,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (model.provenance.empty()) model.provenance = "x";
     const std::string written = ml::model_config_text(model);
     const ml::ModelFolder again = ml::parse_model_config(written, "again");
-    check(again.system == model.system && again.license == model.license && again.provenance == model.provenance, "texts survive");
+    check(again.system == model.system && again.license == model.license && again.provenance == model.provenance,
+          "texts survive");
     check(again.fps == model.fps && again.features == model.features && again.config == model.config, "values survive");
     check(again.others == model.others && ml::model_config_text(again) == written, "other members survive");
   });

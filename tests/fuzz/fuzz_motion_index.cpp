@@ -1,6 +1,6 @@
-// Index files: any bytes are read or refused with an error of the library; what is read can be searched, changed and written, and read
-// again. An input that begins with '{' is what a file says about itself, up to the first line end, then numbers for its vectors and
-// moments, out of which a file with the right checksum is made; others are files.
+// Index files: any bytes are read or refused with an error of the library; what is read can be searched, changed and
+// written, and read again. An input that begins with '{' is what a file says about itself, up to the first line end,
+// then numbers for its vectors and moments, out of which a file with the right checksum is made; others are files.
 #include <cstdint>
 
 #include <motionlang/io/motion_index_file.hpp>

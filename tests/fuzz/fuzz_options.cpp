@@ -1,5 +1,5 @@
-// Options of training runs in every form: any text is read or refused with an error of the library; values are found by their paths,
-// references end, and what is read is not much more than the text.
+// Options of training runs in every form: any text is read or refused with an error of the library; values are found by
+// their paths, references end, and what is read is not much more than the text.
 #include <cstdint>
 
 #include <motionlang/io/options_file.hpp>

@@ -1,5 +1,5 @@
-// Pickles: any bytes are read or refused with an error of the library; what was read can be walked, and arrays in it hold as many
-// bytes as their shape says.
+// Pickles: any bytes are read or refused with an error of the library; what was read can be walked, and arrays in it
+// hold as many bytes as their shape says.
 #include <cstdint>
 
 #include <motionlang/io/pickle_arrays.hpp>

@@ -1,7 +1,7 @@
-// Files of tokenizers, config.json of text networks, and the texts that they meet. The first byte says what an input is, so that
-// each run does one thing: '{' JSON, '#' or '"' merges.txt, '[' or '<' vocab.txt, 0x1F gzip; a text may follow a file, behind a
-// NUL. Anything else is a text behind one byte that chooses what takes it. Any file is read or refused with an error of the
-// library; any text gets ids of the vocabulary.
+// Files of tokenizers, config.json of text networks, and the texts that they meet. The first byte says what an input
+// is, so that each run does one thing: '{' JSON, '#' or '"' merges.txt, '[' or '<' vocab.txt, 0x1F gzip; a text may
+// follow a file, behind a NUL. Anything else is a text behind one byte that chooses what takes it. Any file is read or
+// refused with an error of the library; any text gets ids of the vocabulary.
 #include <cstdint>
 
 #include <motionlang/io/text_network_file.hpp>

@@ -1,6 +1,6 @@
-// Files of weights in every format: any bytes are read or refused with an error of the library; tensors hold as many bytes as their
-// shape says, and survive being written as safetensors. A pickle is read once more as the data.pkl of an archive of PyTorch with two
-// storages, which keeps checksums out of the way.
+// Files of weights in every format: any bytes are read or refused with an error of the library; tensors hold as many
+// bytes as their shape says, and survive being written as safetensors. A pickle is read once more as the data.pkl of an
+// archive of PyTorch with two storages, which keeps checksums out of the way.
 #include <array>
 #include <cstdint>
 

@@ -1,5 +1,5 @@
-// Golden functions: ACTOR's loss and its gradients, through Autodiff. A source for each backend registers them: together they would
-// take long to compile.
+// Golden functions: ACTOR's loss and its gradients, through Autodiff. A source for each backend registers them:
+// together they would take long to compile.
 #pragma once
 
 #include <motionlang/backend/autodiff.hpp>

@@ -1,4 +1,5 @@
-// Golden functions: labels of BABEL, and what TEACH and SINC make of them: pairs, simultaneous segments, items, sentences.
+// Golden functions: labels of BABEL, and what TEACH and SINC make of them: pairs, simultaneous segments, items,
+// sentences.
 #include <motionlang/compose/simultaneous_segments.hpp>
 #include <motionlang/compose/sinc_items.hpp>
 #include <motionlang/compose/teach_pairs.hpp>

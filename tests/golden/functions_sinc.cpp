@@ -42,8 +42,8 @@ void text_encoder(Case& c) {
   out_distribution(c, m({golden::packed<B>(c, "text_hidden", "text_mask")}, mode));
 }
 
-/// Sequence and mask of the case are those of the padded batch. The rows that its mask shows have to be those of the library's
-/// sequence; the hidden ones are put between them.
+/// Sequence and mask of the case are those of the padded batch. The rows that its mask shows have to be those of the
+/// library's sequence; the hidden ones are put between them.
 template <ml::Backend B>
 void text_encoder_ste(Case& c) {
   const auto m = loaded_text_encoder<B>(c);

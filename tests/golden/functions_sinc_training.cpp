@@ -1,4 +1,5 @@
-// Golden functions: SINC's training step with the gradients of all weights through Autodiff, and a step of the optimiser.
+// Golden functions: SINC's training step with the gradients of all weights through Autodiff, and a step of the
+// optimiser.
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>

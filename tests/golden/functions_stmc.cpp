@@ -117,7 +117,8 @@ TextsOfCase<B> texts_of(const ml::BatchPlan& plan, const ml::TextFeatures<B>& te
   TextsOfCase<B> out{{{"", null}}};
   Index next = 0;
   for (const auto& p : plan.timelines) {
-    for (const auto& i : p.timeline.intervals) out.features.emplace(i.text, ml::gather(text, std::vector<Index>{next++}));
+    for (const auto& i : p.timeline.intervals)
+      out.features.emplace(i.text, ml::gather(text, std::vector<Index>{next++}));
   }
   return out;
 }
@@ -224,10 +225,9 @@ void chain(Case& c) {
                     : mode == "singletrack" || mode == "onetext"
                         ? golden::planned(c, converted(c), golden::plan_options(c))
                         : plan_of(c);
-  const auto motion = mdm_smpl_host<B>(c, plan, golden::layout_of(c))
-                          .run(plan, [&](const std::string& name, const ml::Tensor<B, 3>& t) {
-                            golden::out_if_wanted(c, name, t);
-                          });
+  const auto motion =
+      mdm_smpl_host<B>(c, plan, golden::layout_of(c))
+          .run(plan, [&](const std::string& name, const ml::Tensor<B, 3>& t) { golden::out_if_wanted(c, name, t); });
   golden::out(c, "motion", motion);
 }
 
@@ -285,8 +285,7 @@ ml::Tensor<B, 3> run_motiondiffuse(Case& c, const ml::BatchPlan& plan, const ml:
   const auto m = golden::motiondiffuse_model<B>(c);
   const Host<B, ml::MotionDiffuseDenoiser<B>> host{
       .c = c,
-      .stmc = without_statistics<B>(c, m, texts_of(plan, golden::clip_features<B>(c), null),
-                                    ml::guoh3dfeats_layout()),
+      .stmc = without_statistics<B>(c, m, texts_of(plan, golden::clip_features<B>(c), null), ml::guoh3dfeats_layout()),
       .noise = [&](const std::string& name) { return tensor<B, 3>(c, name); }};
   const auto out = [&](const std::string& name, const ml::Tensor<B, 3>& t) { golden::out_if_wanted(c, name, t); };
   const auto motion = host.run(plan, out);

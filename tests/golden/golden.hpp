@@ -6,8 +6,8 @@
 //     void lengths_to_mask(golden::Case& c) { ... c.out("mask", shape, values); }
 //     const golden::Registration r{"lengths to mask", "double", lengths_to_mask};
 //
-// A variant is a label ("double", "float", "reference<double>", "eigen<float>", ...); each gets a line of its own. Those
-// in float do not serve cases in double.
+// A variant is a label ("double", "float", "reference<double>", "eigen<float>", ...); each gets a line of its own.
+// Those in float do not serve cases in double.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Golden functions: the training losses of Guo's evaluator, with gradients through Autodiff. A source for each backend registers them:
-// together they would take long to compile.
+// Golden functions: the training losses of Guo's evaluator, with gradients through Autodiff. A source for each backend
+// registers them: together they would take long to compile.
 #pragma once
 
 #include <motionlang/backend/autodiff.hpp>

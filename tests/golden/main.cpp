@@ -92,8 +92,9 @@ void run_case(const fs::path& path, bool verbose, Tally& tally) {
   }
 }
 
-/// Runs cases in a process of its own: one whose inputs do not fit together may read where nothing is, or divide by no rows. A case that
-/// ends the process has failed, and another process goes on behind it. Returns whether the last one ended well.
+/// Runs cases in a process of its own: one whose inputs do not fit together may read where nothing is, or divide by no
+/// rows. A case that ends the process has failed, and another process goes on behind it. Returns whether the last one
+/// ended well.
 bool run_cases(const std::vector<fs::path>& cases, int threads, bool verbose, Tally& tally) {
   for (;;) {
     const pid_t process = fork();

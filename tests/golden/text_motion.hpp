@@ -98,7 +98,8 @@ ml::TemosMotionEncoder<B> temos_motion_encoder(const Case& c) {
   ml::load_module(m, c.file(), "weights/");
   return m;
 }
-/// A decoder case of one latent for each motion, with its intermediate results. `output`: what the file calls the frames.
+/// A decoder case of one latent for each motion, with its intermediate results. `output`: what the file calls the
+/// frames.
 template <ml::Backend B>
 void decoder_forward(Case& c, Layout layout, const std::string& output) {
   const auto m = sequence_decoder<B>(c);

@@ -1,5 +1,5 @@
-// Golden functions: TM2T's recurrent model from text to motion, and its training against the model from motion to text. A source for each backend registers them:
-// together they would take long to compile.
+// Golden functions: TM2T's recurrent model from text to motion, and its training against the model from motion to text.
+// A source for each backend registers them: together they would take long to compile.
 #pragma once
 
 #include <motionlang/backend/autodiff.hpp>

@@ -30,7 +30,8 @@ ml::MotionTokenizer<B> motion_tokenizer(const Case& c) {
   return m;
 }
 
-/// What "kind" says: m2t (motion tokens to words), m2t_v3 (decoder reads word vectors), t2m (word vectors to motion tokens), t2m_v2 (word ids).
+/// What "kind" says: m2t (motion tokens to words), m2t_v3 (decoder reads word vectors), t2m (word vectors to motion
+/// tokens), t2m_v2 (word ids).
 inline ml::Seq2SeqConfig seq2seq_config(const ml::JsonView& config) {
   const auto kind = config["kind"].as<std::string>();
   const Index words = config["text_words"].as<Index>() + 1, tokens = config["codebook"].as<Index>() + 3;
@@ -102,8 +103,8 @@ inline std::vector<unsigned char> visible_rows(const Case& c, const std::string&
   return out;
 }
 
-/// Sequences of one length, of which other rows see only those of a mask. The library leaves the others out; the published outputs have
-/// rows for them, too.
+/// Sequences of one length, of which other rows see only those of a mask. The library leaves the others out; the
+/// published outputs have rows for them, too.
 template <ml::Backend B>
 ml::Sequences<B> masked(const ml::Sequences<B>& x, std::span<const unsigned char> mask) {
   return ml::from_padded(ml::reshape<3>(x.rows, {x.count(), x.offsets.length(0), x.width()}), mask);

@@ -1,5 +1,5 @@
-// Golden functions: TM2T's motion tokenizer, its losses and its discriminator. A source for each backend registers them:
-// together they would take long to compile.
+// Golden functions: TM2T's motion tokenizer, its losses and its discriminator. A source for each backend registers
+// them: together they would take long to compile.
 #pragma once
 
 #include <motionlang/backend/autodiff.hpp>

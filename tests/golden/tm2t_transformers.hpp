@@ -1,5 +1,5 @@
-// Golden functions: TM2T's transformers from motion to text and from text to motion, with gradients through Autodiff. A source for each backend registers them:
-// together they would take long to compile.
+// Golden functions: TM2T's transformers from motion to text and from text to motion, with gradients through Autodiff. A
+// source for each backend registers them: together they would take long to compile.
 #pragma once
 
 #include <motionlang/backend/autodiff.hpp>

@@ -10,8 +10,8 @@
 ///     adjoint      <broadcast x, y> = <x, sum y>,   <gather x, y> = <x, scatter_add y>,   <A x, y> = <x, A^T y>
 ///     softmax      rows sum to 1; softmax(x + c) = softmax(x) for one c per row
 ///     layer norm   rows have mean 0 and variance 1; layer_norm(a x + c) = layer_norm(x) for a > 0
-///     attention    one key: its value; equal keys: the mean of the values; the order of keys and a shift of all keys do
-///                  not matter; heads are independent; a causal row does not see later ones
+///     attention    one key: its value; equal keys: the mean of the values; the order of keys and a shift of all keys
+///                  do not matter; heads are independent; a causal row does not see later ones
 ///     batch        the rows of a sequence have the same bits alone, in a batch, on any number of threads
 #pragma once
 

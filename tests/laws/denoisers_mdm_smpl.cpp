@@ -15,7 +15,8 @@ TEST_CASE("laws of modules and of the tape: MDM-SMPL") {
   tape_law<SmallMdmSmpl, ml::EigenBackend<double>>();
 }
 
-TEST_CASE_TEMPLATE("frames with several texts of unequal lengths", B, ml::ReferenceBackend<double>, ml::EigenBackend<float>) {
+TEST_CASE_TEMPLATE("frames with several texts of unequal lengths", B, ml::ReferenceBackend<double>,
+                   ml::EigenBackend<float>) {
   const auto model = SmallMdmSmpl::make<B>(ml::Philox{.seed = 1});
   const ml::Offsets lengths{5, 9, 13};
   ml::Philox rng{.seed = 2};

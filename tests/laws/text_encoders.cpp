@@ -1,4 +1,5 @@
-// The caption encoder, published networks behind a tokenizer, tables of pieces and words, and one as a user would write it.
+// The caption encoder, published networks behind a tokenizer, tables of pieces and words, and one as a user would write
+// it.
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
@@ -45,12 +46,15 @@ TEST_CASE_TEMPLATE("laws of text encoders", B, ml::ReferenceBackend<double>, ml:
   const auto pieces = ml::WordPiece::learn(captions, 40);
   ml::Philox rng{.seed = 2};
   const ml::BertConfig bert{.vocabulary = 40, .width = 8, .heads = 2, .d_ff = 12, .layers = 1, .positions = 64};
-  const ml::ClipTextConfig clip{.vocabulary = 40, .width = 8, .heads = 2, .d_ff = 12, .layers = 1, .context = 64, .out = 5};
+  const ml::ClipTextConfig clip{
+      .vocabulary = 40, .width = 8, .heads = 2, .d_ff = 12, .layers = 1, .context = 64, .out = 5};
   laws::text_encoder_laws<B>(ml::TokenizedEncoder(pieces, ml::DistilBert<B>(bert, rng)));
   laws::text_encoder_laws<B>(
       ml::TokenizedEncoder(pieces, ml::Mpnet<B>(bert, rng), {.pooling = ml::Pooling::mean, .normalize = true}));
   laws::text_encoder_laws<B>(ml::TokenizedEncoder(pieces, ml::ClipText<B>(clip, rng), {.pooling = ml::Pooling::end}));
   laws::text_encoder_laws<B>(ml::TokenizedEncoder(pieces, ml::Bert<B>(bert, rng), {.pooling = ml::Pooling::first}));
-  const ml::BertTokenizer words({"[PAD]", "[UNK]", "[CLS]", "[SEP]", "[MASK]", "walk", "sit", "arms", "raise", "##s", "!"});
-  laws::text_encoder_laws<B>(ml::AnyTextEncoder<B>{ml::AnyTokenizer(words), ml::AnyTextNetwork<B>{ml::Bert<B>(bert, rng)}, {}});
+  const ml::BertTokenizer words(
+      {"[PAD]", "[UNK]", "[CLS]", "[SEP]", "[MASK]", "walk", "sit", "arms", "raise", "##s", "!"});
+  laws::text_encoder_laws<B>(
+      ml::AnyTextEncoder<B>{ml::AnyTokenizer(words), ml::AnyTextNetwork<B>{ml::Bert<B>(bert, rng)}, {}});
 }

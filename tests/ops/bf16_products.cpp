@@ -5,8 +5,8 @@
 #include <motionlang/core/rng.hpp>
 #include <motionlang/tensor/ops.hpp>
 
-#include <cmath>
 #include <doctest/doctest.h>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -15,8 +15,8 @@
 #include "../support/threads.hpp"
 
 namespace ml = motionlang;
-using ml::Index;
 using kernel_sets::with_every_bf16_kernel;
+using ml::Index;
 using B = ml::EigenBackend<float>;
 using Matrix = ml::Tensor<B, 2>;
 
@@ -24,7 +24,8 @@ namespace {
 
 double rounded(float x) { return static_cast<double>(ml::bfloat16_to_float(ml::float_to_bfloat16(x))); }
 
-/// Largest error of c = a b against the product of the rounded factors, over sum |a b|; and against the exact product, over the bound.
+/// Largest error of c = a b against the product of the rounded factors, over sum |a b|; and against the exact product,
+/// over the bound.
 template <class A, class W>
 std::pair<double, double> errors(const ml::Dense<float>& c, Index m, Index n, Index k, A a, W b) {
   double of_sum = 0, of_bound = 0;
@@ -59,7 +60,8 @@ TEST_CASE("bf16: every form of the product keeps the promised bound, for all ker
           const auto b = Matrix::randn(tb ? ml::Shape{n, k} : ml::Shape{k, n}, rng);
           const auto c = B::matmul(a.data(), b.data(), ta, tb);
           const auto [of_sum, of_bound] = errors(
-              c, m, n, k, [&](Index i, Index q) { return a.span()[static_cast<std::size_t>(ta ? q * m + i : i * k + q)]; },
+              c, m, n, k,
+              [&](Index i, Index q) { return a.span()[static_cast<std::size_t>(ta ? q * m + i : i * k + q)]; },
               [&](Index q, Index j) { return b.span()[static_cast<std::size_t>(tb ? j * k + q : q * n + j)]; });
           CHECK(of_sum < 1e-6);
           CHECK(of_bound < 1);
@@ -111,10 +113,12 @@ TEST_CASE("bf16: bias, residual and nonlinearity stay in float; NaN and infinity
   with_every_bf16_kernel([&] {
     const auto y = B::linear(zero, w.data(), &bias.data(), ml::Activation::none, &residual.data());
     for (Index i = 0; i < m * n; ++i) {
-      REQUIRE(y.data()[i] == bias.span()[static_cast<std::size_t>(i % n)] + residual.span()[static_cast<std::size_t>(i)]);
+      REQUIRE(y.data()[i] ==
+              bias.span()[static_cast<std::size_t>(i % n)] + residual.span()[static_cast<std::size_t>(i)]);
     }
     const auto relu = B::linear(zero, w.data(), &bias.data(), ml::Activation::relu, nullptr);
-    for (Index i = 0; i < m * n; ++i) REQUIRE(relu.data()[i] == std::max(0.f, bias.span()[static_cast<std::size_t>(i % n)]));
+    for (Index i = 0; i < m * n; ++i)
+      REQUIRE(relu.data()[i] == std::max(0.f, bias.span()[static_cast<std::size_t>(i % n)]));
     auto x = ml::Dense<float>::full(ml::Shape{2, k}, 1);
     x.data()[3] = std::numeric_limits<float>::quiet_NaN();
     x.data()[k + 3] = std::numeric_limits<float>::infinity();
@@ -126,7 +130,9 @@ TEST_CASE("bf16: bias, residual and nonlinearity stay in float; NaN and infinity
   });
 }
 
-TEST_CASE("bf16: attention over sequences of many lengths and its gradients are those of float, nearly; the same bits for each sequence alone") {
+TEST_CASE(
+    "bf16: attention over sequences of many lengths and its gradients are those of float, nearly; the same bits for "
+    "each sequence alone") {
   ml::Philox rng{.seed = 6};
   const ml::Offsets offsets(std::vector<Index>{1, 47, 0, 33, 100});
   const Index heads = 3, width = 3 * 20;
@@ -137,7 +143,8 @@ TEST_CASE("bf16: attention over sequences of many lengths and its gradients are 
     const auto exact = B::attention(q.data(), k.data(), v.data(), offsets, offsets, options);
     const auto gradients = B::attention_vjp(q.data(), k.data(), v.data(), offsets, offsets, options, dy.data());
     with_every_bf16_kernel([&] {
-      const auto rounded_gradients = B::attention_vjp(q.data(), k.data(), v.data(), offsets, offsets, options, dy.data());
+      const auto rounded_gradients =
+          B::attention_vjp(q.data(), k.data(), v.data(), offsets, offsets, options, dy.data());
       for (std::size_t g = 0; g < 3; ++g) {
         double error = 0, size = 0;
         for (Index i = 0; i < gradients[g].count(); ++i) {
@@ -149,13 +156,14 @@ TEST_CASE("bf16: attention over sequences of many lengths and its gradients are 
       }
       const auto o = B::attention(q.data(), k.data(), v.data(), offsets, offsets, options);
       double worst = 0;
-      for (Index i = 0; i < o.count(); ++i) worst = std::max(worst, static_cast<double>(std::abs(o.data()[i] - exact.data()[i])));
+      for (Index i = 0; i < o.count(); ++i)
+        worst = std::max(worst, static_cast<double>(std::abs(o.data()[i] - exact.data()[i])));
       CHECK(worst < 0.05);  // scores near 4 in size are wrong by 2^-7 of their terms
       CHECK(worst > 1e-5);
       const ml::Offsets alone(std::vector<Index>{offsets.length(3)});
       const Index first = 48, last = first + 33;
-      const auto one = B::attention(q.data().rows(first, last), k.data().rows(first, last), v.data().rows(first, last), alone,
-                                    alone, options);
+      const auto one = B::attention(q.data().rows(first, last), k.data().rows(first, last), v.data().rows(first, last),
+                                    alone, alone, options);
       CHECK(std::equal(one.span().begin(), one.span().end(), o.span().begin() + first * width));
       for (int threads : {1, 3, 16}) {  // queries of a head are split
         const Threads set(threads);

@@ -1,5 +1,5 @@
-// Products in bf16x3, of floats by tiles (float_tiles.inc): as exact as multiply-adds, the same bits for any number of threads, the same NaN and
-// infinities. Where the processor has no such tiles there is nothing to test.
+// Products in bf16x3, of floats by tiles (float_tiles.inc): as exact as multiply-adds, the same bits for any number of
+// threads, the same NaN and infinities. Where the processor has no such tiles there is nothing to test.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/core/rows_together.hpp>
 #include <motionlang/tensor/ops.hpp>

@@ -52,8 +52,8 @@ std::vector<double> nonlinear_results(const ml::Tensor<B, 2>& t) {
   return out;
 }
 
-/// NaN stays NaN: nonlinearities keep it where it is, softmax spreads it over its row and attention over its sequence, as
-/// the reference does. At every place of a vector, and behind the last whole one.
+/// NaN stays NaN: nonlinearities keep it where it is, softmax spreads it over its row and attention over its sequence,
+/// as the reference does. At every place of a vector, and behind the last whole one.
 template <ml::Backend B>
 void check_not_a_number() {
   constexpr Index width = 37;
@@ -75,8 +75,8 @@ void check_not_a_number() {
   }
 }
 
-/// Far from 0, where fits end and exponentials leave the range of the scalar: nonlinearities and softmax are what the reference says, and
-/// the slope of gelu is 0 or 1.
+/// Far from 0, where fits end and exponentials leave the range of the scalar: nonlinearities and softmax are what the
+/// reference says, and the slope of gelu is 0 or 1.
 template <ml::Backend B>
 void check_far_numbers(double tolerance) {
   const std::vector<double> x{5.5, 5.65, 5.66, 7, 10, 40, 86.9, 87.1, 88.1, 104, 709, 746, 1e4, 1e7, 1e20};

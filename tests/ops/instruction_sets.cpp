@@ -1,5 +1,5 @@
-// The kernels of every instruction set that this machine has, not only of the one that would be chosen: the same numbers as the
-// reference, and the same bits whatever the batch and the number of threads.
+// The kernels of every instruction set that this machine has, not only of the one that would be chosen: the same
+// numbers as the reference, and the same bits whatever the batch and the number of threads.
 #include <motionlang/backend/eigen.hpp>
 
 #include <algorithm>
@@ -53,8 +53,8 @@ void check_prepare_looks() {
   }
 }
 
-/// gelu on a fine grid (with all odd multiples of 1/8, where polynomials meet, and their neighbours) and beyond it, against the definition
-/// in double: wrong by `bound` of x at most, below 0 by `absolute_bound`, and 0 at 0.
+/// gelu on a fine grid (with all odd multiples of 1/8, where polynomials meet, and their neighbours) and beyond it,
+/// against the definition in double: wrong by `bound` of x at most, below 0 by `absolute_bound`, and 0 at 0.
 template <class S>
 void check_gelu(double bound, double absolute_bound) {
   std::vector<S> x{S(0), S(1e-30), S(-1e-30), S(50), S(-50)};

@@ -1,5 +1,5 @@
-// Products whose result is larger than the nearer caches, which walk over it in another order (float) or write it past the caches
-// (bfloat16): the same bits as a few rows at a time.
+// Products whose result is larger than the nearer caches, which walk over it in another order (float) or write it past
+// the caches (bfloat16): the same bits as a few rows at a time.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/tensor/fused.hpp>
 
@@ -48,8 +48,8 @@ void check_large(Index m, Index n, Index k = 5) {
 TEST_CASE_TEMPLATE("every instruction set", S, float, double) {
   kernel_sets::with_every_kernel<S>([] {
     check_large<S>(8203, 512);
-    check_large<S>(8203, 520);   // the last panel is not whole
-    check_large<S>(1030, 1024);  // rows a multiple of the page size apart
+    check_large<S>(8203, 520);        // the last panel is not whole
+    check_large<S>(1030, 1024);       // rows a multiple of the page size apart
     check_large<S>(1200, 1024, 130);  // the whole and its parts, of 200 rows each, large enough for tiles of floats
     check_large<S>(8200, 520, 260);
     check_large<S>(2200, 520, 1024);   // rows that are copied, a few panels at a time

@@ -101,14 +101,18 @@ std::vector<Row<B>> rows() {
                    [ta, tb](In x) { return B::matmul(x[0], x[1], ta, tb); }});
     }
   }
-  r.push_back(
-      {"reshape", {{3, 4}}, [](In x) { return B::reshape(x[0], Shape{2, 6}); }, Domain::real, /*grows=*/false});
+  r.push_back({"reshape", {{3, 4}}, [](In x) { return B::reshape(x[0], Shape{2, 6}); }, Domain::real, /*grows=*/false});
   r.push_back({"permute", {{2, 3, 4}}, [](In x) {
                  const std::vector<int> axes{2, 0, 1};
                  return B::permute(x[0], std::span<const int>(axes));
                }});
-  r.push_back(
-      {"broadcast", {{3, 1}}, [](In x) { return B::broadcast(x[0], Shape{2, 3, 4}); }, Domain::real, /*grows=*/false});
+  r.push_back({"broadcast",
+               {{3, 1}},
+               [](In x) {
+                 return B::broadcast(x[0], Shape{2, 3, 4});
+               },
+               Domain::real,
+               /*grows=*/false});
   for (int axis = 0; axis < 2; ++axis) {
     r.push_back({"slice axis " + std::to_string(axis), {{5, 6}}, [axis](In x) { return B::slice(x[0], axis, 1, 4); }});
     r.push_back({"concat axis " + std::to_string(axis),

@@ -1,4 +1,5 @@
-// motionlang convert, view and strip: the user's body with the hands and the shape of AMASS files, its files merged; whole folders.
+// motionlang convert, view and strip: the user's body with the hands and the shape of AMASS files, its files merged;
+// whole folders.
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/eigen.hpp>

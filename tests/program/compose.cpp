@@ -33,7 +33,8 @@ struct Clips : TemporaryFolder {
   ml::Motion read(const std::string& file) const { return ml::read_bvh_motion(*this / file); }
 };
 
-double angle_between(const ml::Motion& a, ml::Index in_a, const ml::Motion& b, ml::Index in_b, const std::string& joint) {
+double angle_between(const ml::Motion& a, ml::Index in_a, const ml::Motion& b, ml::Index in_b,
+                     const std::string& joint) {
   const auto of = [&](const ml::Motion& m, ml::Index frame) {
     const auto at = std::find(m.skeleton.names.begin(), m.skeleton.names.end(), joint) - m.skeleton.names.begin();
     REQUIRE(at < m.skeleton.size());
@@ -66,15 +67,16 @@ TEST_CASE("compose: the second motion gives the parts that are named, or that it
 TEST_CASE("compose: legs, pelvis and path stay together; the motion with fewer parts overrides") {
   const Clips w;
   const ml::Motion walk = w.read("walk.bvh"), bent = w.read("bent.bvh");
-  const Outcome made = w.run({"compose", "walk.bvh", "bent.bvh", "--first", "left arm, right arm", "--second", "right leg",
-                              "-o", "both.bvh"});
+  const Outcome made = w.run(
+      {"compose", "walk.bvh", "bent.bvh", "--first", "left arm, right arm", "--second", "right leg", "-o", "both.bvh"});
   REQUIRE_MESSAGE(made.code == 0, made.text);
   const ml::Motion both = w.read("both.bvh");
   for (const char* joint : {"pelvis", "left_hip", "right_ankle"}) CHECK(angle_between(both, 10, bent, 5, joint) < 1e-4);
   for (const char* joint : {"spine1", "left_elbow", "head"}) CHECK(angle_between(both, 10, walk, 10, joint) < 1e-4);
   CHECK(ml::norm(both.root_at(30) - bent.root_at(15)) < 1e-4);
-  CHECK(contains(w.run({"compose", "walk.bvh", "bent.bvh", "--first", "left arm,right arm", "--second", "right arm", "-o",
-                        "both.bvh"}).text,
+  CHECK(contains(w.run({"compose", "walk.bvh", "bent.bvh", "--first", "left arm,right arm", "--second", "right arm",
+                        "-o", "both.bvh"})
+                     .text,
                  "both move: right arm; the motion with fewer parts has them"));
 }
 

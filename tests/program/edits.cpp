@@ -24,8 +24,10 @@ struct Edited : TemporaryFolder {
     write("after.txt", "sit down");
   }
   void write(const std::string& file, const std::string& second) const {
-    ml::write_file(*this / file, "sit down # 0 # 1\n" + second +
-                                     " # 1 # 2\nwalk forward # 2 # 3\nraise both arms # 3 # 4\nsit down # 4 # 5\nwalk forward # 5 # 6\n");
+    ml::write_file(
+        *this / file,
+        "sit down # 0 # 1\n" + second +
+            " # 1 # 2\nwalk forward # 2 # 3\nraise both arms # 3 # 4\nsit down # 4 # 5\nwalk forward # 5 # 6\n");
   }
   Outcome generate(const std::string& timeline, const std::string& out, std::vector<std::string> more = {},
                    const std::string& model = "model.safetensors") const {
@@ -57,11 +59,13 @@ TEST_CASE("a motion after an edit is that of a whole run, and it is said what wa
   CHECK_MESSAGE(contains(again.text, "after step 5 of 10 nothing could be reused"), again.text);
   CHECK(w.generate("after.txt", "whole", settings).code == 0);
   for (const char* extension : {".bvh", ".npz", ".html"})
-    CHECK_MESSAGE(w.bytes(std::string("b/after") + extension) == w.bytes(std::string("whole/after") + extension), extension);
+    CHECK_MESSAGE(w.bytes(std::string("b/after") + extension) == w.bytes(std::string("whole/after") + extension),
+                  extension);
 
   // and from there again, with a record that was made by --reuse: nothing edited, nothing made
   const auto same = w.generate("after.txt", "c", {"--reuse", "b/after.steps.safetensors"});
-  CHECK_MESSAGE(contains(same.text, "reused: 120 of 120 frames are those of before; 0 % of the work of a whole run"), same.text);
+  CHECK_MESSAGE(contains(same.text, "reused: 120 of 120 frames are those of before; 0 % of the work of a whole run"),
+                same.text);
   CHECK(w.bytes("c/after.bvh") == w.bytes("b/after.bvh"));
 }
 
@@ -84,8 +88,10 @@ TEST_CASE("--keep-beyond keeps what is further away and is said to be no whole r
   CHECK(w.generate("before.txt", "a", recorded).code == 0);
   const auto out = w.generate("after.txt", "b", kept);
   REQUIRE_MESSAGE(out.code == 0, out.text);
-  CHECK_MESSAGE(contains(out.text, "reused: 70 of 120 frames"), out.text);  // made anew: 1 s, 5 frames of overlap and 10 further on each side
-  CHECK_MESSAGE(contains(out.text, "not the motion of a whole run: frames further than 0.50 s from an edit were kept"), out.text);
+  // made anew: 1 s, 5 frames of overlap and 10 further on each side
+  CHECK_MESSAGE(contains(out.text, "reused: 70 of 120 frames"), out.text);
+  CHECK_MESSAGE(contains(out.text, "not the motion of a whole run: frames further than 0.50 s from an edit were kept"),
+                out.text);
 }
 
 TEST_CASE("records that do not fit are refused") {
@@ -102,16 +108,19 @@ TEST_CASE("records that do not fit are refused") {
   std::filesystem::create_directory(w / "empty");
   const auto none = w.generate("after.txt", "b", {"--reuse", "empty"});
   CHECK(none.code == 1);
-  CHECK_MESSAGE(contains(none.text, "empty: 0 files *.steps.safetensors, which generate writes with --record"), none.text);
+  CHECK_MESSAGE(contains(none.text, "empty: 0 files *.steps.safetensors, which generate writes with --record"),
+                none.text);
   CHECK(w.generate("after.txt", "a", {"--record", "--steps", "2"}).code == 0);
-  CHECK(contains(w.generate("after.txt", "b", {"--reuse", "a"}).text, "a: 2 files *.steps.safetensors; name one of them"));
+  CHECK(contains(w.generate("after.txt", "b", {"--reuse", "a"}).text,
+                 "a: 2 files *.steps.safetensors; name one of them"));
 }
 
 TEST_CASE("judge compares numbers of steps in a table") {
   const Edited w;
   const auto out = run({"judge", "--model", "model.safetensors", "--seeds", "2", "--compare", "12", "4"}, w.path);
   REQUIRE_MESSAGE(out.code == 0, out.text);
-  for (const char* row : {"| ddpm | 12 | ", "| ddpm | 4 | ", "| ddim | 12 | ", "| ddim | 4 | ", "between two seeds: ddpm "})
+  for (const char* row :
+       {"| ddpm | 12 | ", "| ddpm | 4 | ", "| ddim | 12 | ", "| ddim | 4 | ", "between two seeds: ddpm "})
     CHECK_MESSAGE(contains(out.text, row), row, " in ", out.text);
   CHECK(contains(out.text, "| 0 | "));  // the first is no distance away from itself
   CHECK(run({"judge", "--compare", "10", "--steps", "4"}, w.path).code == 2);

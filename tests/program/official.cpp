@@ -64,8 +64,10 @@ TEST_CASE("generate: folders of STMC, MDM and MotionDiffuse, from a text and fro
   official::write_clip(w / "clip", sizes);
   for (const std::string model : {"stmc", "mdm", "motiondiffuse"}) {
     CAPTURE(model);
-    w.did({"generate", "--model", model, "--text", "A walk, slowly!", "--seconds", "1.5", "--out", model + "_out", "--steps", "2"});
-    for (const char* end : {".bvh", ".glb", ".npz", ".svg", ".html"}) CHECK(fs::exists(w / (model + "_out/A_walk_slowly" + end)));
+    w.did({"generate", "--model", model, "--text", "A walk, slowly!", "--seconds", "1.5", "--out", model + "_out",
+           "--steps", "2"});
+    for (const char* end : {".bvh", ".glb", ".npz", ".svg", ".html"})
+      CHECK(fs::exists(w / (model + "_out/A_walk_slowly" + end)));
     CHECK(w.joints(model + "_out/A_walk_slowly.npy") == std::vector<ml::Index>{30, 24, 3});
   }
   ml::write_file(w / "two.txt", std::string_view("walk # 0 # 1 # legs\nwave # 0.2 # 0.8 # right arm\n"));
@@ -84,9 +86,11 @@ TEST_CASE("pack: one folder that generates the same; info says what a folder is"
   official::write_mdm_run(w / "mdm", sizes);
   official::write_clip(w / "mdm/clip", sizes);
   CHECK(w.run({"pack", "mdm", "-o", "packed"}).code == 2);  // without a licence
-  const std::string said = w.did({"pack", "mdm", "-o", "packed", "--license", "MIT", "--provenance", "drawn", "--with-text-encoder"});
-  for (const char* part : {"model of                 mdm", "license                  MIT", "text encoder             clip",
-                           "guoh3dfeats, 263 numbers a frame, 20 frames per second", "cosine, 24 steps"})
+  const std::string said =
+      w.did({"pack", "mdm", "-o", "packed", "--license", "MIT", "--provenance", "drawn", "--with-text-encoder"});
+  for (const char* part :
+       {"model of                 mdm", "license                  MIT", "text encoder             clip",
+        "guoh3dfeats, 263 numbers a frame, 20 frames per second", "cosine, 24 steps"})
     CHECK_MESSAGE(contains(said, part), said);
   const auto bvh = [&](const std::string& model, const std::string& out) {
     w.did({"generate", "--model", model, "--text", "walk", "--seconds", "1", "--steps", "2", "--out", out});
@@ -102,7 +106,8 @@ TEST_CASE("pack: one folder that generates the same; info says what a folder is"
   CHECK(contains(w.did({"info", "mdm"}), "model000475000.pt"));
 }
 
-TEST_CASE("pack: ACTOR, TEMOS, TEACH, SINC, TM2T and MDM for actions; the folder generates the same with nothing else") {
+TEST_CASE(
+    "pack: ACTOR, TEMOS, TEACH, SINC, TM2T and MDM for actions; the folder generates the same with nothing else") {
   const Workplace w;
   const auto teach = official::small_teach();
   const auto sinc = official::small_sinc();
@@ -131,17 +136,20 @@ TEST_CASE("pack: ACTOR, TEMOS, TEACH, SINC, TM2T and MDM for actions; the folder
       return a;
     };
     const std::string packed = (elsewhere / system).string();
-    const std::string said = w.did(joined({"pack", run, "-o", packed, "--license", "drawn by us", "--provenance", "this test",
-                                           "--with-text-encoder"},
-                                          sources));
+    const std::string said = w.did(joined(
+        {"pack", run, "-o", packed, "--license", "drawn by us", "--provenance", "this test", "--with-text-encoder"},
+        sources));
     CHECK_MESSAGE(contains(said, "license                  drawn by us"), said);
     CHECK(contains(w.did({"info", packed}), "provenance               this test"));
     CHECK(contains(ml::read_file(packed + "/config.json"), "\"system\": \"" + system + "\""));
     CHECK(made(packed, what) == made(run, joined(what, sources)));
     const std::string again = packed + "_again";  // such a folder is a run folder
-    w.did({"pack", packed, "-o", again, "--license", "drawn by us", "--provenance", "this test", "--with-text-encoder"});
+    w.did(
+        {"pack", packed, "-o", again, "--license", "drawn by us", "--provenance", "this test", "--with-text-encoder"});
     CHECK(ml::read_file(again + "/weights.safetensors") == ml::read_file(packed + "/weights.safetensors"));
-    const auto config = [](const std::string& folder) { return nlohmann::json::parse(ml::read_file(folder + "/config.json")); };
+    const auto config = [](const std::string& folder) {
+      return nlohmann::json::parse(ml::read_file(folder + "/config.json"));
+    };
     CHECK(config(again) == config(packed));  // its options in any order
   };
   const std::vector<std::string> action{"--action", "walk", "--seconds", "1"}, text{"--text", "walk", "--seconds", "1"};
@@ -177,7 +185,8 @@ TEST_CASE("generate: ACTOR takes actions, TEMOS a text") {
   official::write_temos_run(w / "temos", official::small_temos());
   official::write_temos_statistics(w / "statistics", 64);
   official::write_text(w / "words/vocab.txt", official::bert_vocabulary);
-  w.did({"generate", "--model", "temos", "--text", "a walk", "--seconds", "2", "--statistics", "statistics", "--text-encoder", "words"});
+  w.did({"generate", "--model", "temos", "--text", "a walk", "--seconds", "2", "--statistics", "statistics",
+         "--text-encoder", "words"});
   CHECK(w.joints("out/a_walk.npy") == std::vector<ml::Index>{25, 21, 3});
 }
 
@@ -732,9 +741,8 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   // two labels at the same time, between 1 and 2 seconds
   const auto sinc = ml::load_sinc_run<B>(ml::find_run(w / "sinc"), sources);
   ml::write_file(w / "parts.json", R"({"walk": ["", "", "right leg\nleft leg"], "wave": ["", "", "right arm"]})");
-  const std::string of_sinc =
-      measured("sinc", {"--samples", "2", "--temos", "sinc", "--body-parts", "parts.json", "--conjunction", "while",
-                        "--strips", "strips"});
+  const std::string of_sinc = measured("sinc", {"--samples", "2", "--temos", "sinc", "--body-parts", "parts.json",
+                                                "--conjunction", "while", "--strips", "strips"});
   for (const char* text : {"2 motions of val.json", "two labels as in 'walk while wave'", "joints of our own skeleton",
                            "  best of 2 samples ", "  mean of the latent ", "  labels alone, composed "})
     CHECK_MESSAGE(contains(of_sinc, text), of_sinc);
@@ -782,22 +790,24 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   CHECK(contains(of_sinc, "without the -ing form of its paper"));
   // with the second verb in its -ing form, as the published routine writes it
   ml::write_file(w / "tags.txt", std::string_view("walk while wave#walk/VERB while/SCONJ wave/VERB#0.0#0.0\n"));
-  const std::string gerund = measured(
-      "sinc", {"--samples", "1", "--conjunction", "while", "--tags", "tags.txt", "--strips", "gerund", "--keys", "keys.txt"});
+  const std::string gerund = measured("sinc", {"--samples", "1", "--conjunction", "while", "--tags", "tags.txt",
+                                               "--strips", "gerund", "--keys", "keys.txt"});
   check_strips("gerund", "walk while waveing");
   CHECK_MESSAGE(contains(gerund, "1 motions of val.json, of 2 keys"), gerund);
   CHECK(contains(gerund, "'walk while wave', with the -ing form of the second verb"));
   // pairs that training has not
   const auto unseen = [&](const std::string& training, const std::string& validation) {
     return w.run({"evaluate", "sinc", "--data", ".", "--babel", training, "--babel-validation", validation, "--part",
-                  "validation", "--items", "unseen", "--samples", "1", "--statistics", "of135", "--text-encoder", "words"});
+                  "validation", "--items", "unseen", "--samples", "1", "--statistics", "of135", "--text-encoder",
+                  "words"});
   };
   const Outcome others_learnt = unseen("train.json", "val.json");
   CHECK(others_learnt.code == 0);
   CHECK_MESSAGE(contains(others_learnt.text, "2 motions of the validation part"), others_learnt.text);
   for (const Outcome& none : {unseen("same.json", "val.json"), unseen("train.json", "stand.json")}) {
     CHECK(none.code == 1);
-    CHECK_MESSAGE(contains(none.text, "[motionlang.config.101] the validation part has no motions to measure"), none.text);
+    CHECK_MESSAGE(contains(none.text, "[motionlang.config.101] the validation part has no motions to measure"),
+                  none.text);
   }
   CHECK(contains(measured("sinc", {"--samples", "1", "--items", "single"}), "4 motions of val.json"));
   CHECK(contains(measured("sinc", {"--samples", "1", "--items", "all"}), "6 motions of val.json"));
@@ -858,8 +868,8 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
     return mmm(ml::teach_motion(sinc.normalizer, parts, window, alignment));
   };
   const auto sentence = sinc.text_encoder.encode<B>(std::vector<std::string>{"walk, wave"}).tokens;
-  const auto together = mmm(ml::sinc_motion(
-      sinc.normalizer, ml::text_to_motion(sinc.model, sentence, ml::Offsets{105}, noise).front().rows));
+  const auto together = mmm(
+      ml::sinc_motion(sinc.normalizer, ml::text_to_motion(sinc.model, sentence, ml::Offsets{105}, noise).front().rows));
   const std::string beside = measured("teach", {"--samples", "1", "--independent", "sinc", "--joint", "sinc"});
   const auto independent = alone(8, ml::Alignment::full);
   const auto of_alone = check_row(beside, "independent", ml::temos_rifke(), {independent, independent}, truth);
@@ -892,8 +902,9 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
           "--temos temos: a model of smplvelp-published at 12.5 frames per second, the motions are smplvelp-published "
           "at 30");
   refused("teach", {"--joint", "temos"}, "--joint temos: a model of smplvelp-published at 12.5 frames per second");
-  refused("teach", {"--independent", "words"},
-          "[motionlang.config.103] --independent words: a model of ''; taken are sinc and teach, and temos as published");
+  refused(
+      "teach", {"--independent", "words"},
+      "[motionlang.config.103] --independent words: a model of ''; taken are sinc and teach, and temos as published");
   refused("teach", {"--slerp-window", "28"}, "[motionlang.config.101] TEACH: action 1 of 29 frames with a gap of 28");
   ml::write_npz(w / "small.npz", body_arrays::chain(24, 4, 10));
   refused("teach", {"--body", "small.npz"},
@@ -1090,7 +1101,8 @@ TEST_CASE("convert --denoise: encoded and decoded, put where it was; longer moti
   const auto sinc = official::small_sinc();
   official::write_lightning_run(w / "sinc", official::sinc(sinc), sinc, 30);
   official::write_temos_statistics(w / "of135", 135);
-  w.did({"convert", "short.bvh", "by_sinc.bvh", "--denoise", "sinc", "--statistics", "of135", "--text-encoder", "words"});
+  w.did(
+      {"convert", "short.bvh", "by_sinc.bvh", "--denoise", "sinc", "--statistics", "of135", "--text-encoder", "words"});
   const auto by_sinc = ml::read_bvh_motion(w / "by_sinc.bvh");
   CHECK(by_sinc.fps == doctest::Approx(20));
   CHECK(by_sinc.skeleton.size() == 24);
@@ -1151,15 +1163,18 @@ TEST_CASE("generate: MDM for actions, and TM2T, which decides itself how long a 
   const Outcome longer = w.run({"generate", "--model", "mdm", "--action", "walk", "--seconds", "4"});
   CHECK(longer.code == 3);
   CHECK(contains(longer.text, "'walk' has 80 frames, the model makes 60"));
-  CHECK(contains(w.run({"generate", "--model", "mdm", "--action", "walk", "--backend", "reference"}).text, "generated with backend 'eigen'"));
+  CHECK(contains(w.run({"generate", "--model", "mdm", "--action", "walk", "--backend", "reference"}).text,
+                 "generated with backend 'eigen'"));
 
   const auto none = ml::MdmCondition::none;
   official::write_mdm_action_run(w / "free", official::small(), 0.1, none, R"(, "unconstrained": true)");
   w.did({"generate", "--model", "free", "--action", "any", "--seconds", "2", "--steps", "3"});
   CHECK(w.joints("out/any.npy") == std::vector<ml::Index>{40, 24, 3});
   CHECK(contains(w.did({"info", "free"}), "actions                  any"));
-  CHECK(contains(w.run({"generate", "--model", "free", "--action", "walk"}).text, "action 'walk' is none of 0 ... 0; they are called any"));
-  official::write_mdm_action_run(w / "wrong", official::small(), 0.1, ml::MdmCondition::action, R"(, "cond_mode": "no_cond")");
+  CHECK(contains(w.run({"generate", "--model", "free", "--action", "walk"}).text,
+                 "action 'walk' is none of 0 ... 0; they are called any"));
+  official::write_mdm_action_run(w / "wrong", official::small(), 0.1, ml::MdmCondition::action,
+                                 R"(, "cond_mode": "no_cond")");
   CHECK(contains(w.run({"generate", "--model", "wrong", "--action", "any"}).text, "[motionlang.io.404]"));
 
   const fs::path run = official::write_tm2t_runs(w.path, official::small_tm2t());
@@ -1177,13 +1192,15 @@ TEST_CASE("generate: MDM for actions, and TM2T, which decides itself how long a 
 
 TEST_CASE("describe: TM2T as published; a listing, JSON, a table that index and the trainings read, a packed folder") {
   const Workplace w;
-  const std::string model = (official::write_tm2t_runs(w.path, official::small_tm2t()).parent_path() / "M2T_EL2_DL1_NH2_PS").string();
+  const std::string model =
+      (official::write_tm2t_runs(w.path, official::small_tm2t()).parent_path() / "M2T_EL2_DL1_NH2_PS").string();
   fs::create_directories(w / "clips/more");
   ml::write_bvh(w / "clips/walk.bvh", synthetic::walk({.frames = 60}));
   ml::write_bvh(w / "clips/more/long.bvh", synthetic::walk({.frames = 300, .turn = 0.5}));
   ml::write_bvh(w / "clips/short.bvh", synthetic::walk({.frames = 3}));
 
-  const std::string said = w.did({"describe", "clips", "--model", model, "--beams", "3", "--top", "2", "-o", "captions.tsv"});
+  const std::string said =
+      w.did({"describe", "clips", "--model", model, "--beams", "3", "--top", "2", "-o", "captions.tsv"});
   CHECK_MESSAGE(contains(said, "0.00    3.00 s  clips/walk.bvh"), said);
   CHECK_MESSAGE(contains(said, "skipped: clips/short.bvh: [motionlang.shape.205]"), said);
   CHECK_MESSAGE(contains(said, "table    captions.tsv"), said);
@@ -1219,7 +1236,8 @@ TEST_CASE("describe: TM2T as published; a listing, JSON, a table that index and 
     for (std::string word; words >> word;)
       CHECK(std::find(official::tm2t_words.begin(), official::tm2t_words.end(), word) != official::tm2t_words.end());
   }
-  CHECK(json({"--sample", "--top-k", "1"}) == json({"--sample", "--top-k", "1", "--seed", "9"}));  // nothing is left to draw
+  // nothing is left to draw
+  CHECK(json({"--sample", "--top-k", "1"}) == json({"--sample", "--top-k", "1", "--seed", "9"}));
 
   // features are read as they are, and a packed folder says the same with nothing beside it
   w.did({"convert", "clips/walk.bvh", "rows.npy", "--features", "guoh3d"});
@@ -1228,7 +1246,8 @@ TEST_CASE("describe: TM2T as published; a listing, JSON, a table that index and 
     return nlohmann::json::parse(text.substr(text.find("[\n"))).at(0).at("descriptions").at(0);
   };
   CHECK(of("rows.npy", model).at("text") == of("clips/walk.bvh", model).at("text"));
-  w.did({"pack", model, "-o", "packed", "--license", "drawn by us", "--provenance", "this test", "--with-text-encoder"});
+  w.did(
+      {"pack", model, "-o", "packed", "--license", "drawn by us", "--provenance", "this test", "--with-text-encoder"});
   fs::rename(w / "glove", w / "words");
   fs::rename(w / "checkpoints", w / "elsewhere");
   CHECK(of("rows.npy", "packed").at("text").is_string());
@@ -1243,12 +1262,14 @@ TEST_CASE("describe: TM2T as published; a listing, JSON, a table that index and 
   CHECK_MESSAGE((twice.code == 2 && contains(twice.text, "would both be 'more/long' in the table")), twice.text);
   fs::create_directories(w / "nothing");
   refused({"describe", "nothing", "--model", "packed"}, "describe: no motion file in nothing");
-  refused({"describe", "clips", "--model", "elsewhere/t2m/T2M_Seq2Seq"}, "not TM2T's transformer from motions to texts");
+  refused({"describe", "clips", "--model", "elsewhere/t2m/T2M_Seq2Seq"},
+          "not TM2T's transformer from motions to texts");
   CHECK(w.run({"describe", "clips", "--model", "packed", "--sample", "--beams", "2"}).code == 2);
   CHECK(w.run({"describe", "clips", "--model", "packed", "--top", "0"}).code == 2);
   const std::string help = w.did({"describe", "--help"});
-  for (const char* option : {"input", "--model", "--tokenizer", "--text-encoder", "--out", "--top", "--beams", "--sample", "--top-k",
-                             "--seed", "--json", "--scale", "--rate", "--up", "--threads", "--precision"})
+  for (const char* option :
+       {"input", "--model", "--tokenizer", "--text-encoder", "--out", "--top", "--beams", "--sample", "--top-k",
+        "--seed", "--json", "--scale", "--rate", "--up", "--threads", "--precision"})
     CHECK_MESSAGE(contains(help, option), option);
 }
 
@@ -1263,7 +1284,8 @@ TEST_CASE("info: what the folders of ACTOR, TEMOS, TEACH, TM2T and MDM for actio
                  "encoder tokens for each class, decoder transformer; latent 16, feed-forward 24, 2 layers, 4 heads"});
   official::write_temos_run(w / "temos", official::small_temos());
   says("temos", {"model of                 temos", "64 numbers a frame, 12.5 frames per second",
-                 "states of 64 numbers, DistilBERT in the checkpoint", "motion encoder transformer, decoder transformer, latent 16"});
+                 "states of 64 numbers, DistilBERT in the checkpoint",
+                 "motion encoder transformer, decoder transformer, latent 16"});
   const auto teach = official::small_teach();
   official::write_lightning_run(w / "teach", official::teach(teach), teach, 30);
   says("teach", {"model of                 teach", "135 numbers a frame, 30 frames per second"});
@@ -1276,7 +1298,8 @@ TEST_CASE("info: what the folders of ACTOR, TEMOS, TEACH, TM2T and MDM for actio
   says((golden / "actor_run").string(), {"12 classes of humanact12", "encoder.muQuery"});
   says((fs::path(run).parent_path() / "M2T_EL2_DL1_NH2_PS").string(),
        {"from motions to texts", "transformer of width 8, 2 + 1 layers; writes 8 symbols"});
-  says((fs::path(run).parent_path() / "VQVAEV3").string(), {"motion tokenizer", "263 numbers a frame", "10 codes, 2 halvings of the length, 2 residual blocks"});
+  says((fs::path(run).parent_path() / "VQVAEV3").string(),
+       {"motion tokenizer", "263 numbers a frame", "10 codes, 2 halvings of the length, 2 residual blocks"});
 }
 
 TEST_CASE("embed: a cache in the layout of TMR and STMC") {
@@ -1284,7 +1307,8 @@ TEST_CASE("embed: a cache in the layout of TMR and STMC") {
   const auto sizes = official::small();
   official::write_clip(w / "clip", sizes);
   ml::write_file(w / "texts.txt", std::string_view("walk\n\na walk\nwalk\n"));
-  CHECK(contains(w.did({"embed", "texts.txt", "--encoder", "clip", "-o", "text_embeddings", "--name", "ViT-B/32", "--pooling", "end"}),
+  CHECK(contains(w.did({"embed", "texts.txt", "--encoder", "clip", "-o", "text_embeddings", "--name", "ViT-B/32",
+                        "--pooling", "end"}),
                  "3 texts, rows of 12 numbers"));
   const auto cache = ml::EmbeddingCache::read(w / "text_embeddings", "ViT-B/32");
   CHECK((cache.count() == 3 && cache.width() == 12 && cache.contains("") && cache.contains("a walk")));

@@ -11,7 +11,7 @@ struct Outcome {
   std::string text;  // standard output and error
 };
 
-/// Runs `motionlang` with these arguments in `folder`. When `interrupt_at` is not empty, Ctrl-C is sent as soon as the program
-/// has said it. `input` is a file of the folder that it reads as standard input.
+/// Runs `motionlang` with these arguments in `folder`. When `interrupt_at` is not empty, Ctrl-C is sent as soon as the
+/// program has said it. `input` is a file of the folder that it reads as standard input.
 Outcome run(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
             const std::string& interrupt_at = "", const std::string& input = "/dev/null");

@@ -65,8 +65,8 @@ TEST_CASE("help names every command and option, and the exit codes") {
   const TemporaryFolder folder;
   const auto all = run({"--help"}, folder.path);
   CHECK(all.code == 0);
-  for (const char* word : {"generate", "check", "info", "train", "judge", "convert", "compose", "join", "doctor", "strip", "view", "describe", "Exit codes: 0 ",
-                           "1 ", "2 ", "3 ", "130 "})
+  for (const char* word : {"generate", "check", "info", "train", "judge", "convert", "compose", "join", "doctor",
+                           "strip", "view", "describe", "Exit codes: 0 ", "1 ", "2 ", "3 ", "130 "})
     CHECK_MESSAGE(contains(all.text, word), word);
   const std::map<std::string, std::vector<std::string>> options{
       {"generate", {"--timeline",  "--model",   "--out",         "--seed",    "--steps",           "--sampler",
@@ -170,7 +170,8 @@ TEST_CASE("exit codes") {
   CHECK_MESSAGE(contains(action.text, "[motionlang.config.102] --action is for models of actions"), action.text);
   // files are named by the text, in any script
   CHECK(w.run({"generate", "--text", "w\xC3\xA4lk, \xE6\xAD\xA9\xE3\x81\x8F", "--seconds", "1", "--model",
-               "model.safetensors", "--out", "named"}).code == 0);
+               "model.safetensors", "--out", "named"})
+            .code == 0);
   CHECK(w.files("named").contains("w\xC3\xA4lk_\xE6\xAD\xA9\xE3\x81\x8F.bvh"));
 
   // as a whole too long for the model, but not where the arms cut it, as 'generate' does
@@ -209,7 +210,8 @@ TEST_CASE("options that make no sense are refused before any work, and it is sai
                                 std::vector<std::string>{"doctor", ".", "--report", "nowhere/out.html"}}) {
     const auto out = w.run(arguments);
     CHECK(out.code == 1);
-    CHECK_MESSAGE(contains(out.text, "[motionlang.io.401] " + arguments.back() + ": there is no folder nowhere"), out.text);
+    CHECK_MESSAGE(contains(out.text, "[motionlang.io.401] " + arguments.back() + ": there is no folder nowhere"),
+                  out.text);
   }
 }
 
@@ -321,9 +323,11 @@ TEST_CASE("check and info show what a file holds") {
   for (const char* word : {"60 tensors", "license", "denoiser.registers", "F16", "(2, 32)"})
     CHECK_MESSAGE(contains(model.text, word), word, " in ", model.text);
   CHECK(contains(w.run({"info", "two.txt"}).text, "2 texts, 1.00 s"));
-  ml::write_file(w / "pieces.txt", "walk # 0 # 6 # legs\nraise both arms # 2 # 4 # left arm # right arm\n\nrun # 0 # 2\n");
+  ml::write_file(w / "pieces.txt",
+                 "walk # 0 # 6 # legs\nraise both arms # 2 # 4 # left arm # right arm\n\nrun # 0 # 2\n");
   const auto pieces = w.run({"check", "pieces.txt"});
-  for (const char* line : {"timeline 0: 120 frames, 6.00 s, 2 texts cut into 4\n", "timeline 1: 40 frames, 2.00 s, 1 text\n"})
+  for (const char* line :
+       {"timeline 0: 120 frames, 6.00 s, 2 texts cut into 4\n", "timeline 1: 40 frames, 2.00 s, 1 text\n"})
     CHECK_MESSAGE(contains(pieces.text, line), pieces.text);
   CHECK(!contains(pieces.text, "moves nothing"));
   ml::write_file(w / "odd.txt", "walk \x1b[31mred # 0 # 2\n");  // what a terminal would obey
@@ -337,7 +341,8 @@ TEST_CASE("standard output that cannot be written is an error") {
   if (!std::filesystem::exists("/dev/full")) return;
   const Workplace w;
   const std::string two = (w / "two.txt").string(), told = (w / "told.txt").string();
-  const int status = std::system(("'" MOTIONLANG_PROGRAM "' check '" + two + "' > /dev/full 2> '" + told + "'").c_str());
+  const int status =
+      std::system(("'" MOTIONLANG_PROGRAM "' check '" + two + "' > /dev/full 2> '" + told + "'").c_str());
   CHECK(WEXITSTATUS(status) == 1);
   CHECK(ml::read_file(told) == "[motionlang.io.401] standard output cannot be written\n");
 }
@@ -348,7 +353,8 @@ TEST_CASE("a text that others hide at all times is named with its line") {
   for (const auto& out : {w.run({"check", "hidden.txt"}), w.run({"check", "hidden.txt", "--no-cut-texts"}),
                           w.generate("out", {}, "hidden.txt")}) {
     CHECK(out.code == 0);
-    CHECK_MESSAGE(contains(out.text, "hidden.txt:2:1: 'run' moves nothing: other texts take all its body parts\n"), out.text);
+    CHECK_MESSAGE(contains(out.text, "hidden.txt:2:1: 'run' moves nothing: other texts take all its body parts\n"),
+                  out.text);
     CHECK_MESSAGE(!contains(out.text, "'hop' moves nothing"), out.text);
   }
 }
@@ -429,14 +435,13 @@ TEST_CASE("info --features: ranges, meanings, units and body parts") {
   const auto info = [&](const std::string& name) { return run({"info", "--features", name}, folder.path); };
   const auto guo = info("guoh3d");
   CHECK(guo.code == 0);
-  for (const char* line :
-       {"guoh3d: 263 numbers in a frame, 20 frames per second, skeleton of 24 joints\n",
-        "  0        rad/frame    half the turn of the heading to the next frame\n",
-        "  3        m            height of the root above the floor\n",
-        "  4-66     m            each of joints 1-21: position",
-        "  193-258  m/frame      each of joints 0-21: velocity to the next frame",
-        "  head       37-39, 46-48, 133-138, 151-156, 229-231, 238-240\n",  // stmc.md 2
-        "   15 head                     neck\n"})
+  for (const char* line : {"guoh3d: 263 numbers in a frame, 20 frames per second, skeleton of 24 joints\n",
+                           "  0        rad/frame    half the turn of the heading to the next frame\n",
+                           "  3        m            height of the root above the floor\n",
+                           "  4-66     m            each of joints 1-21: position",
+                           "  193-258  m/frame      each of joints 0-21: velocity to the next frame",
+                           "  head       37-39, 46-48, 133-138, 151-156, 229-231, 238-240\n",  // stmc.md 2
+                           "   15 head                     neck\n"})
     CHECK_MESSAGE(contains(guo.text, line), line, " in ", guo.text);
   const auto actor = info("actor");
   CHECK_MESSAGE(contains(actor.text, "  0-5      1            joint 0: rotation in the world"), actor.text);
@@ -516,14 +521,17 @@ TEST_CASE("weights are stored in another type; what the file says of the model s
   CHECK_MESSAGE(half.code == 0, half.text);
   CHECK(contains(half.text, "60 tensors"));
   const auto about = w.run({"info", "half.safetensors"});
-  for (const char* word : {"BF16", "license", "MIT"}) CHECK_MESSAGE(contains(about.text, word), word, " in ", about.text);
+  for (const char* word : {"BF16", "license", "MIT"})
+    CHECK_MESSAGE(contains(about.text, word), word, " in ", about.text);
   const auto size = [&](const char* file) { return std::filesystem::file_size(w / file); };
   CHECK(size("wide.safetensors") > 3 * size("half.safetensors") / 2);
-  CHECK(ml::load_stmc<B>((w / "half.safetensors").string()).fps == ml::load_stmc<B>((w / "model.safetensors").string()).fps);
+  CHECK(ml::load_stmc<B>((w / "half.safetensors").string()).fps ==
+        ml::load_stmc<B>((w / "model.safetensors").string()).fps);
   const auto motion = w.run({"convert", "model.safetensors", "motion.bvh", "--store", "F16"});
   CHECK(motion.code != 0);
   CHECK_MESSAGE(contains(motion.text, "--store: is for weights"), motion.text);
-  CHECK(contains(w.run({"convert", "model.safetensors", "m.safetensors", "--mirror"}).text, "--mirror: is not for weights"));
+  CHECK(contains(w.run({"convert", "model.safetensors", "m.safetensors", "--mirror"}).text,
+                 "--mirror: is not for weights"));
 }
 
 TEST_CASE("weights may ask for a sampler and a number of steps; the command line goes first") {
@@ -661,8 +669,8 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
   ml::Motion pose = ml::crop(walk, 0, 1);
   std::fill(pose.local.begin(), pose.local.end(), ml::Quaternion<double>::identity());
   ml::write_bvh(w / "exported.bvh", ml::concatenate(pose, walk));
-  const Outcome performed = w.generate("performed", {"--keep", "exported.bvh", "--keep-seconds", "0-0.25,0.8-1",
-                                                     "--no-smooth", "--no-fix-feet"});
+  const Outcome performed = w.generate(
+      "performed", {"--keep", "exported.bvh", "--keep-seconds", "0-0.25,0.8-1", "--no-smooth", "--no-fix-feet"});
   CHECK_MESSAGE(contains(performed.text, "exported.bvh: left out is 1 frame of an inserted T-pose"), performed.text);
   CHECK(synthetic::largest_distance(ml::read_bvh_motion(w / "performed/two.bvh"), begun) < 1e-3);
   // the way comes to another place, which is said
@@ -796,7 +804,8 @@ TEST_CASE("convert, strip: whole folders, and the files that fail are named") {
   CHECK(w.run({"convert", "in/", "npz", "--as", ".npz"}).code == 0);
   CHECK(std::filesystem::exists(w / "npz/a/linked.npz"));
 
-  const auto no_kind = w.run({"convert", "in", "out"}), no_folder = w.run({"convert", "in/walk.bvh", "x.bvh", "--as", ".bvh"});
+  const auto no_kind = w.run({"convert", "in", "out"}),
+             no_folder = w.run({"convert", "in/walk.bvh", "x.bvh", "--as", ".bvh"});
   CHECK(no_kind.code == 2);
   CHECK_MESSAGE(contains(no_kind.text, "in is a folder"), no_kind.text);
   CHECK(no_folder.code == 2);
@@ -849,12 +858,15 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
   }
   CHECK(ml::read_file(w / "body_0001.obj").starts_with("v "));
   const auto free = w.run({"convert", "walk.bvh", "free.obj", "--body", "free"});
-  CHECK_MESSAGE(contains(free.text, "free.obj in 40 files, one for each frame: 1 motion on the free body of"), free.text);
+  CHECK_MESSAGE(contains(free.text, "free.obj in 40 files, one for each frame: 1 motion on the free body of"),
+                free.text);
   CHECK(ml::read_file(w / "free_0001.obj").starts_with("v "));
   CHECK(contains(ml::read_file(w / "body.html"), "\"triangles\""));
   CHECK(w.run({"view", "walk.bvh", "page.html", "--body", "body.npz"}).code == 0);
-  CHECK(contains(w.run({"convert", "walk.bvh", "x.bvh", "--body", "body.npz"}).text, "on a body are written to .glb and .html"));
-  for (const char* features : {"guoh3d", "kit", "rifke", "rifke64", "smplvelp", "smplvelp-published", "smplrifke", "actor"}) {
+  CHECK(contains(w.run({"convert", "walk.bvh", "x.bvh", "--body", "body.npz"}).text,
+                 "on a body are written to .glb and .html"));
+  for (const char* features :
+       {"guoh3d", "kit", "rifke", "rifke64", "smplvelp", "smplvelp-published", "smplrifke", "actor"}) {
     CAPTURE(features);
     CHECK(w.run({"convert", "walk.bvh", "rows.npy", "--features", features}).code == 0);
     CHECK(w.run({"convert", "rows.npy", "again.bvh"}).code == 0);  // back to another format
@@ -868,7 +880,8 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
   const auto unknown_features = w.run({"convert", "walk.bvh", "rows.npy", "--features", "poses"});
   CHECK_MESSAGE(contains(unknown_features.text, "--features: poses not in {guoh3d,"), unknown_features.text);
   CHECK(contains(ml::read_file(w / "page.html"), "<html"));
-  for (const char* file : {"walk.npz", "walk.bvh"}) CHECK_MESSAGE(contains(w.run({"info", file}).text, "sliding at"), file);
+  for (const char* file : {"walk.npz", "walk.bvh"})
+    CHECK_MESSAGE(contains(w.run({"info", file}).text, "sliding at"), file);
   const auto page = w.run({"info", "page.html"});
   CHECK(page.code == 1);
   CHECK_MESSAGE(contains(page.text, "page.html: shown are weights, motions and timelines, not '.html'"), page.text);
@@ -911,8 +924,9 @@ TEST_CASE("convert: several motions of a file, of which one that fails stops no 
   CHECK(std::filesystem::exists(w / "loop_short walk.bvh"));
   CHECK(!std::filesystem::exists(w / "loop_pose.bvh"));
 
-  CHECK_MESSAGE(contains(w.run({"convert", "three.glb", "again.glb", "--mirror"}).text, "again.glb: 3 motions, 24 joints"),
-                "all go to one file");
+  CHECK_MESSAGE(
+      contains(w.run({"convert", "three.glb", "again.glb", "--mirror"}).text, "again.glb: 3 motions, 24 joints"),
+      "all go to one file");
   CHECK(ml::GlbFile::open(w / "again.glb").animation_names() == std::vector<std::string>{"walk", "pose", "short walk"});
   CHECK(w.run({"view", "three.glb"}).code == 0);
   const auto page = ml::read_file(w / "three.glb.html");
@@ -1122,8 +1136,9 @@ TEST_CASE("convert: clips are added to a data set in HumanML3D's or KIT-ML's for
                                     ml::read_motion_npy(w / "kit/new_joint_vecs/walk.npy")) < 1e-3);
   const auto guoh3d_into_kit = w.run({"convert", "walk.glb", "kit", "--features", "guoh3d"});
   CHECK(guoh3d_into_kit.code == 1);
-  CHECK_MESSAGE(contains(guoh3d_into_kit.text, "kit/new_joint_vecs/walk.npy: rows of 251 numbers (kit), the new clip has "
-                                               "rows of 263 (guoh3d)"),
+  CHECK_MESSAGE(contains(guoh3d_into_kit.text,
+                         "kit/new_joint_vecs/walk.npy: rows of 251 numbers (kit), the new clip has "
+                         "rows of 263 (guoh3d)"),
                 guoh3d_into_kit.text);
   CHECK(ml::read_ids(w / "kit/all.txt").size() == 2);
   std::filesystem::remove(w / "kit/all.txt");  // the form is that of any clip
@@ -1147,7 +1162,8 @@ TEST_CASE("convert and generate put motions on a character") {
   REQUIRE_MESSAGE(alone.code == 0, alone.text);
   CHECK_MESSAGE(contains(alone.text, "all joints follow"), alone.text);  // it is on the character's skeleton now
   CHECK(ml::GlbFile::open(w / "alone.glb").animation_names() == std::vector<std::string>{"idle", "walk"});
-  CHECK(contains(w.run({"convert", "walk.bvh", "walk.npz", "--rig", "rig.glb"}).text, "is written to .glb, not '.npz'"));
+  CHECK(
+      contains(w.run({"convert", "walk.bvh", "walk.npz", "--rig", "rig.glb"}).text, "is written to .glb, not '.npz'"));
   CHECK(!std::filesystem::exists(w / "walk.npz"));
 
   // The same as .gltf, whose data are in it: as the character, and as the motion.
@@ -1282,8 +1298,9 @@ TEST_CASE("doctor: finds what is broken in a folder, writes a page and a mended 
 
   const auto seen = w.run({"doctor", "data", "--report", "page.html", "--clean", "clean", "--all"});
   REQUIRE_MESSAGE(seen.code == 0, seen.text);
-  for (const char* text : {"sound.bvh: good", "deep/large.bvh: scale: ", "x 0.01 (", "spiked.glb spiked: spike: 1 frame",
-                           "nan.bvh: unreadable: [motionlang.io.403]", "4 motions, 1 without a finding"})
+  for (const char* text :
+       {"sound.bvh: good", "deep/large.bvh: scale: ", "x 0.01 (", "spiked.glb spiked: spike: 1 frame",
+        "nan.bvh: unreadable: [motionlang.io.403]", "4 motions, 1 without a finding"})
     CHECK_MESSAGE(contains(seen.text, text), text, " in ", seen.text);
   const auto page = ml::read_file(w / "page.html");
   CHECK(contains(page, "4 motions: 1 without a finding, 2 with findings, 1 unreadable."));
@@ -1306,7 +1323,8 @@ TEST_CASE("doctor: finds what is broken in a folder, writes a page and a mended 
   ml::write_amass(w / "alike/a.npz", walk);
   ml::write_bvh(w / "alike/a.npz.bvh", walk);
   CHECK(w.run({"doctor", "alike", "--clean", "both"}).code == 0);
-  for (const char* copy : {"both/a.npz.bvh", "both/a.npz_2.bvh"}) CHECK_MESSAGE(std::filesystem::exists(w / copy), copy);
+  for (const char* copy : {"both/a.npz.bvh", "both/a.npz_2.bvh"})
+    CHECK_MESSAGE(std::filesystem::exists(w / copy), copy);
   const auto over = w.run({"doctor", "data", "--clean", "data/deep/.."});
   CHECK(over.code == 2);
   CHECK_MESSAGE(contains(over.text, "is the folder of the originals"), over.text);
@@ -1331,16 +1349,17 @@ TEST_CASE("doctor: a jump tells a wrong frame rate, and the copy has the right o
   jump.fps = 30;
   ml::write_bvh(w / "data/c.bvh", jump);
   const auto seen = w.run({"doctor", "data", "--clean", "clean"});
-  for (const char* text : {"2 times too fast, 60 frames per second, not 120",
-                           "2 times too slow, 60 frames per second, not 30",
-                           "     3  fall           bodies fall faster or slower than they do"})
+  for (const char* text :
+       {"2 times too fast, 60 frames per second, not 120", "2 times too slow, 60 frames per second, not 30",
+        "     3  fall           bodies fall faster or slower than they do"})
     CHECK_MESSAGE(contains(seen.text, text), text, " in ", seen.text);
   for (const char* copy : {"clean/a.bvh", "clean/b.npz.bvh", "clean/c.bvh"})
     CHECK(ml::read_bvh_motion(w / copy).fps == doctest::Approx(60).epsilon(1e-4));
   CHECK(contains(w.run({"doctor", "clean"}).text, "3 motions, 3 without a finding"));
 }
 
-TEST_CASE("doctor: arrays of joints and features but for mean and deviation; AMC files with a skeleton from elsewhere") {
+TEST_CASE(
+    "doctor: arrays of joints and features but for mean and deviation; AMC files with a skeleton from elsewhere") {
   const Workplace w;
   for (const char* folder : {"set", "one", "two"}) std::filesystem::create_directories(w / folder);
   auto walk = synthetic::walk({.frames = 60});
@@ -1350,12 +1369,14 @@ TEST_CASE("doctor: arrays of joints and features but for mean and deviation; AMC
   ml::write_npy(w / "set/Mean.npy", ml::NpyArray::of(std::span<const float>(numbers), {263}));
   ml::write_npy(w / "set/odd.npy", ml::NpyArray::of(std::span<const float>(unknown), {2, 20}));
   const auto set = w.run({"doctor", "set", "--all"});
-  for (const char* text : {"joints.npy: good", "rows.npy: good", "odd.npy: unreadable: [motionlang.io.407]", "3 motions, 2 without"})
+  for (const char* text :
+       {"joints.npy: good", "rows.npy: good", "odd.npy: unreadable: [motionlang.io.407]", "3 motions, 2 without"})
     CHECK_MESSAGE(contains(set.text, text), text, " in ", set.text);
 
   const std::string asf =
       ":version 1.10\n:name n\n:units\nmass 1.0\nlength 0.45\nangle deg\n:root\naxis XYZ\norder TX TY TZ RZ RY RX\n"
-      "position 0 0 0\norientation 0 0 0\n:bonedata\nbegin\nid 1\nname thigh\ndirection 1 0 0\nlength 2\naxis 0 0 0 XYZ\n"
+      "position 0 0 0\norientation 0 0 0\n:bonedata\nbegin\nid 1\nname thigh\ndirection 1 0 0\nlength 2\naxis 0 0 0 "
+      "XYZ\n"
       "dof rx\nlimits (-180 180)\nend\n:hierarchy\nbegin\nroot thigh\nend\n";
   const std::string amc = ":FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 1 0 0 0 0\nthigh 10\n2\nroot 0 1 0 0 0 0\nthigh 20\n";
   ml::write_file(w / "one/13_30.amc", amc);

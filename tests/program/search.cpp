@@ -1,4 +1,5 @@
-// motionlang index and search on a few clips, with a TMR of random weights: its scores mean nothing, but a clip is its own nearest.
+// motionlang index and search on a few clips, with a TMR of random weights: its scores mean nothing, but a clip is its
+// own nearest.
 #include <doctest/doctest.h>
 
 #include <set>
@@ -95,7 +96,8 @@ TEST_CASE("index and search: clips, moments, another motion, a page") {
     CHECK(hits[i]["start"] == 0.0);
   }
   CHECK(g.search({"a person walks slowly", "--top", "2"}).size() == 2);
-  check_contains(g.run({"search", "moves.index", "a person walks", "--captions"}), 0, {"nothing was found: the index has 0 captions"});
+  check_contains(g.run({"search", "moves.index", "a person walks", "--captions"}), 0,
+                 {"nothing was found: the index has 0 captions"});
   check_contains(g.run({"index", "clips", "--model", "model", "-o", "nowhere/moves.index"}), 1,
                  {"[motionlang.io.401] nowhere/moves.index: there is no folder nowhere"});
   CHECK(g.search({"a person turns left"}) != hits);
@@ -295,7 +297,8 @@ TEST_CASE("index: what is said later about clips that are there already: caption
   };
   check_contains(with({"--captions", "captions.tsv"}), 0, {"7 clips", "(2 added, 1 removed, 0 renamed, 4 unchanged"});
   check_contains(with({"--captions", "captions.tsv"}), 0, {"(0 added, 0 removed, 0 renamed, 5 unchanged"});
-  check_contains(with({"--list"}), 0, {"(0 added", "left.bvh\t1.00\t2.00\t20\t20\ta person turns left\tCC0\n", "\tturns\tCC0\n"});
+  check_contains(with({"--list"}), 0,
+                 {"(0 added", "left.bvh\t1.00\t2.00\t20\t20\ta person turns left\tCC0\n", "\tturns\tCC0\n"});
   CHECK(file_of(g.search({"a person turns left", "--captions"})[0]) == "left.bvh");
   check_contains(with({"--license", "MIT"}), 0, {"5 unchanged", "5 files have another license now"});
   for (const auto& clip : ml::read_motion_index(g / "moves.index").clips()) CHECK(clip.license == "MIT");
@@ -359,7 +362,9 @@ TEST_CASE("index: a graph is made, gets what is added, and is not needed for wha
     const auto file = ml::MotionIndexFile::open(g / "moves.index");
     return !file.extra("graph_clips").empty() && !file.extra("graph_moments").empty();
   };
-  const auto index = [&](const char* graph) { return g.run({"index", "clips", "-o", "moves.index", "--graph", graph}); };
+  const auto index = [&](const char* graph) {
+    return g.run({"index", "clips", "-o", "moves.index", "--graph", graph});
+  };
   REQUIRE(g.index({"--stride", "0.05"}).code == 0);
   CHECK(!graphs());
   const auto all = g.search({"a person walks", "--moments"});
@@ -421,17 +426,18 @@ TEST_CASE("index and search: a TMR as its repository leaves it, with a cache of 
   CHECK(g.search({"a person walks"}).size() == 6);
 
   // it makes motions, and is measured on data in the form of HumanML3D
-  const auto made = g.run({"generate", "--model", "tmr", "--text", "a person walks", "--seconds", "1", "--text-encoder", "states/bert.npy",
-                           "--out", "made"});
+  const auto made = g.run({"generate", "--model", "tmr", "--text", "a person walks", "--seconds", "1", "--text-encoder",
+                           "states/bert.npy", "--out", "made"});
   CHECK_MESSAGE(made.code == 0, made.text);
   CHECK(ml::read_bvh_motion(g / "made/a_person_walks.bvh").frames() == 20);
-  check_contains(g.run({"generate", "--model", "tmr", "--text", "a person walks"}), 1, {"the states of distilbert: --text-encoder names it"});
+  check_contains(g.run({"generate", "--model", "tmr", "--text", "a person walks"}), 1,
+                 {"the states of distilbert: --text-encoder names it"});
 
   // packed into one folder it is the same
   check_contains(g.run({"pack", "tmr", "-o", "packed", "--license", "drawn by us", "--provenance", "this test"}), 0,
                  {"license                  drawn by us", "latent 16, feed-forward 24"});
-  const auto again = g.run({"generate", "--model", "packed", "--text", "a person walks", "--seconds", "1", "--text-encoder",
-                            "states/bert.npy", "--out", "again"});
+  const auto again = g.run({"generate", "--model", "packed", "--text", "a person walks", "--seconds", "1",
+                            "--text-encoder", "states/bert.npy", "--out", "again"});
   CHECK_MESSAGE(again.code == 0, again.text);
   CHECK(ml::read_file(g / "again/a_person_walks.bvh") == ml::read_file(g / "made/a_person_walks.bvh"));
   check_contains(g.run({"index", "clips", "--model", "packed", "-o", "packed.index"}), 0, {"6 clips"});
@@ -444,7 +450,8 @@ TEST_CASE("index and search: a TMR as its repository leaves it, with a cache of 
     ids.push_back(std::to_string(100 + i));
     ml::HumanMl3dClip clip{ids.back(), 40, std::vector<float>(40 * 263), std::vector<float>(40 * 66), {}};
     ml::Philox{.seed = static_cast<std::uint64_t>(i)}.normal(std::span(clip.features));
-    clip.captions.push_back({.text = i % 2 == 0 ? "a person walks" : "a person turns", .words = {}, .start = 0, .end = 0});
+    clip.captions.push_back(
+        {.text = i % 2 == 0 ? "a person walks" : "a person turns", .words = {}, .start = 0, .end = 0});
     ml::write_humanml3d_clip((g / "data").string(), clip);
   }
   ml::write_ids((g / "data/train.txt").string(), std::span(ids).first(1));
@@ -470,7 +477,8 @@ TEST_CASE("index and search: help names every option") {
   for (const auto& [command, names] : std::map<std::string, std::vector<std::string>>{
            {"index",
             {"folder", "--out", "--model", "--text-encoder", "--captions", "--license", "--windows", "--stride",
-             "--no-moments", "--again", "--remove", "--list", "--graph", "--scale", "--rate", "--up", "--asf", "--threads"}},
+             "--no-moments", "--again", "--remove", "--list", "--graph", "--scale", "--rate", "--up", "--asf",
+             "--threads"}},
            {"search",
             {"index", "text", "--like", "--from", "--to", "--moments", "--captions", "--top", "--overlap", "--html",
              "--json", "--exact", "--model", "--text-encoder", "--scale", "--rate", "--up", "--asf"}}}) {
@@ -485,10 +493,11 @@ TEST_CASE("index and search: --asf is the skeleton of AMC files without one") {
   const Gallery g;
   fs::create_directories(g / "amc");
   ml::write_file(g / "amc/13_30.amc", ":FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 1 0 0 0 0\n2\nroot 0 1 0 0 0 0\n");
-  ml::write_file(g / "one.asf", ":version 1.10\n:name n\n:units\nmass 1.0\nlength 0.45\nangle deg\n:root\naxis XYZ\n"
-                                "order TX TY TZ RZ RY RX\nposition 0 0 0\norientation 0 0 0\n:bonedata\nbegin\nid 1\n"
-                                "name thigh\ndirection 1 0 0\nlength 2\naxis 0 0 0 XYZ\nend\n:hierarchy\nbegin\n"
-                                "root thigh\nend\n");
+  ml::write_file(g / "one.asf",
+                 ":version 1.10\n:name n\n:units\nmass 1.0\nlength 0.45\nangle deg\n:root\naxis XYZ\n"
+                 "order TX TY TZ RZ RY RX\nposition 0 0 0\norientation 0 0 0\n:bonedata\nbegin\nid 1\n"
+                 "name thigh\ndirection 1 0 0\nlength 2\naxis 0 0 0 XYZ\nend\n:hierarchy\nbegin\n"
+                 "root thigh\nend\n");
   const std::vector<std::string> index{"index", "amc", "--model", "model", "-o", "moves.index"},
       like{"search", "moves.index", "--like", "amc/13_30.amc"};
   const auto with_asf = [&](std::vector<std::string> command) {

@@ -145,7 +145,9 @@ ml::DistilBert<ml::EigenBackend<float>> write_distilbert(const std::filesystem::
 
 }  // namespace
 
-TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curves; two halves, one recomputed, make the same weights") {
+TEST_CASE(
+    "each training lowers its loss, leaves a model, a checkpoint and curves; two halves, one recomputed, make the same "
+    "weights") {
   const Clips clips;
   for (const std::string command : {"train-tmr", "train-temos", "train-actor", "train-classifier"}) {
     CAPTURE(command);
@@ -240,8 +242,9 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
   std::string walks;  // a part without one of the classes
   for (int i = 0; i < 8; i += 2) walks += "clip" + std::to_string(i) + "\t0\t2\twalk\n";
   ml::write_file(clips / "walks.tsv", walks);
-  const auto one_class = evaluate("train-actor", {"--labels", "walks.tsv", "--classifier", "train-classifier_whole/model",
-                                                  "--seeds", "2", "--part", "training"});
+  const auto one_class = evaluate(
+      "train-actor",
+      {"--labels", "walks.tsv", "--classifier", "train-classifier_whole/model", "--seeds", "2", "--part", "training"});
   CHECK_MESSAGE(one_class.code == 0, one_class.text);
   CHECK_MESSAGE(contains(one_class.text, "  generated"), one_class.text);
   const auto classifier = evaluate("train-classifier", {"--labels", "labels.tsv", "--seeds", "2", "--part", "training",
@@ -249,10 +252,11 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
   CHECK_MESSAGE(classifier.code == 0, classifier.text);
   CHECK_MESSAGE(contains(classifier.text, "accuracy"), classifier.text);
 
-  const auto moments = evaluate("train-tmr", {"--captions", "captions.tsv", "--part", "training", "--moments", "3", "--joined",
-                                              "2", "--windows", "0.5,1.5", "--stride", "0.5"});
+  const auto moments = evaluate("train-tmr", {"--captions", "captions.tsv", "--part", "training", "--moments", "3",
+                                              "--joined", "2", "--windows", "0.5,1.5", "--stride", "0.5"});
   CHECK_MESSAGE(moments.code == 0, moments.text);
-  for (const char* word : {"6 texts in 3 motions of 2 clips of the training part", "0.5 s", "1.5 s", "all lengths", "a window by lot"})
+  for (const char* word :
+       {"6 texts in 3 motions of 2 clips of the training part", "0.5 s", "1.5 s", "all lengths", "a window by lot"})
     CHECK_MESSAGE(contains(moments.text, word), moments.text);
   CHECK(evaluate("train-tmr", {"--captions", "captions.tsv", "--moments", "3", "--windows", "99"}).code == 2);
   CHECK(evaluate("train-tmr", {"--captions", "captions.tsv", "--moments", "3", "--stride", "0"}).code == 2);
@@ -271,13 +275,15 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
     CHECK(motion.skeleton.size() == 24);
     const auto steps = generate(name, {"--text", "a person turns left", "--steps", "5"});
     CHECK(steps.code == 2);
-    CHECK_MESSAGE(contains(steps.text, "--steps, --sampler, --preset and --guidance are for diffusion models"), steps.text);
+    CHECK_MESSAGE(contains(steps.text, "--steps, --sampler, --preset and --guidance are for diffusion models"),
+                  steps.text);
   }
   REQUIRE(generate("train-actor", {"--action", "walk", "--seconds", "0.8", "--out", "made"}).code == 0);
   REQUIRE(generate("train-actor", {"--action", "1", "--seconds", "0.8", "--out", "made"}).code == 0);
   CHECK(ml::read_bvh_motion(clips / "made/walk.bvh").frames() == 12);
   CHECK(ml::read_file(clips / "made/1.bvh") == ml::read_file(clips / "made/walk.bvh"));
-  CHECK(contains(generate("train-actor", {"--action", "fly"}).text, "action 'fly' is none of 0 ... 1; they are called turn, walk"));
+  CHECK(contains(generate("train-actor", {"--action", "fly"}).text,
+                 "action 'fly' is none of 0 ... 1; they are called turn, walk"));
 
   // towards another text or action, and a recorded motion as the model knows it
   for (const std::string name : {"train-temos", "train-tmr", "train-actor"}) {
@@ -303,7 +309,8 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
   }
 
   const auto info = [&](const std::string& name) { return run({"info", name + "_whole/model"}, clips.path).text; };
-  for (const char* line : {"model of                 actor", "actions                  turn, walk", "latent_dim 8", "pose rot6d"})
+  for (const char* line :
+       {"model of                 actor", "actions                  turn, walk", "latent_dim 8", "pose rot6d"})
     CHECK_MESSAGE(contains(info("train-actor"), line), line);
   for (const char* line : {"model of                 tmr", "temperature 0.1", "guoh3d, 20 frames per second"})
     CHECK_MESSAGE(contains(info("train-tmr"), line), line);
@@ -328,15 +335,18 @@ TEST_CASE("each training lowers its loss, leaves a model, a checkpoint and curve
   refused(evaluate("train-classifier", {"--labels", "labels.tsv"}));
 }
 
-TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a model, motions of a model to learn from") {
+TEST_CASE(
+    "a learned temperature, ST-GCN, vertices of a body, going on from a model, motions of a model to learn from") {
   const Clips clips;
   const auto trained = [&](const std::string& command, const std::string& out, std::vector<std::string> more) {
     const auto done = clips.train(command, out, std::move(more));
     REQUIRE_MESSAGE(done.code == 0, done.text);
   };
-  trained("train-tmr", "warm", {"--set", "losses.learned_temperature=true", "--set", "losses.threshold=0"});  // few texts, all alike
+  // few texts, all alike
+  trained("train-tmr", "warm", {"--set", "losses.learned_temperature=true", "--set", "losses.threshold=0"});
   const auto weights = ml::SafetensorsFile::open(clips / "warm/model/weights.safetensors");
-  CHECK(ml::values_of<double>(weights.tensor("log_temperature")).front() != doctest::Approx(std::log(0.1)).epsilon(1e-4));
+  CHECK(ml::values_of<double>(weights.tensor("log_temperature")).front() !=
+        doctest::Approx(std::log(0.1)).epsilon(1e-4));
   CHECK(run({"evaluate", "warm/model", "--data", ".", "--captions", "captions.tsv"}, clips.path).code == 0);
   const std::string whole = ml::read_file(clips / "warm/model/config.json");
   std::string wrong = whole;
@@ -347,7 +357,8 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
       contains(named.text, "[motionlang.config.101] warm/model/config.json: config: network: num_layers is -"),
       named.text);
   ml::write_file(clips / "warm/model/config.json", whole);
-  const auto cold = clips.train("train-tmr", "cold", {"--set", "losses.learned_temperature=true", "--set", "losses.contrastive_loss=margin"});
+  const auto cold = clips.train(
+      "train-tmr", "cold", {"--set", "losses.learned_temperature=true", "--set", "losses.contrastive_loss=margin"});
   CHECK(contains(cold.text, "losses.learned_temperature is for info_nce"));
 
   for (const auto& [set, expected] : {std::pair("optimiser.lr=-1", "lr is -1, expected 0 or more"),
@@ -361,7 +372,8 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   }
 
   trained("train-classifier", "graph", {"--set", "kind=stgcn", "--set", "clips.translation=false", "--set", "width=4"});
-  CHECK(run({"evaluate", "graph/model", "--data", ".", "--labels", "labels.tsv", "--seeds", "2"}, clips.path).code == 0);
+  CHECK(run({"evaluate", "graph/model", "--data", ".", "--labels", "labels.tsv", "--seeds", "2"}, clips.path).code ==
+        0);
 
   std::vector<std::string> weights_of_0{"--set", "losses.rc=0", "--set", "losses.rcxyz=0", "--set", "losses.kl=0"};
   const auto idle = clips.train("train-actor", "idle", weights_of_0);
@@ -371,32 +383,41 @@ TEST_CASE("a learned temperature, ST-GCN, vertices of a body, going on from a mo
   trained("train-actor", "speeds", weights_of_0);
 
   trained("train-actor", "first", {});
-  trained("train-actor", "second", {"--from", "first/model", "--set", "clips.num_frames=-2", "--set", "clips.min_len=10", "--set",
-                                    "clips.max_len=14", "--set", "optimiser.lr=0"});
-  CHECK(clips.weights("second") == clips.weights("first"));  // nothing is learnt at rate 0, so it is what was gone on from
-  CHECK(run({"evaluate", "first/model", "--data", ".", "--labels", "labels.tsv", "--classifier", "graph/model", "--seeds", "2"},
-            clips.path).code == 0);  // ST-GCN does not read the way of the root
+  trained("train-actor", "second",
+          {"--from", "first/model", "--set", "clips.num_frames=-2", "--set", "clips.min_len=10", "--set",
+           "clips.max_len=14", "--set", "optimiser.lr=0"});
+  // nothing is learnt at rate 0, so it is what was gone on from
+  CHECK(clips.weights("second") == clips.weights("first"));
+  CHECK(run({"evaluate", "first/model", "--data", ".", "--labels", "labels.tsv", "--classifier", "graph/model",
+             "--seeds", "2"},
+            clips.path)
+            .code == 0);  // ST-GCN does not read the way of the root
 
   // fully connected networks have motions of one length: 12 frames, 15 a second
-  trained("train-actor", "full", {"--set", "network.encoder=fully_connected", "--set", "network.decoder=fully_connected"});
+  trained("train-actor", "full",
+          {"--set", "network.encoder=fully_connected", "--set", "network.decoder=fully_connected"});
   const auto walks_for = [&](const std::string& seconds) {
-    return run({"generate", "--model", "full/model", "--action", "walk", "--seconds", seconds, "--out", "made"}, clips.path);
+    return run({"generate", "--model", "full/model", "--action", "walk", "--seconds", seconds, "--out", "made"},
+               clips.path);
   };
   const std::string one_length = "this ACTOR is fully connected, its motions have 12 frames (0.8 s)";
   CHECK(walks_for("0.8").code == 0);
   const auto longer = walks_for("2");
   CHECK(longer.code == 2);
-  CHECK_MESSAGE(contains(longer.text, "[motionlang.config.101] a motion of 30 frames (2 s); " + one_length), longer.text);
+  CHECK_MESSAGE(contains(longer.text, "[motionlang.config.101] a motion of 30 frames (2 s); " + one_length),
+                longer.text);
   ml::write_bvh(clips / "brief.bvh", synthetic::walk({.frames = 10}));
-  const auto brief = run({"convert", "brief.bvh", "out.bvh", "--denoise", "full/model", "--action", "walk"}, clips.path);
+  const auto brief =
+      run({"convert", "brief.bvh", "out.bvh", "--denoise", "full/model", "--action", "walk"}, clips.path);
   CHECK(brief.code == 2);
   CHECK_MESSAGE(contains(brief.text, "[motionlang.config.101] a motion of "), brief.text);
   CHECK_MESSAGE(contains(brief.text, one_length), brief.text);
 
   // a model of another pose representation is judged by the same classifiers
   const auto recorded = [&](const std::string& model, const std::string& classifier) {
-    const auto out = run({"evaluate", model + "/model", "--data", ".", "--labels", "labels.tsv", "--classifier", classifier + "/model",
-                          "--seeds", "2", "--part", "training"}, clips.path);
+    const auto out = run({"evaluate", model + "/model", "--data", ".", "--labels", "labels.tsv", "--classifier",
+                          classifier + "/model", "--seeds", "2", "--part", "training"},
+                         clips.path);
     REQUIRE_MESSAGE(out.code == 0, out.text);
     return out.text.substr(out.text.find("  recorded"), out.text.find("  generated") - out.text.find("  recorded"));
   };
@@ -578,9 +599,9 @@ TEST_CASE("an ACTOR without the rotation of joint 0; vertices that move; network
   }
   const auto refused = judged("ahead", "turning_gru");
   CHECK(refused.code == 1);
-  CHECK_MESSAGE(
-      contains(refused.text, "translation true, global false and fps 15, turned_ahead true, translation true, global true"),
-      refused.text);
+  CHECK_MESSAGE(contains(refused.text,
+                         "translation true, global false and fps 15, turned_ahead true, translation true, global true"),
+                refused.text);
 
   ml::write_npz(clips / "body.npz", body_arrays::chain(24, 6, 10));
   const std::vector<std::string> skin{"--body", "body.npz",          "--set", "losses.points=vertices",
@@ -602,7 +623,9 @@ TEST_CASE("an ACTOR without the rotation of joint 0; vertices that move; network
   CHECK(run({"generate", "--model", "timeless/model", "--action", "walk", "--seconds", "0.8"}, clips.path).code == 0);
 }
 
-TEST_CASE("a classifier learns from motions that a model samples, denoises or puts between two; validation motions are recorded") {
+TEST_CASE(
+    "a classifier learns from motions that a model samples, denoises or puts between two; validation motions are "
+    "recorded") {
   const Clips clips;
   for (int i = 0; i < 8; ++i)  // no two alike
     ml::write_bvh(clips / ("clip" + std::to_string(i) + ".bvh"),
@@ -614,12 +637,15 @@ TEST_CASE("a classifier learns from motions that a model samples, denoises or pu
   };
   const auto learn = [&](const std::string& out, const std::string& kind, const std::string& share = "1",
                          const std::string& model = "rot6d") {
-    return train(out, {"--generated", model + "/model", "--set", "generated_share=" + share, "--set",
-                       "generated_kind=" + kind});
+    return train(
+        out, {"--generated", model + "/model", "--set", "generated_share=" + share, "--set", "generated_kind=" + kind});
   };
   for (const std::string pose : {"rot6d", "rotvec"})  // models whose latents tell motions apart
-    REQUIRE(clips.train("train-actor", pose, {"--set", "clips.pose=" + pose, "--set", "losses.kl=0", "--set",
-                                              "optimiser.epochs=40", "--set", "clips.num_frames=-1"}).code == 0);
+    REQUIRE(clips
+                .train("train-actor", pose,
+                       {"--set", "clips.pose=" + pose, "--set", "losses.kl=0", "--set", "optimiser.epochs=40", "--set",
+                        "clips.num_frames=-1"})
+                .code == 0);
   REQUIRE(train("recorded", {}).code == 0);
   for (const std::string kind : {"sampled", "denoised", "interpolated"}) {
     const auto done = learn(kind, kind);
@@ -635,7 +661,8 @@ TEST_CASE("a classifier learns from motions that a model samples, denoises or pu
   for (const std::string kind : {"recorded", "sampled", "denoised", "interpolated"}) {
     CAPTURE(kind);
     const bool drawn = kind == "sampled" || kind == "interpolated";
-    CHECK_MESSAGE((std::abs(epoch(kind, 0) - epoch(kind, 1)) > 2e-6) == drawn, epoch(kind, 0) << ", " << epoch(kind, 1));
+    CHECK_MESSAGE((std::abs(epoch(kind, 0) - epoch(kind, 1)) > 2e-6) == drawn, epoch(kind, 0)
+                                                                                   << ", " << epoch(kind, 1));
     CHECK(validations(kind) == validations("recorded"));
     if (kind != "recorded") CHECK(std::abs(epoch(kind, 0) - epoch("recorded", 0)) > 1e-4);
   }
@@ -890,9 +917,10 @@ TEST_CASE("data in the form of HumanML3D, and from an annotation file") {
   ml::write_humanml3d_clip(folder, broken);
   ml::write_ids(folder + "/train.txt", std::vector<std::string>{"000000", "000002", "000003"});
   CHECK(contains(train({"--data", "h3d"}).text, "2 motions to train on, 0 for validation, 1 for tests; 1 left out"));
-  CHECK(contains(train({"--data", "h3d", "--set", "features=rifke"}).text,
-                 "h3d holds ready-made features, which are guoh3d (263 numbers) or kit (251 numbers); the configuration "
-                 "wants 'rifke' (67)"));
+  CHECK(
+      contains(train({"--data", "h3d", "--set", "features=rifke"}).text,
+               "h3d holds ready-made features, which are guoh3d (263 numbers) or kit (251 numbers); the configuration "
+               "wants 'rifke' (67)"));
 
   ml::write_file(clips / "annotations.json", R"({
     "00000": {"path": "clip0", "duration": 2, "annotations": [
@@ -932,7 +960,8 @@ TEST_CASE("data in the form of HumanML3D, and from an annotation file") {
       const std::string path = above + "walk" + std::to_string(clip);
       std::filesystem::copy(folder + "/new_joint_vecs/000000.npy", clips / ("lots/" + path + ".npy"));
       for (const char* of : {"a ", "b "})
-        entries += (entries.empty() ? "\"" : ",\"") + (of + path) + R"(": {"path": ")" + path + R"(", "duration": 3, "annotations": [
+        entries += (entries.empty() ? "\"" : ",\"") + (of + path) + R"(": {"path": ")" + path +
+                   R"(", "duration": 3, "annotations": [
           {"seg_id": "0", "text": "a person walks", "start": 0, "end": 3}]})";
     }
   }
@@ -1087,8 +1116,9 @@ TEST_CASE("actions of whole clips, of ready-made features, of annotation files: 
                      annotation(label("d", R"(["turn"])", "")) + R"(, "frame_ann": null}})");
   const std::vector<std::string> babel{"--data", ".", "--annotations", "babel.json", "--set", "data.test_share=0"};
   told(babel, "2 motions to train on, 0 for validation, 0 for tests; 2", "turn, walk");
-  const auto measured = run({"evaluate", "out/model", "--data", ".", "--annotations", "babel.json", "--part",
-                             "training", "--seeds", "2"}, clips.path);
+  const auto measured =
+      run({"evaluate", "out/model", "--data", ".", "--annotations", "babel.json", "--part", "training", "--seeds", "2"},
+          clips.path);
   CHECK_MESSAGE(contains(measured.text, "2 motions of the training part, 2 classes"), measured.text);
   told(with(babel, {"--set", R"(data.actions=["turn", "run"])"}),
        "2 motions to train on, 0 for validation, 0 for tests; 2", "turn");
@@ -1136,19 +1166,35 @@ TEST_CASE("errors of TEMOS on MMM's joints: KIT's units as millimetres, the head
   CHECK(std::abs(published[2] - others[2]) > 1.5e-3);
 }
 
-TEST_CASE("train-tm2t: a stage after the other; each learns, goes on with the same numbers, and describes and generates") {
+TEST_CASE(
+    "train-tm2t: a stage after the other; each learns, goes on with the same numbers, and describes and generates") {
   const Clips clips;
   const auto train = [&](const std::string& stage, const std::string& out, std::vector<std::string> more) {
-    std::vector<std::string> arguments{"train-tm2t", "--stage",    stage,          "--data", ".", "--out", out,
-                                       "--preset",   "small",      "--captions",   "captions.tsv"};
-    for (const char* a :
-         {"data.min_seconds=0.5", "data.test_share=0.25", "data.validation_share=0.25", "data.mirror=false",
-          "optimiser.batch=4", "optimiser.schedule=constant", "optimiser.warmup=0", "optimiser.lr=0.005",
-          "tokenizer.channels=[8, 8]", "tokenizer.codes=12", "tokenizer.residual_blocks=1", "tokenizer.window=28",
-          "tokenizer.adversarial=0.5", "tokenizer.adversarial_from=1", "tokenizer.discriminator=8",
-          "motion_to_text.latent_dim=16", "motion_to_text.ff_size=16", "motion_to_text.num_layers=1",
-          "motion_to_text.num_heads=2", "text_to_motion.text_hidden=8", "text_to_motion.motion_hidden=16",
-          "text_to_motion.word_width=8", "text_to_motion.alignment_from=1"})
+    std::vector<std::string> arguments{"train-tm2t", "--stage",  stage,   "--data",     ".",           "--out",
+                                       out,          "--preset", "small", "--captions", "captions.tsv"};
+    for (const char* a : {"data.min_seconds=0.5",
+                          "data.test_share=0.25",
+                          "data.validation_share=0.25",
+                          "data.mirror=false",
+                          "optimiser.batch=4",
+                          "optimiser.schedule=constant",
+                          "optimiser.warmup=0",
+                          "optimiser.lr=0.005",
+                          "tokenizer.channels=[8, 8]",
+                          "tokenizer.codes=12",
+                          "tokenizer.residual_blocks=1",
+                          "tokenizer.window=28",
+                          "tokenizer.adversarial=0.5",
+                          "tokenizer.adversarial_from=1",
+                          "tokenizer.discriminator=8",
+                          "motion_to_text.latent_dim=16",
+                          "motion_to_text.ff_size=16",
+                          "motion_to_text.num_layers=1",
+                          "motion_to_text.num_heads=2",
+                          "text_to_motion.text_hidden=8",
+                          "text_to_motion.motion_hidden=16",
+                          "text_to_motion.word_width=8",
+                          "text_to_motion.alignment_from=1"})
       arguments.insert(arguments.end(), {"--set", a});
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(arguments, clips.path);
@@ -1194,37 +1240,43 @@ TEST_CASE("train-tm2t: a stage after the other; each learns, goes on with the sa
   for (const char* line : {"from texts to motions", "from motions to texts", "motion tokenizer", "12 codes, 2 halvings",
                            "writes 15 symbols", "license                  not stated"})
     CHECK_MESSAGE(contains(did({"info", "text-to-motion/model"}), line), line);
-  // a clip to train on is described by one of its captions, by the model of either stage, and the table can be trained on
+  // a clip to train on is described by one of its captions, by the model of either stage, and the table can be trained
+  // on
   const auto file = ml::SafetensorsFile::open(clips / "motion-to-text/checkpoint.safetensors");
   CHECK(contains(file.metadata().at("words"), "someone\nturns\nwalks\n"));
-  const std::string said = did({"describe", "clip0.bvh", "clip1.bvh", "clip2.bvh", "clip3.bvh", "clip4.bvh", "clip5.bvh",
-                                "clip6.bvh", "clip7.bvh", "--model", "motion-to-text/model", "-o", "described.tsv"});
+  const std::string said =
+      did({"describe", "clip0.bvh", "clip1.bvh", "clip2.bvh", "clip3.bvh", "clip4.bvh", "clip5.bvh", "clip6.bvh",
+           "clip7.bvh", "--model", "motion-to-text/model", "-o", "described.tsv"});
   CHECK((contains(said, "\"someone walks\"") || contains(said, "\"a person walks ahead\"")));
   CHECK((contains(said, "\"someone turns\"") || contains(said, "\"a person turns left\"")));
   const std::string table = ml::read_file(clips / "described.tsv");
   did({"describe", "clip0.bvh", "--model", "text-to-motion/model", "-o", "one.tsv"});
   const std::string one = ml::read_file(clips / "one.tsv"), line = one.substr(one.find('\n'));
   CHECK_MESSAGE(contains(table, line), line);
-  did({"train-temos", "--data", ".", "--captions", "described.tsv", "--preset", "small", "--out", "from_described", "--set",
-       "optimiser.epochs=1", "--set", "network.latent_dim=8", "--set", "network.ff_size=8", "--set", "text.width=8", "--set",
-       "data.min_seconds=0.5"});
+  did({"train-temos", "--data", ".", "--captions", "described.tsv", "--preset", "small", "--out", "from_described",
+       "--set", "optimiser.epochs=1", "--set", "network.latent_dim=8", "--set", "network.ff_size=8", "--set",
+       "text.width=8", "--set", "data.min_seconds=0.5"});
 
   did({"generate", "--model", "text-to-motion/model", "--text", "a person turns left", "--out", "made"});
   const auto made = ml::read_npy(clips / "made/a_person_turns_left.npy").shape;
   CHECK((made.size() == 3 && made[0] > 0 && made[0] % 4 == 0));
 
   // measured against what people said: what it has learnt by heart, it says
-  const std::string scores = did({"evaluate", "motion-to-text/model", "--data", ".", "--captions", "captions.tsv", "--part", "training"});
-  for (const char* text : {"4 motions of the training part, 4 to describe", "BLEU-4  ROUGE-L    CIDEr", "  a text of the training part by lot"})
+  const std::string scores =
+      did({"evaluate", "motion-to-text/model", "--data", ".", "--captions", "captions.tsv", "--part", "training"});
+  for (const char* text : {"4 motions of the training part, 4 to describe", "BLEU-4  ROUGE-L    CIDEr",
+                           "  a text of the training part by lot"})
     CHECK_MESSAGE(contains(scores, text), scores);
   const auto described = scores.find("  described");
   REQUIRE(described != scores.npos);
-  CHECK_MESSAGE(scores.substr(described, scores.find('\n', described) - described).find("  100.00") != scores.npos, scores);
+  CHECK_MESSAGE(scores.substr(described, scores.find('\n', described) - described).find("  100.00") != scores.npos,
+                scores);
 
   // the same, and by a language model: 100 of what is said word by word, and less of anything else
   write_distilbert(clips / "bert");
-  std::vector<std::string> with_bert{"evaluate", "motion-to-text/model", "--data", ".", "--captions", "captions.tsv",
-                                     "--part", "training", "--bert", "bert"};
+  std::vector<std::string> with_bert{
+      "evaluate", "motion-to-text/model", "--data", ".", "--captions", "captions.tsv", "--part", "training", "--bert",
+      "bert"};
   const std::string judged = did(with_bert);
   CHECK_MESSAGE(contains(judged, "BERTScore by layer 2 of 2 of bert, without a baseline"), judged);
   CHECK_MESSAGE(contains(judged, "BLEU-4  ROUGE-L    CIDEr  BERTScore"), judged);
@@ -1258,10 +1310,11 @@ TEST_CASE("train-tm2t: a stage after the other; each learns, goes on with the sa
   }
   ml::write_ids(set + "/train.txt", std::vector<std::string>{"000000", "000001"});
   const auto of_set = [&](const std::string& stage, std::vector<std::string> more) {
-    std::vector<std::string> arguments{"train-tm2t", "--stage", stage, "--preset", "small", "--data", "h3d", "--out", "set_" + stage, "--fresh"};
-    for (const char* a : {"optimiser.epochs=1", "tokenizer.channels=[4, 4]", "tokenizer.codes=6", "motion_to_text.latent_dim=8",
-                          "motion_to_text.ff_size=8", "motion_to_text.num_layers=1", "text_to_motion.text_hidden=4",
-                          "text_to_motion.motion_hidden=8", "tokenizer.window=32"})
+    std::vector<std::string> arguments{"train-tm2t", "--stage", stage,   "--preset",     "small",
+                                       "--data",     "h3d",     "--out", "set_" + stage, "--fresh"};
+    for (const char* a : {"optimiser.epochs=1", "tokenizer.channels=[4, 4]", "tokenizer.codes=6",
+                          "motion_to_text.latent_dim=8", "motion_to_text.ff_size=8", "motion_to_text.num_layers=1",
+                          "text_to_motion.text_hidden=4", "text_to_motion.motion_hidden=8", "tokenizer.window=32"})
       arguments.insert(arguments.end(), {"--set", a});
     arguments.insert(arguments.end(), more.begin(), more.end());
     return did(arguments);
@@ -1279,8 +1332,9 @@ TEST_CASE("train-tm2t: a stage after the other; each learns, goes on with the sa
   CHECK(contains(did({"info", "set_text-to-motion/model"}), "word vectors of 3 numbers"));
 
   // without inverse alignment; what is missing and what does not fit
-  const auto alone = train("text-to-motion", "alone", {"--tokenizer", "tokenizer/model", "--set", "text_to_motion.alignment=false",
-                                                       "--set", "optimiser.epochs=2"});
+  const auto alone = train(
+      "text-to-motion", "alone",
+      {"--tokenizer", "tokenizer/model", "--set", "text_to_motion.alignment=false", "--set", "optimiser.epochs=2"});
   REQUIRE_MESSAGE(alone.code == 0, alone.text);
   CHECK(clips.terms("alone") == std::vector<std::string>{"tokens"});
   const auto refused = [&](const std::string& stage, const std::vector<std::string>& more, const std::string& message,
@@ -1294,13 +1348,15 @@ TEST_CASE("train-tm2t: a stage after the other; each learns, goes on with the sa
   refused("text-to-motion", {"--describer", "tokenizer/model"}, "not TM2T's transformer from motions to texts");
   const auto unmeasured = run({"evaluate", "alone/model", "--data", ".", "--captions", "captions.tsv"}, clips.path);
   CHECK(unmeasured.code == 1);
-  CHECK_MESSAGE(contains(unmeasured.text, "[motionlang.config.102] alone/model: TM2T's motions of texts are judged by"), unmeasured.text);
+  CHECK_MESSAGE(contains(unmeasured.text, "[motionlang.config.102] alone/model: TM2T's motions of texts are judged by"),
+                unmeasured.text);
   refused("tokenizer", {"--set", "tokenizer.window=96"}, "no motion to train on has more than tokenizer.window = 96");
   refused("tokenizer", {"--set", "tokenizer.window=30"}, "window is 30, expected a multiple of 4");
   refused("tokenizer", {"--set", "features=rifke"}, "features 'rifke' is not guoh3d or kit");
   CHECK(run({"train-tm2t", "--data", "."}, clips.path).code == 2);
   const auto published = run({"train-tm2t", "--stage", "tokenizer", "--print-config"}, clips.path);
-  for (const char* text : {"\"codes\": 1024", "\"feature_bias\": 5", "\"adversarial_from\": 10", "\"batch\": 128", "\"lr\": 0.0001"})
+  for (const char* text :
+       {"\"codes\": 1024", "\"feature_bias\": 5", "\"adversarial_from\": 10", "\"batch\": 128", "\"lr\": 0.0001"})
     CHECK_MESSAGE(contains(published.text, text), published.text);
 }
 
@@ -1339,7 +1395,8 @@ TEST_CASE("data in the form of KIT-ML: known by the width of their rows, trained
   const auto made = ml::read_bvh_motion(place / "made/a_person_walks.bvh");
   CHECK(made.frames() == 25);
   CHECK(made.skeleton.names == ml::kit21_skeleton().names);
-  CHECK(contains(said({"index", "made", "--model", "out/model", "-o", "moves.index"}), "4 clips"));  // .bvh, .glb, .npz, .npy
+  // .bvh, .glb, .npz, .npy
+  CHECK(contains(said({"index", "made", "--model", "out/model", "-o", "moves.index"}), "4 clips"));
   CHECK(contains(said({"search", "moves.index", "a person walks"}), "made/a_person_walks.bvh"));
   CHECK(contains(said({"search", "moves.index", "--like", "made/a_person_walks.bvh", "--top", "1"}), "  1  1.000"));
 
@@ -1361,8 +1418,9 @@ TEST_CASE("data in the form of KIT-ML: known by the width of their rows, trained
     const auto expected = ml::resample(rows, 20);
     const auto common = std::min(expected.frames(), clean.frames());
     CHECK(std::abs(expected.frames() - clean.frames()) <= 1);
-    return synthetic::largest_distance(ml::crop(ml::placed(expected, ml::placement_between(expected, 0, clean, 0)), 0, common),
-                                       ml::crop(clean, 0, common));
+    return synthetic::largest_distance(
+        ml::crop(ml::placed(expected, ml::placement_between(expected, 0, clean, 0)), 0, common),
+        ml::crop(clean, 0, common));
   };
   CHECK(differs_from(read) < 1e-2);
   CHECK(differs_from(ml::retarget(read)) > 2e-2);
@@ -1410,8 +1468,9 @@ TEST_CASE("data in the form of KIT-ML: known by the width of their rows, trained
   refused({}, "kit/new_joint_vecs/00006.npy: an array (60, 263), expected (60, 251)");
   const std::vector<float> rows(4 * 100);
   ml::write_npy(kit + "/new_joint_vecs/00001.npy", ml::NpyArray::of(std::span<const float>(rows), {4, 100}));
-  refused({}, "kit/new_joint_vecs/00001.npy: an array (4, 100), expected rows of guoh3d (263 numbers) or kit (251 "
-              "numbers)");
+  refused({},
+          "kit/new_joint_vecs/00001.npy: an array (4, 100), expected rows of guoh3d (263 numbers) or kit (251 "
+          "numbers)");
 
   // ready-made rows of KIT-ML that an annotation file names; of HumanML3D among them
   ml::write_file(place / "annotations.json", R"({

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Collections of made-up clips under a hand-made encoder, for tests of searches: a frame is one of a few actions, and a window of
-/// frames is encoded as how often each of them occurs in it, and a constant, so that of two windows with one action alone the longer one
-/// is nearer to it.
+/// Collections of made-up clips under a hand-made encoder, for tests of searches: a frame is one of a few actions, and
+/// a window of frames is encoded as how often each of them occurs in it, and a constant, so that of two windows with
+/// one action alone the longer one is nearer to it.
 #pragma once
 
 #include <motionlang/search/motion_search.hpp>

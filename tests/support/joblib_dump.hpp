@@ -9,8 +9,11 @@
 /// One array of `size` bytes, all of them `value`.
 inline std::string joblib_dump(std::uint32_t size, char value) {
   std::string dump =
-      "\x80\x02" "cjoblib.numpy_pickle\nNumpyArrayWrapper\n)\x81}(U\x05" "dtypecnumpy\ndtype\n(U\x02u1tR"
-      "(K\x03U\x01|tbU\x05orderU\x01" "CU\x05shape(J";
+      "\x80\x02"
+      "cjoblib.numpy_pickle\nNumpyArrayWrapper\n)\x81}(U\x05"
+      "dtypecnumpy\ndtype\n(U\x02u1tR"
+      "(K\x03U\x01|tbU\x05orderU\x01"
+      "CU\x05shape(J";
   dump.append(reinterpret_cast<const char*>(&size), sizeof size);
   return dump + "tub" + std::string(size, value) + ".";
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Numbers of tiny text networks with weights by a formula (spec text-encoders.md, section 12.3), from the reference implementations in
-/// double precision. clang-format off keeps them as they came.
+/// Numbers of tiny text networks with weights by a formula (spec text-encoders.md, section 12.3), from the reference
+/// implementations in double precision. clang-format off keeps them as they came.
 #pragma once
 
 namespace network_numbers {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Body files that anybody may have: the joints of SMPL, SMPL-H or SMPL-X, an octahedron around each, one direction of shape (taller).
+/// Body files that anybody may have: the joints of SMPL, SMPL-H or SMPL-X, an octahedron around each, one direction of
+/// shape (taller).
 #pragma once
 
 #include <motionlang/io/npz.hpp>
@@ -10,7 +11,8 @@ namespace octahedra {
 namespace ml = motionlang;
 using ml::Index;
 
-/// SMPL's joints, or the first 22 of them with fingers, and with jaw and eyes. The pelvis is not at the origin, as in the real ones.
+/// SMPL's joints, or the first 22 of them with fingers, and with jaw and eyes. The pelvis is not at the origin, as in
+/// the real ones.
 inline ml::Skeleton skeleton(ml::BodyKind kind) {
   const ml::Skeleton& smpl = ml::smpl24_skeleton();
   ml::Skeleton s;
@@ -37,7 +39,7 @@ inline std::vector<ml::NamedArray> arrays(ml::BodyKind kind = ml::BodyKind::smpl
   const Index joints = s.size(), vertices = 6 * joints;
   const auto sized = [](Index count) { return std::vector<float>(static_cast<std::size_t>(count)); };
   std::vector<float> points, taller, regressor = sized(joints * vertices), weights = sized(vertices * joints),
-                             pose_directions = sized(vertices * 27 * (joints - 1));
+                                     pose_directions = sized(vertices * 27 * (joints - 1));
   std::vector<std::int64_t> tree, faces;
   const auto rest = s.rest_positions();
   for (Index j = 0; j < joints; ++j) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Folders as the official repositories of the diffusion models leave them, with drawn weights: the same files under the same
-/// names, tensors under the official keys and with what checkpoints hold besides.
+/// Folders as the official repositories of the diffusion models leave them, with drawn weights: the same files under
+/// the same names, tensors under the official keys and with what checkpoints hold besides.
 #pragma once
 
 #include <fstream>
@@ -56,7 +56,8 @@ void add_module(TorchArchive& archive, const M& module, const std::string& prefi
 }
 inline void add_zeros(TorchArchive& archive, const std::string& name, const ml::Shape& shape) {
   ml::TensorStore store;
-  store.add(name, shape, std::span<const float>(std::vector<float>(static_cast<std::size_t>(shape.count()))), ml::DType::F32);
+  store.add(name, shape, std::span<const float>(std::vector<float>(static_cast<std::size_t>(shape.count()))),
+            ml::DType::F32);
   archive.tensor(name, store.views().front());
 }
 
@@ -71,7 +72,8 @@ inline ml::Normalizer<B> statistics(Index width, std::uint64_t seed) {
 inline ml::TensorView view_of(const ml::Tensor<B, 1>& t) {
   return {.name = "", .dtype = ml::DType::F32, .shape = t.shape(), .bytes = std::as_bytes(t.span())};
 }
-inline void write_npy_statistics(const fs::path& folder, const ml::Normalizer<B>& n, const char* mean, const char* std) {
+inline void write_npy_statistics(const fs::path& folder, const ml::Normalizer<B>& n, const char* mean,
+                                 const char* std) {
   fs::create_directories(folder);
   ml::write_npy(folder / mean, ml::NpyArray::of(n.mean.span(), {n.mean.count()}));
   ml::write_npy(folder / std, ml::NpyArray::of(n.std.span(), {n.std.count()}));
@@ -107,9 +109,9 @@ inline void write_stmc_run(const fs::path& folder, const Sizes& s) {
              ml::concat_text(R"({"data": {"motion_loader": {"fps": 20.0, "nfeats": )", c.nfeats,
                              R"(, "base_dir": "datasets/motions/AMASS"}, "text_encoder": {"modelname": "ViT-B/32"}},
  "diffusion": {"_target_": "src.model.diffusion.GaussianDiffusion", "timesteps": )",
-                             s.stmc_steps, R"(, "prediction": "x", "lr": 0.0001, "denoiser": {"latent_dim": )", c.latent_dim,
-                             R"(, "ff_size": )", c.ff_size, R"(, "num_layers": )", c.num_layers, R"(, "num_heads": )",
-                             c.num_heads, R"(, "dropout": 0.1, "nb_registers": )", c.nb_registers,
+                             s.stmc_steps, R"(, "prediction": "x", "lr": 0.0001, "denoiser": {"latent_dim": )",
+                             c.latent_dim, R"(, "ff_size": )", c.ff_size, R"(, "num_layers": )", c.num_layers,
+                             R"(, "num_heads": )", c.num_heads, R"(, "dropout": 0.1, "nb_registers": )", c.nb_registers,
                              R"(, "activation": "gelu"}}, "seed": 1234})"));
   TorchArchive archive;
   archive.number("epoch", 9999);
@@ -119,7 +121,8 @@ inline void write_stmc_run(const fs::path& folder, const Sizes& s) {
   add_module(archive, statistics(c.tx_dim, 2), "text_normalizer.");
   archive.end();
   write_bytes(folder / "logs/checkpoints/last.ckpt", archive.finish());
-  for (const auto& [name, n] : {std::pair{"motion_stats", statistics(c.nfeats, 1)}, {"text_stats", statistics(c.tx_dim, 2)}}) {
+  for (const auto& [name, n] :
+       {std::pair{"motion_stats", statistics(c.nfeats, 1)}, {"text_stats", statistics(c.tx_dim, 2)}}) {
     write_bytes(folder / name / "mean.pt", TorchArchive::of_tensor(view_of(n.mean)));
     write_bytes(folder / name / "std.pt", TorchArchive::of_tensor(view_of(n.std)));
   }
@@ -129,14 +132,17 @@ inline ml::MdmDenoiser<B> mdm(const Sizes& s) {
   ml::Philox rng{.seed = 31};
   return {s.mdm, rng};
 }
-/// args.json with the keys of newer runs, model000475000.pt and, beside it, an older one; Mean.npy and Std.npy of the data set.
+/// args.json with the keys of newer runs, model000475000.pt and, beside it, an older one; Mean.npy and Std.npy of the
+/// data set.
 inline void write_mdm_run(const fs::path& folder, const Sizes& s) {
   const auto& c = s.mdm;
   write_text(folder / "args.json",
-             ml::concat_text(R"({"arch": ")", c.arch == ml::MdmArch::trans_dec ? "trans_dec" : "trans_enc",
-                             R"(", "cond_mask_prob": 0.1, "context_len": 0, "dataset": "humanml", "diffusion_steps": )", s.steps,
-                             R"(, "emb_trans_dec": )", c.class_token != ml::MdmClassToken::none, R"(, "lambda_fc": 0.0,
- "latent_dim": )", c.latent_dim, R"(, "layers": )", c.num_layers, R"(, "mask_frames": false, "noise_schedule": "cosine",
+             ml::concat_text(
+                 R"({"arch": ")", c.arch == ml::MdmArch::trans_dec ? "trans_dec" : "trans_enc",
+                 R"(", "cond_mask_prob": 0.1, "context_len": 0, "dataset": "humanml", "diffusion_steps": )", s.steps,
+                 R"(, "emb_trans_dec": )", c.class_token != ml::MdmClassToken::none, R"(, "lambda_fc": 0.0,
+ "latent_dim": )",
+                 c.latent_dim, R"(, "layers": )", c.num_layers, R"(, "mask_frames": false, "noise_schedule": "cosine",
  "pos_embed_max_len": 5000, "pred_len": 0, "sigma_small": true, "text_encoder_type": "clip", "unconstrained": false})"));
   TorchArchive archive;
   add_module(archive, mdm(s));
@@ -161,8 +167,9 @@ inline void write_mdm_action_run(const fs::path& folder, const Sizes& s, double 
                                  ml::MdmCondition condition = ml::MdmCondition::action, const std::string& said = "") {
   write_text(folder / "args.json",
              ml::concat_text(R"({"arch": "trans_enc", "cond_mask_prob": )", cond_mask_prob,
-                             R"(, "dataset": "humanact12", "diffusion_steps": )", s.steps, R"(, "latent_dim": )", s.mdm.latent_dim,
-                             R"(, "layers": )", s.mdm.num_layers, R"(, "noise_schedule": "cosine", "num_frames": 60)", said, "}"));
+                             R"(, "dataset": "humanact12", "diffusion_steps": )", s.steps, R"(, "latent_dim": )",
+                             s.mdm.latent_dim, R"(, "layers": )", s.mdm.num_layers,
+                             R"(, "noise_schedule": "cosine", "num_frames": 60)", said, "}"));
   TorchArchive archive;
   add_module(archive, mdm_actions(s, condition));
   add_zeros(archive, "sequence_pos_encoder.pe", {7, 1, s.mdm.latent_dim});
@@ -178,9 +185,10 @@ inline ml::MotionDiffuseDenoiser<B> motiondiffuse(const Sizes& s) {
 inline void write_motiondiffuse_run(const fs::path& folder, const Sizes& s) {
   const auto& c = s.motiondiffuse;
   write_text(folder / "opt.txt",
-             ml::concat_text("------------ Options -------------\nbatch_size: 128\ndataset_name: t2m\ndiffusion_steps: ",
-                             s.steps, "\nfeat_bias: 5\nis_train: True\nlatent_dim: ", c.latent_dim,
-                             "\nname: t2m_motiondiffuse\n-------------- End ----------------\n"));
+             ml::concat_text(
+                 "------------ Options -------------\nbatch_size: 128\ndataset_name: t2m\ndiffusion_steps: ", s.steps,
+                 "\nfeat_bias: 5\nis_train: True\nlatent_dim: ", c.latent_dim,
+                 "\nname: t2m_motiondiffuse\n-------------- End ----------------\n"));
   TorchArchive archive;
   archive.begin("opt_encoder");
   archive.number("step", 1);
@@ -205,8 +213,12 @@ inline ml::PublishedStmc<B> expected(const std::string& system, const Sizes& s) 
   if (!stmc && !mdm_run) denoiser.motiondiffuse = motiondiffuse(s);
   const auto linear = ml::GaussianDiffusion(ml::LinearSchedule{.steps = s.steps});
   return {.denoiser = std::move(denoiser),
-          .text_encoder = clip_encoder(s, stmc ? ml::clip_sentences() : mdm_run ? ml::clip_sentences(22) : ml::clip_states()),
-          .motion_normalizer = statistics(stmc ? 205 : s.mdm.nfeats, stmc ? 1 : mdm_run ? 3 : 4),
+          .text_encoder = clip_encoder(s, stmc      ? ml::clip_sentences()
+                                          : mdm_run ? ml::clip_sentences(22)
+                                                    : ml::clip_states()),
+          .motion_normalizer = statistics(stmc ? 205 : s.mdm.nfeats, stmc      ? 1
+                                                                     : mdm_run ? 3
+                                                                               : 4),
           .text_normalizer = stmc      ? statistics(s.mdm_smpl.tx_dim, 2)
                              : mdm_run ? ml::Normalizer<B>::identity(s.mdm.text_dim)
                                        : ml::Normalizer<B>::identity(s.motiondiffuse.clip_dim),

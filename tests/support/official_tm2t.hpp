@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The folders of TM2T as its repository leaves them, with drawn weights: the models from texts to motions and from motions to texts, the
-/// tokenizer, word vectors.
+/// The folders of TM2T as its repository leaves them, with drawn weights: the models from texts to motions and from
+/// motions to texts, the tokenizer, word vectors.
 #pragma once
 
 #include <motionlang/io/tm2t_run.hpp>
@@ -62,8 +62,8 @@ inline fs::path write_tm2t_runs(const fs::path& folder, const ml::Tm2tConfig& c)
   archive.end();
   archive.number("ep", 10);
   write_bytes(t2m / "model/finest.tar", archive.finish());
-  write_text(m2t / "opt.txt", ml::concat_text(banner, "d_model: ", c.motion_to_text.d_model, "\nn_head: ", c.motion_to_text.heads,
-                                              "\nproj_share_weight: True\n", end));
+  write_text(m2t / "opt.txt", ml::concat_text(banner, "d_model: ", c.motion_to_text.d_model, "\nn_head: ",
+                                              c.motion_to_text.heads, "\nproj_share_weight: True\n", end));
   TorchArchive words;
   words.begin("m2t_transformer");
   add_module(words, model.m2t_transformer);

@@ -8,20 +8,20 @@
 
 namespace official {
 
-inline ml::ActorConfig small_actor() {
-  return {.latent_dim = 16, .ff_size = 24, .num_layers = 2};
-}
+inline ml::ActorConfig small_actor() { return {.latent_dim = 16, .ff_size = 24, .num_layers = 2}; }
 inline ml::Actor<B> actor(const ml::ActorConfig& c) {
   ml::Philox rng{.seed = 51};
   return {c, rng};
 }
 /// opt.yaml and two checkpoints, of which the second counts.
 inline void write_actor_run(const fs::path& folder, const ml::ActorConfig& c, const std::string& extra = "") {
-  write_text(folder / "opt.yaml",
-             ml::concat_text("activation: gelu\narchiname: transformer\nbatch_size: 20\ndataset: humanact12\nglob: true\nglob_rot:\n"
-                             "- 3.141592653589793\n- 0\n- 0\njointstype: vertices\nlambdas:\n  kl: 1.0e-05\nlatent_dim: ",
-                             c.latent_dim, "\nlosses:\n- rc\n- kl\nmodeltype: cvae\nnum_frames: 60\nnum_layers: ", c.num_layers,
-                             "\npose_rep: rot6d\ntranslation: true\n"));
+  write_text(
+      folder / "opt.yaml",
+      ml::concat_text(
+          "activation: gelu\narchiname: transformer\nbatch_size: 20\ndataset: humanact12\nglob: true\nglob_rot:\n"
+          "- 3.141592653589793\n- 0\n- 0\njointstype: vertices\nlambdas:\n  kl: 1.0e-05\nlatent_dim: ",
+          c.latent_dim, "\nlosses:\n- rc\n- kl\nmodeltype: cvae\nnum_frames: 60\nnum_layers: ", c.num_layers,
+          "\npose_rep: rot6d\ntranslation: true\n"));
   TorchArchive older, archive;
   add_zeros(older, "nothing", {1});
   write_bytes(folder / "checkpoint_0900.pth.tar", older.finish());
@@ -42,13 +42,15 @@ inline ml::Temos<B> temos(const ml::TemosConfig& c) {
 }
 /// .hydra/config.yaml and checkpoints/last.ckpt of TEMOS, TEACH or SINC with a small DistilBERT inside.
 template <ml::Module M, class Config>
-void write_lightning_run(const fs::path& folder, const M& model, const Config& c, double fps, const std::string& extra = "") {
+void write_lightning_run(const fs::path& folder, const M& model, const Config& c, double fps,
+                         const std::string& extra = "") {
   write_text(folder / ".hydra/config.yaml",
-             ml::concat_text("data:\n  dataname: kit-amass-xyz\n  framerate: ", fps, "\nmodel:\n  latent_dim: ", c.latent_dim,
-                             "\n  ff_size: ", c.ff_size, "\n  num_layers: ", c.num_layers,
+             ml::concat_text("data:\n  dataname: kit-amass-xyz\n  framerate: ", fps, "\nmodel:\n  latent_dim: ",
+                             c.latent_dim, "\n  ff_size: ", c.ff_size, "\n  num_layers: ", c.num_layers,
                              "\n  num_head: 6\n  vae: true\n  textencoder:\n    latent_dim: ${model.latent_dim}\n"));
   ml::Philox rng{.seed = 62};
-  const ml::DistilBert<B> words({.vocabulary = 7, .width = c.text_dim, .heads = 1, .d_ff = 32, .layers = 1, .positions = 16}, rng);
+  const ml::DistilBert<B> words(
+      {.vocabulary = 7, .width = c.text_dim, .heads = 1, .d_ff = 32, .layers = 1, .positions = 16}, rng);
   TorchArchive archive;
   archive.number("epoch", 999);
   archive.begin("state_dict");

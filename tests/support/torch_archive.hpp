@@ -73,7 +73,9 @@ class TorchArchive {
       for (int k = axis + 1; k < view.shape.rank(); ++k) stride *= view.shape[k];
       integer(stride);
     }
-    pickle_ += "t\x89" "ccollections\nOrderedDict\n)RtR";
+    pickle_ +=
+        "t\x89"
+        "ccollections\nOrderedDict\n)RtR";
     storages_.emplace_back(view.bytes.begin(), view.bytes.end());
   }
 

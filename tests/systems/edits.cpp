@@ -20,7 +20,8 @@ constexpr ml::Philox rng{.seed = 7};
 /// Texts one after the other, eight frames each.
 Timeline chain(const std::vector<std::string>& texts) {
   Timeline t;
-  for (Index i = 0; const std::string& text : texts) t.intervals.push_back({text, 8 * i, 8 * i + 8, BodyParts::all()}), ++i;
+  for (Index i = 0; const std::string& text : texts)
+    t.intervals.push_back({text, 8 * i, 8 * i + 8, BodyParts::all()}), ++i;
   return t;
 }
 const std::vector<std::string> seven{"walk", "sit down", "raise both arms", "walk forward", "wave", "sit", "walk"};
@@ -40,8 +41,8 @@ std::vector<std::vector<float>> numbers(const std::vector<ml::Tensor<B, 2>>& mot
   return out;
 }
 template <class Model>
-Rerun rerun(const Model& model, const std::vector<Timeline>& before, const std::vector<Timeline>& after, const ml::StmcOptions& options,
-            const ml::RegenerateOptions& how = {}) {
+Rerun rerun(const Model& model, const std::vector<Timeline>& before, const std::vector<Timeline>& after,
+            const ml::StmcOptions& options, const ml::RegenerateOptions& how = {}) {
   ml::StmcRecord<B> record;
   const auto first = ml::generate_recorded(model, before, rng, options, record);
   CHECK(numbers(first) == numbers(model.generate(before, rng, options)));
@@ -104,7 +105,8 @@ TEST_CASE("a limit keeps frames against the model, and is said to be no whole ru
   CHECK(again.reuse.kept == 56 - 22);  // the crop of the edit has frames 6 to 17
   CHECK(again.reuse.everywhere == 0);
   const auto same = [&](Index from, Index to) {
-    return std::equal(before[0].begin() + from * 205, before[0].begin() + to * 205, again.motions[0].begin() + from * 205);
+    return std::equal(before[0].begin() + from * 205, before[0].begin() + to * 205,
+                      again.motions[0].begin() + from * 205);
   };
   CHECK(same(0, 1));
   CHECK(same(23, 56));
@@ -146,7 +148,8 @@ TEST_CASE("nothing is kept where the crops of a batch depend on each other") {
       {.nfeats = 205, .arch = ml::MdmArch::gru, .text_dim = 12, .latent_dim = 32, .num_layers = 1, .crop_frames = 24},
       weights);
   CHECK_ERROR(ml::regenerate(model, record, std::vector{chain(seven)}), "[motionlang.config.102] edits");
-  CHECK_ERROR(ml::generate_recorded(model, std::vector{chain(seven)}, rng, options, record), "[motionlang.config.102] edits");
+  CHECK_ERROR(ml::generate_recorded(model, std::vector{chain(seven)}, rng, options, record),
+              "[motionlang.config.102] edits");
 }
 
 TEST_CASE("progress counts steps, and a cancelled run leaves the record as it was") {
@@ -170,11 +173,12 @@ TEST_CASE("progress counts steps, and a cancelled run leaves the record as it wa
 TEST_CASE("a record in a file: the same run, refused for another model") {
   const TemporaryFolder folder;
   const auto model = small::model<B>();
-  const ml::StmcOptions options{.overlap = 4,
-                                .guidance = 1.75,
-                                .steps = 3,
-                                .sampling = ml::SamplingOptions{.sampler = ml::SamplingOptions::Sampler::ddim, .eta = 0.25},
-                                .hidden = ml::HiddenTexts::ignore};
+  const ml::StmcOptions options{
+      .overlap = 4,
+      .guidance = 1.75,
+      .steps = 3,
+      .sampling = ml::SamplingOptions{.sampler = ml::SamplingOptions::Sampler::ddim, .eta = 0.25},
+      .hidden = ml::HiddenTexts::ignore};
   auto odd = chain(seven);
   odd.intervals[2].text = "a # \"strange\"\ntext";
   const std::vector timelines{odd, chain({"sit", "walk"})};

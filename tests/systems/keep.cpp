@@ -17,7 +17,9 @@ namespace {
 
 constexpr ml::Philox rng{.seed = 7};
 
-Timeline two_texts() { return {{{"walk", 0, 12, BodyParts::all()}, {"wave", 8, 20, BodyParts{}.with(BodyPart::right_arm)}}}; }
+Timeline two_texts() {
+  return {{{"walk", 0, 12, BodyParts::all()}, {"wave", 8, 20, BodyParts{}.with(BodyPart::right_arm)}}};
+}
 
 /// Of another seed, so that it is none of the motions that are made.
 template <class Model>
@@ -35,8 +37,8 @@ double largest(const ml::Tensor<B, 2>& a, const ml::Tensor<B, 2>& b, Index frame
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("kept frames and parts come back, the others are made", D, ml::MdmSmplDenoiser<B>, ml::MdmDenoiser<B>,
-                   ml::MotionDiffuseDenoiser<B>) {
+TEST_CASE_TEMPLATE("kept frames and parts come back, the others are made", D, ml::MdmSmplDenoiser<B>,
+                   ml::MdmDenoiser<B>, ml::MotionDiffuseDenoiser<B>) {
   const auto model = small::model_of<D>();
   const std::vector<Timeline> timelines{two_texts(), two_texts()};
   const ml::Tensor<B, 2> clip = some_motion(model), free = model.generate(timelines, rng)[0];
@@ -76,7 +78,8 @@ TEST_CASE("what cannot be kept is told") {
   };
   CHECK_NOTHROW(around());
   CHECK_ERROR(around({.mode = ml::StmcMode::sinc}), "[motionlang.config.102] generate_around: only StmcMode::stmc");
-  CHECK_ERROR(ml::generate_around<B>(model, timelines, rng, {}, {}), "[motionlang.config.102] generate_around: 0 motions to keep for 1");
+  CHECK_ERROR(ml::generate_around<B>(model, timelines, rng, {}, {}),
+              "[motionlang.config.102] generate_around: 0 motions to keep for 1");
   for (const ml::IndexRange& frames : {ml::IndexRange{0, 21}, {-1, 3}, {5, 5}}) {
     kept.parts = {{frames}};
     const std::string said = "[motionlang.config.101] generate_around: frames " + std::to_string(frames.begin);

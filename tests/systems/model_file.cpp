@@ -115,7 +115,9 @@ TEST_CASE("a model is sampled as its file asks, unless the caller says how") {
   const auto again = ml::load_stmc<B>(folder / "model.safetensors");
   CHECK(ml::SafetensorsFile::open(folder / "model.safetensors").metadata().at("sampling") == "ddim 3");
   const auto timeline = small::one_track();
-  const auto made = [&](const ml::Stmc<B>& m, const ml::StmcOptions& o) { return small::numbers(m.generate(timeline, {.seed = 1}, o)); };
+  const auto made = [&](const ml::Stmc<B>& m, const ml::StmcOptions& o) {
+    return small::numbers(m.generate(timeline, {.seed = 1}, o));
+  };
   auto ddim = model.sampling;
   ddim.sampler = Sampler::ddim;
   CHECK(made(again, {}) == made(model, {.steps = 3, .sampling = ddim}));
@@ -292,7 +294,8 @@ TEST_CASE("metadata: every key is needed and checked") {
   check_metadata("sampling", "ddim -3", 101, {"-3 steps of sampling, the process has 8"});
   check_metadata("sampling", "ddpm 9", 101, {"9 steps of sampling, the process has 8"});
   check_metadata("sampling", "ddpm many", 107, {"'sampling' = 'many'"});
-  for (const char* sampler : {"", "euler 5", "DDPM"}) check_metadata("sampling", sampler, 103, {"neither ddpm nor ddim"});
+  for (const char* sampler : {"", "euler 5", "DDPM"})
+    check_metadata("sampling", sampler, 103, {"neither ddpm nor ddim"});
 }
 
 TEST_CASE("hostile sizes are refused before memory is taken") {

@@ -23,9 +23,12 @@ void* take(std::size_t bytes, std::size_t alignment) {
 
 }  // namespace
 
-// The whole program allocates through these, the library's pool through its own counter. (Inlined, GCC mistakes them for a mismatch.)
+// The whole program allocates through these, the library's pool through its own counter. (Inlined, GCC mistakes them
+// for a mismatch.)
 [[gnu::noinline]] void* operator new(std::size_t bytes) { return take(bytes, alignof(std::max_align_t)); }
-[[gnu::noinline]] void* operator new(std::size_t bytes, std::align_val_t a) { return take(bytes, static_cast<std::size_t>(a)); }
+[[gnu::noinline]] void* operator new(std::size_t bytes, std::align_val_t a) {
+  return take(bytes, static_cast<std::size_t>(a));
+}
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }

@@ -1,5 +1,5 @@
-// Official run folders of the diffusion models: what they load as, what generation makes of it, and what is said when something is
-// missing or does not fit.
+// Official run folders of the diffusion models: what they load as, what generation makes of it, and what is said when
+// something is missing or does not fit.
 #include <motionlang/io/diffusion_folder.hpp>
 
 #include "../support/check_error.hpp"
@@ -9,8 +9,8 @@
 
 namespace ml = motionlang;
 namespace fs = std::filesystem;
-using official::B, official::Sizes;
 using ml::Index;
+using official::B, official::Sizes;
 
 namespace {
 
@@ -26,7 +26,8 @@ ml::PublishedStmc<B> check_generates(const std::string& system, const fs::path& 
   auto wanted = official::expected(system, sizes);
   ml::prepare(wanted.denoiser);
   for (const ml::Timeline& timeline : {small::one_text(20), small::several_tracks()}) {
-    const auto a = loaded.generate(timeline, ml::Philox{.seed = 5}), b = wanted.generate(timeline, ml::Philox{.seed = 5});
+    const auto a = loaded.generate(timeline, ml::Philox{.seed = 5}),
+               b = wanted.generate(timeline, ml::Philox{.seed = 5});
     CHECK(a.shape() == ml::Shape{timeline.end(), loaded.layout.size});
     CHECK(small::is_finite(a));
     CHECK_MESSAGE(small::numbers(a) == small::numbers(b), system);
@@ -51,9 +52,11 @@ TEST_CASE("STMC: config.json, logs/checkpoints/last.ckpt, motion_stats, text_sta
   official::write_clip(elsewhere.path, sizes);
   fs::remove_all(folder / "clip");
   CHECK(ml::load_diffusion_run<B>(folder.path, {.text_encoder = elsewhere.path}).text_encoder.network.is_clip());
-  CHECK(ml::load_diffusion_run<B>(folder.path, {.text_encoder = elsewhere / "ViT-B-32.pt"}).text_encoder.network.is_clip());
+  CHECK(ml::load_diffusion_run<B>(folder.path, {.text_encoder = elsewhere / "ViT-B-32.pt"})
+            .text_encoder.network.is_clip());
   fs::remove(elsewhere / "bpe_simple_vocab_16e6.txt");
-  CHECK_ERROR(ml::load_diffusion_run<B>(folder.path, {.text_encoder = elsewhere.path}), "no tokenizer of the text encoder: put");
+  CHECK_ERROR(ml::load_diffusion_run<B>(folder.path, {.text_encoder = elsewhere.path}),
+              "no tokenizer of the text encoder: put");
 }
 
 TEST_CASE("MDM: args.json, the last model, statistics of the data set; both transformers") {
@@ -87,7 +90,8 @@ TEST_CASE("MDM: args.json, the last model, statistics of the data set; both tran
   for (const auto& piece : openai.vocabulary()) ids[piece] = ids.size();
   official::write_text(run / "clip/vocab.json", ids.dump());
   sizes.mdm.arch = ml::MdmArch::trans_enc, sizes.mdm.class_token = ml::MdmClassToken::none;
-  CHECK(check_generates("mdm", run, sizes).text_encoder.tokenizer.clip()->options().cleaning == ml::ClipCleaning::original);
+  CHECK(check_generates("mdm", run, sizes).text_encoder.tokenizer.clip()->options().cleaning ==
+        ml::ClipCleaning::original);
 }
 
 TEST_CASE("MDM: the moving average where args.json says so; KIT-ML; models without texts") {
@@ -205,7 +209,8 @@ TEST_CASE("folders that hold no diffusion model") {
   const TemporaryFolder folder;
   CHECK_ERROR(ml::load_diffusion_run<B>(folder.path), "[motionlang.io.404]");
   official::write_text(folder / "opt.yaml", "modeltype: cvae\n");
-  CHECK_ERROR(ml::load_diffusion_run<B>(folder.path), "of actor; diffusion models are those of stmc, mdm and motiondiffuse");
+  CHECK_ERROR(ml::load_diffusion_run<B>(folder.path),
+              "of actor; diffusion models are those of stmc, mdm and motiondiffuse");
   fs::remove(folder / "opt.yaml");
   official::write_text(folder / "args.json", "{}");
   CHECK_ERROR(ml::load_diffusion_run<B>(folder.path), "no checkpoint of mdm");

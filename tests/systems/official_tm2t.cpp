@@ -1,4 +1,5 @@
-// TM2T's folders and those of MDM for actions: what they load as, what generation makes of it, what is said when something is missing.
+// TM2T's folders and those of MDM for actions: what they load as, what generation makes of it, what is said when
+// something is missing.
 #include <motionlang/io/mdm_action_run.hpp>
 #include <motionlang/io/tm2t_run.hpp>
 
@@ -51,7 +52,8 @@ TEST_CASE("TM2T: the transformer from motions to texts, its tokenizer, its words
   const auto wanted = official::tm2t(config);
   const ml::GloVe words(official::tm2t_words, official::tm2t_vectors(), 4);
   const ml::Sequences<B> x(tensors::normal<B, 2>({40, 263}, 5), ml::Offsets{16, 24});
-  const auto found = loaded.model.descriptions(x, loaded.words, {.beams = 3}), same = wanted.descriptions(x, words, {.beams = 3});
+  const auto found = loaded.model.descriptions(x, loaded.words, {.beams = 3}),
+             same = wanted.descriptions(x, words, {.beams = 3});
   REQUIRE(found.size() == 2);
   for (std::size_t i = 0; i < 2; ++i) {
     REQUIRE(found[i].size() == same[i].size());

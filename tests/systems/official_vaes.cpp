@@ -1,4 +1,5 @@
-// Official run folders of ACTOR and TEMOS: what they load as, what generation makes of it, what is said when something is missing.
+// Official run folders of ACTOR and TEMOS: what they load as, what generation makes of it, what is said when something
+// is missing.
 #include <motionlang/io/vae_run.hpp>
 
 #include "../support/check_error.hpp"
@@ -8,15 +9,16 @@
 
 namespace ml = motionlang;
 namespace fs = std::filesystem;
-using official::B;
 using ml::Index;
+using official::B;
 
 namespace {
 
 template <class M>
 std::vector<float> all_numbers(const M& model) {
   std::vector<float> out;
-  ml::visit_tensors(model, [&](const std::string&, const auto& t) { out.insert(out.end(), t.span().begin(), t.span().end()); });
+  ml::visit_tensors(
+      model, [&](const std::string&, const auto& t) { out.insert(out.end(), t.span().begin(), t.span().end()); });
   return out;
 }
 
@@ -33,10 +35,12 @@ TEST_CASE("ACTOR: opt.yaml and the last checkpoint") {
   CHECK((run.features.translation && run.features.global && run.camera));
   const std::vector<Index> action{3}, duration{10};
   ml::Philox rng{.seed = 1}, same{.seed = 1};
-  const auto a = ml::generate(run.model, action, duration, rng), b = ml::generate(official::actor(config), action, duration, same);
+  const auto a = ml::generate(run.model, action, duration, rng),
+             b = ml::generate(official::actor(config), action, duration, same);
   CHECK(a.rows.shape() == ml::Shape{10, 150});
   CHECK(small::is_finite(a.rows));
-  for (std::size_t i = 0; i < a.rows.span().size(); ++i) CHECK(a.rows.span()[i] == doctest::Approx(b.rows.span()[i]).epsilon(1e-4));
+  for (std::size_t i = 0; i < a.rows.span().size(); ++i)
+    CHECK(a.rows.span()[i] == doctest::Approx(b.rows.span()[i]).epsilon(1e-4));
 }
 
 TEST_CASE("ACTOR: the run folder of the golden files") {
@@ -71,14 +75,17 @@ TEST_CASE("ACTOR: options that contradict the tensors, variants that are not rea
   CHECK_ERROR(ml::load_actor_run<B>(folder.path), "[motionlang.io.401]");
 }
 
-TEST_CASE("TEMOS: .hydra/config.yaml, checkpoints/last.ckpt with DistilBERT inside, statistics and tokenizer from elsewhere") {
+TEST_CASE(
+    "TEMOS: .hydra/config.yaml, checkpoints/last.ckpt with DistilBERT inside, statistics and tokenizer from "
+    "elsewhere") {
   const TemporaryFolder folder;
   const auto run = folder / "run";
   const auto config = official::small_temos();
   official::write_temos_run(run, config);
   CHECK_ERROR(ml::load_temos_run<B>(run), "put jfeats_mean.pt and jfeats_std.pt");
   official::write_temos_statistics(folder / "stats", config.nfeats);
-  CHECK_ERROR(ml::load_temos_run<B>(run, {.statistics = folder / "stats"}), "no tokenizer of DistilBERT: put vocab.txt");
+  CHECK_ERROR(ml::load_temos_run<B>(run, {.statistics = folder / "stats"}),
+              "no tokenizer of DistilBERT: put vocab.txt");
   official::write_text(folder / "words/vocab.txt", official::bert_vocabulary);
   const auto loaded = ml::load_temos_run<B>(run, {.text_encoder = folder / "words", .statistics = folder / "stats"});
   CHECK(loaded.fps == 12.5);

@@ -23,8 +23,8 @@ TEST_CASE_TEMPLATE("without overlap, neighbours know nothing of each other", D, 
   const auto whole = model.generate(timeline, noise_rng, {.overlap = 0});
   CHECK(whole.shape() == ml::Shape{32, 205});
   CHECK(small::is_finite(whole));
-  // Denoisers that hide frames behind a crop: every interval alone, on its own stretch of the noise, gives its frames. MDM
-  // as published sees what follows a crop; that is nothing at the end of the timeline only.
+  // Denoisers that hide frames behind a crop: every interval alone, on its own stretch of the noise, gives its frames.
+  // MDM as published sees what follows a crop; that is nothing at the end of the timeline only.
   const bool sees_more = !model.denoiser.traits().uses_lengths;
   for (std::size_t i = sees_more ? 2 : 0; i < 3; ++i) {
     const auto& interval = timeline.intervals[i];
@@ -97,7 +97,8 @@ namespace {
 /// Remembers which texts it was asked for.
 struct Listening {
   ml::CaptionEncoder<B> inner;
-  std::shared_ptr<std::vector<std::vector<std::string>>> calls = std::make_shared<std::vector<std::vector<std::string>>>();
+  std::shared_ptr<std::vector<std::vector<std::string>>> calls =
+      std::make_shared<std::vector<std::vector<std::string>>>();
 
   template <ml::Backend C>
   ml::TextFeatures<C> encode(std::span<const std::string> texts) const {
@@ -116,9 +117,10 @@ TEST_CASE("every text goes through the text encoder once, however often the time
                                                                  .text_normalizer = model.text_normalizer,
                                                                  .diffusion = model.diffusion,
                                                                  .sampling = model.sampling};
-  const std::vector<Timeline> timelines{
-      {{{"walk forward", 0, 9, BodyParts::all()}, {"sit down", 9, 20, BodyParts::all()}, {"walk forward", 20, 32, BodyParts::all()}}},
-      {{{"sit down", 5, 20, BodyParts::all()}}}};
+  const std::vector<Timeline> timelines{{{{"walk forward", 0, 9, BodyParts::all()},
+                                          {"sit down", 9, 20, BodyParts::all()},
+                                          {"walk forward", 20, 32, BodyParts::all()}}},
+                                        {{{"sit down", 5, 20, BodyParts::all()}}}};
   for (auto mode : {ml::StmcMode::stmc, ml::StmcMode::sinc}) {
     const auto motions = listening.generate(timelines, noise_rng, {.mode = mode});
     CHECK(*listening.text_encoder.calls == std::vector<std::vector<std::string>>{{"", "walk forward", "sit down"}});
@@ -158,5 +160,6 @@ TEST_CASE("MDM's unconditional text is zero, whatever the encoder says about \"\
     return small::numbers(model.generate(timeline, noise_rng));
   };
   CHECK(motion_of(small::model_of<ml::MdmDenoiser<B>>(1)) == motion_of(small::model_of<ml::MdmDenoiser<B>>(0)));
-  CHECK(motion_of(small::model_of<ml::MotionDiffuseDenoiser<B>>(1)) != motion_of(small::model_of<ml::MotionDiffuseDenoiser<B>>(0)));
+  CHECK(motion_of(small::model_of<ml::MotionDiffuseDenoiser<B>>(1)) !=
+        motion_of(small::model_of<ml::MotionDiffuseDenoiser<B>>(0)));
 }

@@ -1,8 +1,9 @@
-// Text networks at their published sizes, with random weights, loaded from files of 32 and of 16 bits: the states have the right
-// shape, and the program takes at most 1.15 times the memory of the weights as 32-bit numbers. One process writes the file of a
-// network, another one loads it, encodes a text and looks at what that has taken.
+// Text networks at their published sizes, with random weights, loaded from files of 32 and of 16 bits: the states have
+// the right shape, and the program takes at most 1.15 times the memory of the weights as 32-bit numbers. One process
+// writes the file of a network, another one loads it, encodes a text and looks at what that has taken.
 //
-// usage: systems_text_memory [all]     DistilBERT, CLIP ViT-B/32, MPNet from F32 and F16; all: ViT-L/14 and MiniLM, and BF16, too
+// usage: systems_text_memory [all]     DistilBERT, CLIP ViT-B/32, MPNet from F32 and F16; all: ViT-L/14 and MiniLM, and
+// BF16, too
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/text_network_file.hpp>
 
@@ -61,9 +62,9 @@ bool good(const std::string& wanted, const std::string& path, const std::string&
     const double weights = 4e-6 * static_cast<double>(ml::parameter_count(network)), memory = bench::peak_memory();
     // Embeddings of words that do not occur stay in the file; less than a third of the weights is no measurement.
     result = states.shape() == ml::Shape{length, width} && memory <= most * weights && memory > weights / 3;
-    std::printf("%s, %s: %lld parameters, states %s, %.1f MB of weights, %.1f MB of memory, ratio %.3f of %.2f: %s\n", name,
-                type.c_str(), static_cast<long long>(ml::parameter_count(network)), to_string(states.shape()).c_str(), weights,
-                memory, memory / weights, most, result ? "good" : "BAD");
+    std::printf("%s, %s: %lld parameters, states %s, %.1f MB of weights, %.1f MB of memory, ratio %.3f of %.2f: %s\n",
+                name, type.c_str(), static_cast<long long>(ml::parameter_count(network)),
+                to_string(states.shape()).c_str(), weights, memory, memory / weights, most, result ? "good" : "BAD");
   });
   return result;
 }
@@ -76,7 +77,8 @@ int main(int argc, char** argv) {
   return 0;
 #endif
   const std::vector<std::string> arguments(argv + 1, argv + argc);
-  if (arguments.size() == 4 && arguments[0] == "write") return write_weights(arguments[1], arguments[2], arguments[3]), 0;
+  if (arguments.size() == 4 && arguments[0] == "write")
+    return write_weights(arguments[1], arguments[2], arguments[3]), 0;
   if (arguments.size() == 4 && arguments[0] == "read") return good(arguments[1], arguments[2], arguments[3]) ? 0 : 1;
   const bool all = arguments == std::vector<std::string>{"all"};
   bool result = true;

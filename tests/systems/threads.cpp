@@ -1,5 +1,5 @@
-// The number of threads changes no bit: a denoiser, an autoencoder and a training step of each, large enough that several threads get work,
-// on one thread, two, three and sixteen.
+// The number of threads changes no bit: a denoiser, an autoencoder and a training step of each, large enough that
+// several threads get work, on one thread, two, three and sixteen.
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/autodiff.hpp>

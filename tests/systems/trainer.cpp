@@ -151,7 +151,8 @@ TEST_CASE("a checkpoint that cannot be used is refused, and stays") {
 
   const captioned::Clips clips;
   std::string captions = ml::read_file(clips.captions);
-  captions.replace(captions.find("a person walks forward | someone walks"), 38, "someone walks | a person walks forward");
+  captions.replace(captions.find("a person walks forward | someone walks"), 38,
+                   "someone walks | a person walks forward");
   ml::write_file(clips.captions, captions);
   const program::TrainingSet edited(clips.captions, clips.folder.path, {});
   CHECK_THROWS_WITH_AS(program::Trainer(program::StmcTask(config(), edited)).resume(run.checkpoint),

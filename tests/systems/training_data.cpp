@@ -64,7 +64,9 @@ TEST_CASE("walking is played backwards, slower and faster, and the captions foll
   CHECK(mean_of(options, "a person walks forward quickly", way_ahead) == doctest::Approx(1.6 * ahead).epsilon(0.15));
 }
 
-TEST_CASE("an action that is no cycle is drawn whole, though it ends as it begins, and takes longer where there is time for it") {
+TEST_CASE(
+    "an action that is no cycle is drawn whole, though it ends as it begins, and takes longer where there is time for "
+    "it") {
   const TemporaryFolder folder;
   auto bow = synthetic::walk({.frames = 30});
   for (ml::Index f = 0; f < 30; ++f) {
@@ -84,7 +86,9 @@ TEST_CASE("an action that is no cycle is drawn whole, though it ends as it begin
       const double longer = wanted == 30 ? 1 : 2;  // at most twice as long
       CHECK(static_cast<double>(s.frames) > (0.9 * 30 - 2) * longer);
       CHECK(static_cast<double>(s.frames) <= 30 * longer);
-      auto head = [&](ml::Index f) { return s.features[static_cast<std::size_t>(f * ml::smplrifke_size + 133 + 3 * 15 + 2)]; };
+      auto head = [&](ml::Index f) {
+        return s.features[static_cast<std::size_t>(f * ml::smplrifke_size + 133 + 3 * 15 + 2)];
+      };
       CHECK(head(0) - head(s.frames / 2) > 0.15);
       CHECK(head(s.frames - 1) - head(s.frames / 2) > 0.15);
     }

@@ -1,11 +1,11 @@
-// What opening a file of weights may cost: nothing for large claims, no copy of what can be mapped, and never more than twice the file
-// and 64 MiB, whatever the file says.
+// What opening a file of weights may cost: nothing for large claims, no copy of what can be mapped, and never more than
+// twice the file and 64 MiB, whatever the file says.
 #include <doctest/doctest.h>
 
 #include <malloc.h>
 
-#include <ctime>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <new>
 
@@ -165,13 +165,17 @@ TEST_CASE("a packed dump costs what it unpacks to") {
   CHECK(cost.bytes < size + mebibyte);
 }
 
-TEST_CASE("an older file of PyTorch costs no more, although two of its pickles and the names of storages are held at once") {
+TEST_CASE(
+    "an older file of PyTorch costs no more, although two of its pickles and the names of storages are held at once") {
   const TemporaryFolder folder;
   constexpr std::size_t size = 24 * mebibyte, key = mebibyte, keys = 22;
   constexpr std::size_t allowed = 24 * mebibyte + size, node = sizeof(ml::detail::PickleNode) + 8;
   std::string bytes = "\x80\x02" + std::string(ml::detail::torch_legacy_number);
   bytes += "\x80\x02M\xe9\x03.\x80\x02}X\x0d\x00\x00\x00little_endian\x88s."sv;
-  bytes += "\x80\x02X\x07\x00\x00\x00storageq\x00" "0ctorch\nFloatStorage\nq\x01" "0"sv;
+  bytes +=
+      "\x80\x02X\x07\x00\x00\x00storageq\x00"
+      "0ctorch\nFloatStorage\nq\x01"
+      "0"sv;
   for (std::size_t i = 0; i < keys; ++i) {
     std::string name = std::to_string(i);
     name.resize(key, 'k');

@@ -126,10 +126,11 @@ HEAD = """// SPDX-License-Identifier: MIT
 #include <motionlang/version.hpp>
 
 // clang-format off
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 """
-FOOT = "\n}  // namespace motionlang::inline MOTIONLANG_ABI::detail\n// clang-format on\n"
+FOOT = "\n}  // namespace detail\nMOTIONLANG_NAMESPACE_END\n// clang-format on\n"
 
 text = HEAD % (
     f"Tables of the Unicode Character Database {version}, for text/unicode.hpp.\n"

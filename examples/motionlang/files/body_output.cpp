@@ -1,5 +1,5 @@
-// Motions on a body: the user's own of the SMPL family, or the free one. Apart from motion_files.cpp, for its backend takes time to
-// compile.
+// Motions on a body: the user's own of the SMPL family, or the free one. Apart from motion_files.cpp, for its backend
+// takes time to compile.
 #include <algorithm>
 
 #include <motionlang/backend/eigen.hpp>
@@ -33,7 +33,8 @@ std::string write(const fs::path& path, const ml::Body<B>& body, const std::stri
     for (ml::Motion& m : motions) shown.push_back({std::move(m)});
     ml::write_body_viewer(path, body, std::span<const ml::ViewerMotion>(shown), shape);
   } else if (kind == ".obj" && count == 1) {
-    files = ml::concat_text(" in ", ml::write_body_objs(path, body, motions.front(), shape), " files, one for each frame");
+    files =
+        ml::concat_text(" in ", ml::write_body_objs(path, body, motions.front(), shape), " files, one for each frame");
   } else {
     ml::raise<usage_error>(103, path.string(),
                            ": motions on a body are written to .glb and .html, one alone also to .obj, not '", kind,

@@ -137,20 +137,24 @@ void add_output(CLI::App& c, ComposeOptions& o) {
 
 void add_compose(CLI::App& app) {
   const auto o = std::make_shared<ComposeOptions>();
-  CLI::App* c = app.add_subcommand("compose",
-                                   "One motion out of two at the same time: each gives the body parts that its action "
-                                   "needs, by the rule of SINC; legs, pelvis and path stay together. A T-pose that was put in "
-                                   "front of a recording is left out");
-  c->add_option("motions", o->in, "Two files, as for convert; at the rate of the first, on SMPL's joints with its bones")
+  CLI::App* c =
+      app.add_subcommand("compose",
+                         "One motion out of two at the same time: each gives the body parts that its action "
+                         "needs, by the rule of SINC; legs, pelvis and path stay together. A T-pose that was put in "
+                         "front of a recording is left out");
+  c->add_option("motions", o->in,
+                "Two files, as for convert; at the rate of the first, on SMPL's joints with its bones")
       ->required()
       ->expected(2)
       ->check(CLI::ExistingFile);
-  const std::string parts = "Parts that the action of the %s motion needs: global, torso, left arm, right arm, left leg, "
-                            "right leg, separated by commas; or its text, from which they are guessed";
+  const std::string parts =
+      "Parts that the action of the %s motion needs: global, torso, left arm, right arm, left leg, "
+      "right leg, separated by commas; or its text, from which they are guessed";
   const auto of = [&](const char* which) { return std::string(parts).replace(parts.find("%s"), 2, which); };
   c->add_option("--first", o->first, of("first") + "; all unless given")->check(not_empty());
   c->add_option("--second", o->second, of("second"))->required()->check(not_empty());
-  c->add_option("--table", o->table, "Body parts of texts as SINC has them from a language model: JSON, text -> answers")
+  c->add_option("--table", o->table,
+                "Body parts of texts as SINC has them from a language model: JSON, text -> answers")
       ->check(CLI::ExistingFile);
   c->add_flag("--center", o->center, "The longer motion is cut at both ends, not at its end only");
   add_output(*c, *o);
@@ -159,10 +163,11 @@ void add_compose(CLI::App& app) {
 
 void add_join(CLI::App& app) {
   const auto o = std::make_shared<ComposeOptions>();
-  CLI::App* c = app.add_subcommand("join",
-                                   "Motions one after the other: each is turned and moved over the floor to go on where "
-                                   "the one before it ends, and blended into it. A T-pose that was put in front of a recording "
-                                   "is left out");
+  CLI::App* c =
+      app.add_subcommand("join",
+                         "Motions one after the other: each is turned and moved over the floor to go on where "
+                         "the one before it ends, and blended into it. A T-pose that was put in front of a recording "
+                         "is left out");
   c->add_option("motions", o->in, "Files, as for convert; at the rate and on the skeleton of the first")
       ->required()
       ->expected(1, -1)

@@ -77,8 +77,8 @@ struct Loaded {
   std::optional<ml::Skeleton> skeleton;
 };
 
-/// Features that are not on the clip's own joints, arrays of positions and AMASS are on SMPL's joints, feet are fixed there, and the
-/// user's body has these or its own.
+/// Features that are not on the clip's own joints, arrays of positions and AMASS are on SMPL's joints, feet are fixed
+/// there, and the user's body has these or its own.
 bool wants_smpl(const ConvertOptions& o, const Loaded& loaded, const ml::Motion& m) {
   if (loaded.body != nullptr && !loaded.body->has_joints_of(m)) return true;
   if (loaded.body != nullptr && o.body.file != "free") return false;
@@ -134,8 +134,8 @@ fs::path name_of(fs::path out, const std::string& name, std::set<std::string>& t
   return unique(out.replace_extension().string() + "_" + file_name(name), taken) + extension;
 }
 
-/// The page or the strip of a motion that is given no name: under the motion's whole name, as NAME.html beside NAME.bvh may be
-/// generate's.
+/// The page or the strip of a motion that is given no name: under the motion's whole name, as NAME.html beside NAME.bvh
+/// may be generate's.
 fs::path beside(const fs::path& motion, const std::string& extension) { return motion.string() + extension; }
 
 /// One file into others. What is told about it is collected, for a caller who wants to show it.
@@ -195,7 +195,9 @@ class Conversion {
     const bool shape = std::ranges::any_of(sequence.betas, is_set) && kind_of(o_.out) != ".npz";
     if (hands || shape)
       about_input_ = o_.in + ": left out are " +
-                     (hands && shape ? "hands, face and betas" : hands ? "hands and face" : "betas") +
+                     (hands && shape ? "hands, face and betas"
+                      : hands        ? "hands and face"
+                                     : "betas") +
                      "; --body shows them\n";
     amass_ = {std::move(sequence.gender), std::move(sequence.betas)};
   }
@@ -231,9 +233,8 @@ class Conversion {
       told_ += formatted("%s: %zu motions, %d joints\n", o_.out.c_str(), made_.size(), made_.front().skeleton.size());
     } else if (o_.data_set != nullptr) {
       for (const ml::Motion& m : made_)
-        attempt(m.name, [&] {
-          told_ += write_humanml3d(o_.out, unique(file_name(m.name), taken_), m, *o_.data_set, o_.fps);
-        });
+        attempt(m.name,
+                [&] { told_ += write_humanml3d(o_.out, unique(file_name(m.name), taken_), m, *o_.data_set, o_.fps); });
     } else {
       for (const ml::Motion& m : made_) {
         const auto path = motions_.size() == 1 ? fs::path(o_.out) : name_of(o_.out, m.name, taken_);
@@ -254,7 +255,7 @@ class Conversion {
   const ConvertOptions& o_;
   const Loaded& loaded_;
   std::vector<ml::Motion> motions_;
-  std::vector<float> betas_;             // of an AMASS file, for a body
+  std::vector<float> betas_;            // of an AMASS file, for a body
   std::optional<ml::AmassBody> amass_;  // the same for another AMASS file
   std::set<std::string>& taken_;
   std::vector<ml::Motion> made_;
@@ -473,7 +474,9 @@ void add_convert(CLI::App& app) {
   const CLI::Option* store =
       c->add_option("--store", o->store, "Of weights: floating-point numbers rounded to this type")
           ->transform(CLI::IsMember({"F32", "F16", "BF16"}, CLI::ignore_case));
-  c->add_option("--fps", o->fps, "Frames per second of the result; as the input unless given; of a GLB input whose keys are at no frames 30")
+  c->add_option(
+       "--fps", o->fps,
+       "Frames per second of the result; as the input unless given; of a GLB input whose keys are at no frames 30")
       ->check(positive());
   c->add_option("--from", o->from, "Begin, seconds")->check(not_negative());
   c->add_option("--to", o->to, "End, seconds")->check(positive());
@@ -539,9 +542,9 @@ void add_convert(CLI::App& app) {
         throw CLI::ValidationError(option->get_name(), "is not for texts of motions, as in " + o->in);
       if (!o->hands.empty() && option != hands) throw CLI::ExcludesError(hands->get_name(), option->get_name());
       if ((option == tensors || option == store) != weights && option != hands)
-        throw CLI::ValidationError(
-            option->get_name(), ml::concat_text(weights ? "is not" : "is",
-                                                " for weights, written as .safetensors; the result is ", o->out));
+        throw CLI::ValidationError(option->get_name(),
+                                   ml::concat_text(weights ? "is not" : "is",
+                                                   " for weights, written as .safetensors; the result is ", o->out));
     }
     if (!o->rig.file.empty()) o->rig.joints = std::exchange(o->read.joints, {});
     if (o->fps > 0) o->read.fps = o->fps;  // GLB keys are sampled where they are wanted

@@ -131,7 +131,7 @@ class Doctor {
   fs::path folder_;
   InputFiles inputs_;
   std::vector<ml::InspectedMotion> found_;
-  std::set<std::string> copies_;  // their names
+  std::set<std::string> copies_;                    // their names
   std::array<int, ml::fault_info.size()> drawn_{};  // strips so far
 };
 
@@ -142,7 +142,8 @@ void add_doctor(CLI::App& app) {
   CLI::App* c = app.add_subcommand(
       "doctor",
       "Finds what is wrong with the motions of a folder: scale, up axis, sides, T-poses, frame rate, jumps, feet, ...");
-  c->add_option("folder", o->folder, "Folder with .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb and .vrma files, searched to "
+  c->add_option("folder", o->folder,
+                "Folder with .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb and .vrma files, searched to "
                 "the bottom")
       ->required()
       ->check(CLI::ExistingDirectory);

@@ -16,7 +16,8 @@ namespace program {
 const ml::MotionFeatures& features_of_layout(const std::string& layout, ml::Index width);
 
 /// rows      (frames, features), not normalised
-/// layout    a model's: smplrifke, facing as published; guoh3dfeats, of HumanML3D or KIT; or features that the library names
+/// layout    a model's: smplrifke, facing as published; guoh3dfeats, of HumanML3D or KIT; or features that the library
+///           names
 /// Throws    config_error 103 for another layout
 ml::Motion motion_of_features(const std::string& layout, const std::vector<double>& rows, ml::Index width, double fps);
 
@@ -41,7 +42,8 @@ class EachAlone : public Generator {
   }
 
  private:
-  virtual ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise, const GenerationSettings& settings) const = 0;
+  virtual ml::Motion motion(const ml::Timeline& timeline, ml::Philox noise,
+                            const GenerationSettings& settings) const = 0;
 };
 
 /// Without trembling and with feet that stand, as the settings say; feet are those of SMPL's or KIT's joints.

@@ -132,7 +132,8 @@ std::string readable(const std::string& path) { return path == standard_input ? 
 void add_info(CLI::App& app) {
   const auto path = std::make_shared<std::string>(), name = std::make_shared<std::string>();
   CLI::App* c = app.add_subcommand(
-      "info", "Shows what a file holds: weights (safetensors, PyTorch, NumPy, pickles, run folders), motion (.bvh .amc .glb "
+      "info",
+      "Shows what a file holds: weights (safetensors, PyTorch, NumPy, pickles, run folders), motion (.bvh .amc .glb "
       ".npz .npy), or a timeline; or what the numbers of features mean");
   c->add_option("file", *path, "The file; - for a timeline from standard input")->check(readable, "PATH(existing)");
   const CLI::Option* of_features =

@@ -24,9 +24,7 @@
 namespace program {
 
 void MotionReadOptions::add_to(CLI::App& command) {
-  command.add_option("--scale", scale, "Metres per unit of BVH files")
-      ->check(positive())
-      ->capture_default_str();
+  command.add_option("--scale", scale, "Metres per unit of BVH files")->check(positive())->capture_default_str();
   command
       .add_option("--rate", rate,
                   "Frames per second of .npy and .amc files, and of .npz files that do not say them; as published "
@@ -35,9 +33,10 @@ void MotionReadOptions::add_to(CLI::App& command) {
   command
       .add_option("--up", up, "Axis that points up in .npy files with joints; found unless given, of MDM's results y")
       ->check(CLI::IsMember({"y", "z"}));
-  command.add_option("--asf", asf,
-                     "Skeleton of an AMC file, in a folder of those without one beside them; unless given, that of its "
-                     "subject beside it or the only one there")
+  command
+      .add_option("--asf", asf,
+                  "Skeleton of an AMC file, in a folder of those without one beside them; unless given, that of its "
+                  "subject beside it or the only one there")
       ->check(CLI::ExistingFile);
   command.add_option("--joints", joints, joints_help)->check(CLI::ExistingFile);
 }
@@ -204,7 +203,8 @@ std::string left_out(const std::filesystem::path& path, const std::vector<std::s
 }
 
 /// Each joint that some animation stretches is told once.
-std::vector<ml::Motion> every_animation(const std::filesystem::path& path, std::optional<double> fps, std::string* told) {
+std::vector<ml::Motion> every_animation(const std::filesystem::path& path, std::optional<double> fps,
+                                        std::string* told) {
   const auto file = ml::GlbFile::open(path);
   std::vector<ml::Motion> motions = file.motions(fps);
   std::vector<std::string> stretched;
@@ -359,7 +359,8 @@ FeatureRows feature_rows(const ml::Motion& motion, const ml::MotionFeatures& f, 
 
 }  // namespace
 
-std::string write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features, double fps) {
+std::string write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features,
+                           double fps) {
   if (kind_of(path) != ".npy")
     ml::raise<usage_error>(103, path.string(), ": features are written to .npy, not '", kind_of(path), "'");
   const ml::MotionFeatures& f = ml::motion_features(features);
@@ -393,7 +394,8 @@ std::string write_humanml3d(const std::filesystem::path& folder, const std::stri
   for (const auto& p : ml::guoh3d_joints(std::span<const double>(rows), form.form.joints)) {
     for (const double x : {p.x, p.y, p.z}) clip.joints.push_back(static_cast<float>(x));
   }
-  if (std::filesystem::exists(folder / "texts" / (id + ".txt"))) clip.captions = ml::HumanMl3dFolder(folder).captions(id);
+  if (std::filesystem::exists(folder / "texts" / (id + ".txt")))
+    clip.captions = ml::HumanMl3dFolder(folder).captions(id);
   ml::write_humanml3d_clip(folder, clip, form.form);
   if (std::find(ids.begin(), ids.end(), id) == ids.end()) ids.push_back(id);
   ml::write_ids(list, ids);

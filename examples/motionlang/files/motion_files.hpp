@@ -43,8 +43,8 @@ struct MotionReadOptions {
   /// Throws usage_error 102 for an option that says nothing about files of this kind.
   void require_for(const std::filesystem::path& file) const;
 };
-/// The same for one of many files: an AMC file with a skeleton beside it is read with that one, an .npz file that says its
-/// rate at that one.
+/// The same for one of many files: an AMC file with a skeleton beside it is read with that one, an .npz file that says
+/// its rate at that one.
 MotionReadOptions options_in_folder(MotionReadOptions options, const std::filesystem::path& file);
 
 /// Extension of a file, in lower case: ".bvh".
@@ -57,11 +57,12 @@ bool is_gltf(const std::filesystem::path& path);
 bool is_motion_file(const std::filesystem::path& path);
 
 /// The motion files in a folder and in those below it, in order, but not .npy files with one axis, which are mean and
-/// deviation of a data set. Folders below it that cannot be read and links that lead in a circle are skipped, and named on stderr. Throws
-/// io_error 401 if the folder itself cannot be read.
+/// deviation of a data set. Folders below it that cannot be read and links that lead in a circle are skipped, and named
+/// on stderr. Throws io_error 401 if the folder itself cannot be read.
 std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder);
 
-/// Throws io_error 401 unless the folder is there in which a file is to be written: before long work rather than after it.
+/// Throws io_error 401 unless the folder is there in which a file is to be written: before long work rather than after
+/// it.
 void require_folder_of(const std::filesystem::path& file);
 /// Makes the folder that an option names, unless it is there: as early. Throws io_error 401 if it cannot be written in.
 void make_output_folder(const std::string& option, const std::filesystem::path& folder);
@@ -86,11 +87,12 @@ std::string file_name(std::string name);
 /// A name that no other has: a second "walk" becomes "walk_2".
 std::string unique(const std::string& name, std::set<std::string>& taken);
 
-/// The skeleton beside an AMC file: its subject's, as CMU has them (01.asf beside 01_02.amc), or else the only one in the folder.
+/// The skeleton beside an AMC file: its subject's, as CMU has them (01.asf beside 01_02.amc), or else the only one in
+/// the folder.
 std::filesystem::path asf_beside(const std::filesystem::path& amc);
 
-/// The motions of a file: .bvh (every ROOT), .amc, .npz (AMASS), .npy (joints, features, or all of MDM's results), .glb,
-/// .gltf, .vrm, .vrma (every animation). Each has a name, and no two the same.
+/// The motions of a file: .bvh (every ROOT), .amc, .npz (AMASS), .npy (joints, features, or all of MDM's results),
+/// .glb, .gltf, .vrm, .vrma (every animation). Each has a name, and no two the same.
 /// told    gets lines about what a file has and the motions do not: bones that stretch
 /// Throws  config_error 103 for another extension and for a GLB file without animation, io_error 401 for an AMC file
 ///         whose skeleton is not found, and what the reader throws
@@ -99,14 +101,15 @@ std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const Mo
 
 /// The motions of a file without T-poses that were put in front of them (detect_t_pose_lead_in): for what puts motions
 /// together. Prints what is left out.
-std::vector<ml::Motion> read_performed_motions(const std::filesystem::path& path, const MotionReadOptions& options = {});
+std::vector<ml::Motion> read_performed_motions(const std::filesystem::path& path,
+                                               const MotionReadOptions& options = {});
 
 /// The only one of them. Throws config_error 102 if there are several, and as read_motions.
 ml::Motion read_only_performed_motion(const std::filesystem::path& path, const MotionReadOptions& options = {});
 
 /// .bvh, .glb, .npz (AMASS), .npy (joint positions), .html (page to watch), .svg and .png (film strip).
-/// AMASS needs SMPL's skeleton: another motion is retargeted first. Returns a line about it. Throws usage_error 103 for another
-/// extension.
+/// AMASS needs SMPL's skeleton: another motion is retargeted first. Returns a line about it. Throws usage_error 103 for
+/// another extension.
 std::string write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre = 100);
 /// The line: frames, rate, seconds and joints of a motion that is in a file now.
 std::string line_about(const std::filesystem::path& path, const ml::Motion& motion);
@@ -118,14 +121,16 @@ bool holds_together(const std::filesystem::path& path, std::span<const ml::Motio
 /// Such a file.
 void write_motions(const std::filesystem::path& path, std::span<const ml::Motion> motions);
 
-/// The features of a motion on SMPL's joints or on theirs, as the systems have them, one row for each frame, to an .npy file: at `fps`
-/// frames per second (0: the rate of the features). Returns a line about what it wrote. Throws config_error 103 for a name that is none
-/// (motion_features) and for other joints, usage_error 103 for another extension.
-std::string write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features, double fps = 0);
+/// The features of a motion on SMPL's joints or on theirs, as the systems have them, one row for each frame, to an .npy
+/// file: at `fps` frames per second (0: the rate of the features). Returns a line about what it wrote. Throws
+/// config_error 103 for a name that is none (motion_features) and for other joints, usage_error 103 for another
+/// extension.
+std::string write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features,
+                           double fps = 0);
 
-/// A clip of a data set in HumanML3D's or KIT-ML's form (data_set_form.hpp): features, joints, its captions if there are any
-/// already, its id in all.txt. Returns a line about it. Throws what write_humanml3d_clip throws, config_error 102 if the
-/// clips of the data set are of the other form.
+/// A clip of a data set in HumanML3D's or KIT-ML's form (data_set_form.hpp): features, joints, its captions if there
+/// are any already, its id in all.txt. Returns a line about it. Throws what write_humanml3d_clip throws, config_error
+/// 102 if the clips of the data set are of the other form.
 std::string write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion,
                             const DataSetForm& form, double fps = 0);
 
@@ -135,14 +140,14 @@ struct RigOptions {
   std::string joints{};          // table of the character's joints; "": one of the known ones
   bool drop_animations = false;  // of the character's file
 };
-/// Writes a GLB file: the character with one animation for every motion; returns lines about how its skeleton follows. The character
-/// is read at once. Throws what GlbRig throws; writing: usage_error 103 for another extension than .glb.
+/// Writes a GLB file: the character with one animation for every motion; returns lines about how its skeleton follows.
+/// The character is read at once. Throws what GlbRig throws; writing: usage_error 103 for another extension than .glb.
 using RigWriter = std::function<std::string(const std::filesystem::path&, std::span<const ml::Motion>)>;
 RigWriter rig_writer(const RigOptions& options);
 
 /// A body to show motions on: --body.
 struct BodyOptions {
-  std::string file{};           // SMPL, SMPL-H or SMPL-X, the user's own: .npz or .pkl; "free": capsules along the bones
+  std::string file{};  // SMPL, SMPL-H or SMPL-X, the user's own: .npz or .pkl; "free": capsules along the bones
   std::vector<double> betas{};  // its shape, the others are 0; none: that of an AMASS file, or 0
 };
 /// The motion of an AMASS file on a body.

@@ -22,11 +22,11 @@ struct PackOptions {
 
 void run(const PackOptions& o) {
   ml::pack_run<B>(ml::find_run(o.run), o.out,
-                            {.license = o.license,
-                             .provenance = o.provenance,
-                             .sources = {.text_encoder = o.text_encoder, .statistics = o.statistics},
-                             .text_encoder = o.with_text_encoder,
-                             .tokenizer = o.tokenizer});
+                  {.license = o.license,
+                   .provenance = o.provenance,
+                   .sources = {.text_encoder = o.text_encoder, .statistics = o.statistics},
+                   .text_encoder = o.with_text_encoder,
+                   .tokenizer = o.tokenizer});
   std::printf("%s\n%s", o.out.c_str(), describe_folder(o.out).c_str());
 }
 
@@ -61,7 +61,8 @@ std::string describe_folder(const std::filesystem::path& folder) {
   }
   const ml::RunFolder inner = ml::detail::published_run(run);
   const ml::DiffusionRun about = ml::diffusion_run(inner, ml::detail::run_weights(inner));
-  say("motions", ml::concat_text(about.features, ", ", about.width(), " numbers a frame, ", about.fps, " frames per second"));
+  say("motions",
+      ml::concat_text(about.features, ", ", about.width(), " numbers a frame, ", about.fps, " frames per second"));
   say("diffusion", ml::concat_text(about.schedule, ", ", about.steps, " steps"));
   say("text encoder", about.text_encoder);
   return out;
@@ -69,20 +70,25 @@ std::string describe_folder(const std::filesystem::path& folder) {
 
 void add_pack(CLI::App& app) {
   const auto o = std::make_shared<PackOptions>();
-  CLI::App* c = app.add_subcommand(
-      "pack", "Makes one folder of config.json and weights.safetensors of a published model: STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TMR, "
-              "TEACH, SINC, TM2T");
+  CLI::App* c = app.add_subcommand("pack",
+                                   "Makes one folder of config.json and weights.safetensors of a published model: "
+                                   "STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TMR, "
+                                   "TEACH, SINC, TM2T");
   c->add_option("run", o->run, "Folder as the repository leaves it")->required()->check(CLI::ExistingDirectory);
   c->add_option("-o,--out", o->out, "Folder to make")->required();
   c->add_option("--license", o->license, "What the weights may be used for")->required();
   c->add_option("--provenance", o->provenance, "Where they come from: repository, data")->required();
-  c->add_option("--statistics", o->statistics, "Folder with mean and std of the features, if they are not in the model's own")
+  c->add_option("--statistics", o->statistics,
+                "Folder with mean and std of the features, if they are not in the model's own")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--text-encoder", o->text_encoder, "Looked for beside the model unless given")->check(CLI::ExistingPath);
-  c->add_option("--tokenizer", o->tokenizer, "TM2T: the folder of its motion tokenizer; looked for beside the model unless given")
+  c->add_option("--text-encoder", o->text_encoder, "Looked for beside the model unless given")
+      ->check(CLI::ExistingPath);
+  c->add_option("--tokenizer", o->tokenizer,
+                "TM2T: the folder of its motion tokenizer; looked for beside the model unless given")
       ->check(CLI::ExistingDirectory);
-  c->add_flag("--with-text-encoder", o->with_text_encoder,
-              "Copies the text encoder into the folder; of TEMOS, TEACH and SINC the tokenizer, of TM2T the word vectors");
+  c->add_flag(
+      "--with-text-encoder", o->with_text_encoder,
+      "Copies the text encoder into the folder; of TEMOS, TEACH and SINC the tokenizer, of TM2T the word vectors");
   c->callback([o] { run(*o); });
 }
 

@@ -26,7 +26,8 @@ std::string summary(const ml::WeightFile& file) {
   char megabytes[32];
   std::snprintf(megabytes, sizeof megabytes, "%.1f MB", static_cast<double>(bytes) * 1e-6);
   const std::size_t tensors = file.tensors().size();
-  return ml::concat_text(tensors, tensors == 1 ? " tensor, " : " tensors, ", numbers, " numbers, ", megabytes, ", ", file.format());
+  return ml::concat_text(tensors, tensors == 1 ? " tensor, " : " tensors, ", numbers, " numbers, ", megabytes, ", ",
+                         file.format());
 }
 
 void show_skipped(const ml::WeightFile& file) {
@@ -39,9 +40,7 @@ bool is_weights(const std::filesystem::path& path) {
   constexpr std::string_view kinds[] = {".safetensors", ".pt", ".pth", ".ckpt", ".tar", ".bin", ".pkl"};
   return std::find(std::begin(kinds), std::end(kinds), kind_of(path)) != std::end(kinds) || ml::may_be_weights(path);
 }
-bool holds_motion(const std::filesystem::path& npz) {
-  return !ml::amass_poses(ml::NpzArchive::open(npz)).empty();
-}
+bool holds_motion(const std::filesystem::path& npz) { return !ml::amass_poses(ml::NpzArchive::open(npz)).empty(); }
 bool holds_joints(const std::filesystem::path& npy) {
   const auto shape = npy_shape(npy);
   return shape.size() == 3 && shape.back() == 3;

@@ -21,7 +21,8 @@ bool holds_joints(const std::filesystem::path& npy);
 /// Of the folder of a model: the system, its files, and what they say; "" of others.
 std::string describe_folder(const std::filesystem::path& folder);
 void show_weights(const std::filesystem::path& path);
-/// `keys` lead to the tensors in the file; found unless given. Floating-point numbers are rounded to `stored`, if given.
+/// `keys` lead to the tensors in the file; found unless given. Floating-point numbers are rounded to `stored`, if
+/// given.
 void convert_weights(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& keys,
                      std::optional<ml::DType> stored);
 

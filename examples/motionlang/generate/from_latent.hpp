@@ -18,12 +18,12 @@ class FromLatent : public EachAlone {
   std::vector<ml::Motion> between(const ml::Timeline& from, const ml::Timeline& to, ml::Index count,
                                   const GenerationSettings& settings) const;
 
-  /// A motion as its latent keeps it, on the joints of the model: encoded, decoded, put where it was, at its rate. One that is
-  /// longer than those that the model learned from goes through it in parts, which share a quarter of their frames and
-  /// are blended.
+  /// A motion as its latent keeps it, on the joints of the model: encoded, decoded, put where it was, at its rate. One
+  /// that is longer than those that the model learned from goes through it in parts, which share a quarter of their
+  /// frames and are blended.
   /// action  of the motion, for ACTOR; "" for others
-  /// Throws  usage_error 102 where the action is missing or not asked for, config_error 103 for an unknown one, and what
-  ///         the features throw
+  /// Throws  usage_error 102 where the action is missing or not asked for, config_error 103 for an unknown one, and
+  ///         what the features throw
   ml::Motion denoised(const ml::Motion& motion, const std::string& action) const;
 
  protected:

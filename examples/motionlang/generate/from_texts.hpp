@@ -78,9 +78,7 @@ class FromTexts final : public FromLatent {
     for (Index i = 0; i < count; ++i) motions.push_back(motion_of(made[i]));
     return motions;
   }
-  ml::Motion on_its_joints(const ml::Motion& motion) const override {
-    return on_joints_for(*parts_.features, motion);
-  }
+  ml::Motion on_its_joints(const ml::Motion& motion) const override { return on_joints_for(*parts_.features, motion); }
   ml::Motion decoded(const ml::Motion& motion, const std::string& action) const override {
     if (!action.empty())
       ml::raise<usage_error>(102, "--action '", action, "' is for ACTOR; this model reads the motion alone");

@@ -273,20 +273,24 @@ void add_generate(CLI::App& app) {
   CLI::App* c =
       app.add_subcommand("generate", "Motion from a timeline of texts: BVH, GLB, NPZ, NPY, film strip, HTML page");
   const auto what = c->add_option_group("what", "What is to be done: one of these");
-  const auto timeline = what->add_option(
-      "--timeline", o->timeline, "File of lines 'text # start # end # body part # ...' (seconds), one timeline up to a blank line; or of lines 'text # duration', each a "
-      "motion of its own; - for standard input")
+  const auto timeline = what->add_option("--timeline", o->timeline,
+                                         "File of lines 'text # start # end # body part # ...' (seconds), one timeline "
+                                         "up to a blank line; or of lines 'text # duration', each a "
+                                         "motion of its own; - for standard input")
                             ->check(not_empty());
   what->add_option("--text", o->text, "One text for the whole body")->check(not_empty())->check(utf8());
   const CLI::Option* action =
-      what->add_option("--action", o->text, "Name or number of an action, for models of actions (ACTOR, MDM); any: of an unconstrained MDM")->check(not_empty());
+      what->add_option("--action", o->text,
+                       "Name or number of an action, for models of actions (ACTOR, MDM); any: of an unconstrained MDM")
+          ->check(not_empty());
   what->require_option(1);
   c->add_option("--seconds", o->seconds, "Duration of the text or the action; TM2T decides itself")
       ->excludes(timeline)
       ->check(in_range(0.05, 3600))
       ->capture_default_str();
-  c->add_option("--samples", o->samples,
-                "Different motions of each timeline, text or action, NAME_1 to NAME_N: 1 unless given, with --towards 5")
+  c->add_option(
+       "--samples", o->samples,
+       "Different motions of each timeline, text or action, NAME_1 to NAME_N: 1 unless given, with --towards 5")
       ->check(in_range(1, 1000));
   c->add_option("--towards", o->towards,
                 "Another text or action: the samples are on the straight line from the one's latent to the other's, "
@@ -295,16 +299,20 @@ void add_generate(CLI::App& app) {
       ->check(not_empty())
       ->check(utf8());
   c->add_option("--model", o->model,
-                "Weights: a .safetensors file, a folder with one or of train-actor, train-temos, train-sinc, train-teach, train-tmr; or a folder of STMC, MDM, "
+                "Weights: a .safetensors file, a folder with one or of train-actor, train-temos, train-sinc, "
+                "train-teach, train-tmr; or a folder of STMC, MDM, "
                 "MotionDiffuse, ACTOR, TEMOS, TEACH, SINC or TM2T as published")
       ->capture_default_str();
   c->add_option("--text-encoder", o->sources.text_encoder,
-                "Of a model that has none: CLIP as OpenAI's ViT-B-32.pt (bpe_simple_vocab_16e6.txt.gz beside it) or as a folder of "
-                "Hugging Face; TEMOS, TEACH, SINC: distilbert-base-uncased; TM2T: the folder of its word vectors (our_vab_data.npy); "
+                "Of a model that has none: CLIP as OpenAI's ViT-B-32.pt (bpe_simple_vocab_16e6.txt.gz beside it) or as "
+                "a folder of "
+                "Hugging Face; TEMOS, TEACH, SINC: distilbert-base-uncased; TM2T: the folder of its word vectors "
+                "(our_vab_data.npy); "
                 "looked for beside the model unless given")
       ->check(CLI::ExistingPath);
-  c->add_option("--statistics", o->sources.statistics,
-                "Of a published model: folder with mean and std of the features, .npy or .pt, if they are not in its own")
+  c->add_option(
+       "--statistics", o->sources.statistics,
+       "Of a published model: folder with mean and std of the features, .npy or .pt, if they are not in its own")
       ->check(CLI::ExistingDirectory);
   c->add_option("--tokenizer", o->sources.tokenizer,
                 "TM2T: folder of its motion tokenizer; looked for beside the model unless given")
@@ -319,14 +327,16 @@ void add_generate(CLI::App& app) {
   const auto seed = c->add_option("--seed", o->settings.seed, "Same seed, same motion, on any number of threads")
                         ->check(seed_number())
                         ->capture_default_str();
-  const auto steps = c->add_option("--steps", o->settings.steps,
-                                   "Denoising steps, evenly kept of the model's, 0: all; as the weights ask unless given")
-                         ->check(not_negative());
+  const auto steps =
+      c->add_option("--steps", o->settings.steps,
+                    "Denoising steps, evenly kept of the model's, 0: all; as the weights ask unless given")
+          ->check(not_negative());
   const auto sampler = c->add_option("--sampler", o->settings.sampler, "How to sample; as the weights ask unless given")
                            ->check(CLI::IsMember({"ddpm", "ddim"}));
   const auto preset =
       c->add_option("--preset", o->preset,
-                    "model: sampler and steps that the weights ask for; full: all steps of ddpm; fast: " + std::to_string(fast_steps) +
+                    "model: sampler and steps that the weights ask for; full: all steps of ddpm; fast: " +
+                        std::to_string(fast_steps) +
                         " steps of ddim. The README says what that costs (motionlang judge --compare)")
           ->check(CLI::IsMember({"model", "full", "fast"}))
           ->excludes(steps)
@@ -340,9 +350,10 @@ void add_generate(CLI::App& app) {
        "ACTOR, TEMOS, TMR, SINC, TEACH: scales what is drawn around the mean of the latent. 0: the mean itself, "
        "always the same; 1 unless given, as the models learned; more: motions that differ more")
       ->check(in_range(0, 100));
-  const auto overlap = c->add_option("--overlap", o->settings.overlap, "Seconds that neighbouring texts share around a cut")
-                           ->check(not_negative())
-                           ->capture_default_str();
+  const auto overlap =
+      c->add_option("--overlap", o->settings.overlap, "Seconds that neighbouring texts share around a cut")
+          ->check(not_negative())
+          ->capture_default_str();
   const auto noise = c->add_option("--noise", o->settings.noise_file,
                                    "safetensors file with noise/000 (initial), noise/001, ... instead of the seed")
                          ->excludes(seed);
@@ -350,30 +361,35 @@ void add_generate(CLI::App& app) {
               "Also write what --reuse needs after an edit: NAME" + record_extension +
                   ", 820 bytes per frame and step (20 MB for 12 s and 100 steps)")
       ->excludes(noise);
-  const auto reuse =
-      c->add_option("--reuse", o->reuse,
-                    "Folder (or file) of a run with --record: only what the edited timeline changes is made anew, with seed, steps, "
-                    "sampler, guidance, overlap and cuts of that run; prints what was reused")
-          ->check(CLI::ExistingPath);
+  const auto reuse = c->add_option("--reuse", o->reuse,
+                                   "Folder (or file) of a run with --record: only what the edited timeline changes is "
+                                   "made anew, with seed, steps, "
+                                   "sampler, guidance, overlap and cuts of that run; prints what was reused")
+                         ->check(CLI::ExistingPath);
   for (CLI::Option* option : {seed, steps, sampler, preset, guidance, overlap, noise}) reuse->excludes(option);
   c->add_option("--keep-beyond", o->settings.keep_beyond,
-                "Of --reuse, an approximation: frames further than so many seconds from an edit stay as they were, though the model "
+                "Of --reuse, an approximation: frames further than so many seconds from an edit stay as they were, "
+                "though the model "
                 "would change them")
       ->check(in_range(0, 3600))
       ->needs(reuse);
   CLI::Option* keep =
-      c->add_option("--keep", o->keep,
-                    "Motion (file as for convert; a T-pose that was put in front of it is left out) of which a part is kept, "
-                    "from the start of the timeline on: the texts make the rest. For diffusion models of texts. Smoothing, which "
-                    "also takes away jumps where it begins and ends, within --overlap, and feet that are put right may still "
-                    "move it a little: --no-smooth, --no-fix-feet")
+      c->add_option(
+           "--keep", o->keep,
+           "Motion (file as for convert; a T-pose that was put in front of it is left out) of which a part is kept, "
+           "from the start of the timeline on: the texts make the rest. For diffusion models of texts. Smoothing, "
+           "which "
+           "also takes away jumps where it begins and ends, within --overlap, and feet that are put right may still "
+           "move it a little: --no-smooth, --no-fix-feet")
           ->check(CLI::ExistingFile);
   c->add_option("--keep-seconds", o->keep_seconds,
-                "Of --keep: stretches of time in which all of it is kept, for instance 0-0.5 (how to begin) or 0-1,4-5 (what is between is made)")
+                "Of --keep: stretches of time in which all of it is kept, for instance 0-0.5 (how to begin) or 0-1,4-5 "
+                "(what is between is made)")
       ->delimiter(',')
       ->needs(keep);
   c->add_option("--keep-parts", o->keep_parts,
-                "Of --keep: body parts that are kept (the others are made), as long as it lasts or in --keep-seconds; legs have the way")
+                "Of --keep: body parts that are kept (the others are made), as long as it lasts or in --keep-seconds; "
+                "legs have the way")
       ->delimiter(',')
       ->needs(keep);
   for (CLI::Option* option : {noise, reuse}) keep->excludes(option);

@@ -12,7 +12,8 @@ namespace program {
 
 namespace {
 
-/// The system of a folder, "" of a file and of a folder that only has one of ours in it; of our own trainings "trained actor" and so on.
+/// The system of a folder, "" of a file and of a folder that only has one of ours in it; of our own trainings "trained
+/// actor" and so on.
 std::string system_of(const ml::RunFolder& run) {
   if (ml::is_mdm_action_run(run)) return "mdm of actions";
   const ml::FileValue* system = run.system == "motionlang" ? run.option("system") : nullptr;
@@ -22,7 +23,8 @@ std::string system_of(const ml::RunFolder& run) {
 }
 
 /// Null for what goes through STMC.
-std::unique_ptr<Generator> load_other(const std::string& system, const std::filesystem::path& model, const ModelSources& sources) {
+std::unique_ptr<Generator> load_other(const std::string& system, const std::filesystem::path& model,
+                                      const ModelSources& sources) {
   if (system == "actor") return load_actor(model);
   if (system == "temos") return load_temos(model, sources);
   if (system == "tm2t") return load_tm2t(model, sources);
@@ -74,7 +76,8 @@ std::unique_ptr<Generator> load_generator(const std::string& backend, const std:
 
 const ml::Interval& only_text(const ml::Timeline& timeline) {
   if (timeline.intervals.size() != 1)
-    ml::raise<ml::timeline_error>(509, timeline.intervals.size(), " texts in a timeline; this model takes one, with a duration");
+    ml::raise<ml::timeline_error>(509, timeline.intervals.size(),
+                                  " texts in a timeline; this model takes one, with a duration");
   return timeline.intervals.front();
 }
 ml::Index action_of(const std::string& text, std::span<const std::string> labels, ml::Index classes) {

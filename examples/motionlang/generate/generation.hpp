@@ -22,11 +22,11 @@ namespace ml = motionlang;
 
 /// What a diffusion model can tell besides its motions.
 struct GenerationNotes {
-  std::string layout{};                            // of the features
-  std::vector<std::vector<double>> features{};     // of each motion before it was smoothed and put on its feet
-  std::string reuse{};                             // what was taken over, in words
-  std::optional<std::uint64_t> seed{};             // of the run that was reused
-  double kept_moved = 0;                           // metres from where they were that kept stretches begin, at most
+  std::string layout{};                         // of the features
+  std::vector<std::vector<double>> features{};  // of each motion before it was smoothed and put on its feet
+  std::string reuse{};                          // what was taken over, in words
+  std::optional<std::uint64_t> seed{};          // of the run that was reused
+  double kept_moved = 0;                        // metres from where they were that kept stretches begin, at most
 };
 
 /// A motion of which something is kept: the model makes the rest.
@@ -48,10 +48,10 @@ struct GenerationSettings {
   bool fix_feet = true;              // feet that stand do not slide
   std::string noise_file{};          // noise/000, noise/001, ... instead of the seed
   std::string record_file{};         // where to write what a later run needs to reuse this one
-  std::string reuse_file{};          // such a file; seed, steps, sampler, guidance, overlap and cut_texts are those of its run
-  std::optional<double> keep_beyond{};  // seconds; what is further from the edit stays as it was
+  std::string reuse_file{};  // such a file; seed, steps, sampler, guidance, overlap and cut_texts are those of its run
+  std::optional<double> keep_beyond{};     // seconds; what is further from the edit stays as it was
   std::shared_ptr<const KeptClip> keep{};  // of every timeline
-  GenerationNotes* notes = nullptr;     // written if given
+  GenerationNotes* notes = nullptr;        // written if given
 };
 
 /// Few steps that still do as many prompts as all of them, as `motionlang judge --compare` measures it (README).
@@ -92,9 +92,10 @@ struct ModelSources {
   std::string tokenizer{};     // TM2T's folder of its motion tokenizer
 };
 
-/// model: a file of ours, a folder with one, a folder of train-actor, train-temos, train-sinc, train-teach or train-tmr, or the folder of a published model: STMC,
-/// MDM, MotionDiffuse, ACTOR, TEMOS, TMR, TEACH, SINC, TM2T. backend: eigen, xtensor or reference; throws usage_error 103 for another, and
-/// for another than eigen where texts or actions do not go through STMC.
+/// model: a file of ours, a folder with one, a folder of train-actor, train-temos, train-sinc, train-teach or
+/// train-tmr, or the folder of a published model: STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TMR, TEACH, SINC, TM2T.
+/// backend: eigen, xtensor or reference; throws usage_error 103 for another, and for another than eigen where texts or
+/// actions do not go through STMC.
 std::unique_ptr<Generator> load_generator(const std::string& backend, const std::filesystem::path& model,
                                           const ModelSources& sources = {});
 
@@ -105,15 +106,17 @@ std::unique_ptr<Generator> load_reference(const std::filesystem::path& model);
 std::unique_ptr<Generator> load_published_eigen(const std::filesystem::path& run, const ModelSources& sources);
 std::unique_ptr<Generator> load_published_xtensor(const std::filesystem::path& run, const ModelSources& sources);
 std::unique_ptr<Generator> load_published_reference(const std::filesystem::path& run, const ModelSources& sources);
-/// ACTOR takes the name or the number of an action as its text; ACTOR and TEMOS take one text for the whole body, TEACH texts one after
-/// the other, SINC texts at the same time. load_temos looks which of the last three it is, as system_of_run says it.
+/// ACTOR takes the name or the number of an action as its text; ACTOR and TEMOS take one text for the whole body, TEACH
+/// texts one after the other, SINC texts at the same time. load_temos looks which of the last three it is, as
+/// system_of_run says it.
 std::unique_ptr<Generator> load_actor(const std::filesystem::path& run);
 std::unique_ptr<Generator> load_temos(const std::filesystem::path& run, const ModelSources& sources);
 std::unique_ptr<Generator> load_teach(const std::filesystem::path& run, const ModelSources& sources);
 std::unique_ptr<Generator> load_sinc(const std::filesystem::path& run, const ModelSources& sources);
 /// The system of a folder as io/run_folder.hpp finds it, where runs of TEACH and SINC look like those of TEMOS.
 std::string system_of_run(const std::filesystem::path& run);
-/// MDM's models of actions: the name or the number of an action. TM2T: one text; it decides itself how long the motion is.
+/// MDM's models of actions: the name or the number of an action. TM2T: one text; it decides itself how long the motion
+/// is.
 std::unique_ptr<Generator> load_mdm_actions(const std::filesystem::path& run);
 std::unique_ptr<Generator> load_tm2t(const std::filesystem::path& run, const ModelSources& sources);
 /// Folders of train-temos, train-sinc, train-teach and train-tmr, and of a published TMR; of train-actor.
@@ -124,7 +127,8 @@ std::unique_ptr<Generator> load_trained_actor(const std::filesystem::path& folde
 const ml::Interval& only_text(const ml::Timeline& timeline);
 /// The number of an action that is given by its name or its number. Throws config_error 103 for what is no class.
 ml::Index action_of(const std::string& text, std::span<const std::string> labels, ml::Index classes);
-/// Throws usage_error 102 if there is a file of noise, a record or a motion to keep, which only models that go through STMC take.
+/// Throws usage_error 102 if there is a file of noise, a record or a motion to keep, which only models that go through
+/// STMC take.
 void require_no_noise(const GenerationSettings& settings);
 /// Throws usage_error 102 if steps, sampler or guidance are given, for models without diffusion.
 void require_no_sampling(const GenerationSettings& settings);

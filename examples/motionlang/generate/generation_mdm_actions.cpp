@@ -28,8 +28,9 @@ class MdmActionGenerator final : public EachAlone {
       ml::raise<ml::timeline_error>(508, "'", wanted.text, "' has ", frames, " frames, the model makes ",
                                     c.crop_frames);
     const std::string sampler = s.sampler.empty() ? "ddpm" : s.sampler;
-    const auto made = run_.model.generate(std::span(&action, 1), noise,
-                                          {.steps = s.steps.value_or(0), .guidance = s.guidance, .sampler = ml::parse_sampler(sampler)});
+    const auto made = run_.model.generate(
+        std::span(&action, 1), noise,
+        {.steps = s.steps.value_or(0), .guidance = s.guidance, .sampler = ml::parse_sampler(sampler)});
     const auto rows = ml::slice(made.rows, 0, 0, frames);  // made as long as in training, and cut
     return ml::motion_of_actor(ml::actor_inverse(rows.span(), 24, run_.features), run_.fps);
   }

@@ -76,7 +76,8 @@ class GeneratorOver final : public Generator {
     return timelines;
   }
 
-  Features recorded(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s, const ml::StmcOptions& options) const {
+  Features recorded(const std::vector<ml::Timeline>& timelines, const GenerationSettings& s,
+                    const ml::StmcOptions& options) const {
     ml::StmcRecord<B> record;
     auto features = ml::generate_recorded<B>(model_, timelines, ml::Philox{.seed = s.seed}, options, record);
     save(record, s.record_file, s.cut_texts);
@@ -121,7 +122,8 @@ class GeneratorOver final : public Generator {
       for (const ml::IndexRange& range : kept_frames(*s.keep, clip.frames, t.end()))
         own.parts.push_back({range, s.keep->parts});
     }
-    return ml::generate_around<B>(model_, timelines, ml::Philox{.seed = s.seed}, options, std::span<const ml::KeptMotion<B>>(kept));
+    return ml::generate_around<B>(model_, timelines, ml::Philox{.seed = s.seed}, options,
+                                  std::span<const ml::KeptMotion<B>>(kept));
   }
   /// Without jumps where what is kept begins and ends; turned and moved over the floor to where the clip is, where its
   /// way is kept. Frames that are kept behind made ones are where these lead, which is noted.

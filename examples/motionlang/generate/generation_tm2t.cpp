@@ -1,4 +1,5 @@
-// TM2T, as its repository leaves it, behind the Generator: one text for each motion, which is as long as the model has it.
+// TM2T, as its repository leaves it, behind the Generator: one text for each motion, which is as long as the model has
+// it.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/io/tm2t_run.hpp>
 

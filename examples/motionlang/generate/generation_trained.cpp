@@ -1,5 +1,5 @@
-// What train-temos, train-tmr, train-sinc, train-teach and train-actor leave, and TMR as its repository leaves it, behind
-// the Generator: texts, or one action, for each motion.
+// What train-temos, train-tmr, train-sinc, train-teach and train-actor leave, and TMR as its repository leaves it,
+// behind the Generator: texts, or one action, for each motion.
 #include <algorithm>
 
 #include <motionlang/kinematics/retarget.hpp>

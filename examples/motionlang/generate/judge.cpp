@@ -1,7 +1,8 @@
 // motionlang judge: does the model do what prompts say? Each prompt is generated with several seeds and measured.
 //
-// What counts as done is stated in numbers per prompt (speed of the root, heights of hands and pelvis, turning; prompts.cpp), so that a
-// table of percentages can be compared between models, and with --compare between numbers of steps.
+// What counts as done is stated in numbers per prompt (speed of the root, heights of hands and pelvis, turning;
+// prompts.cpp), so that a table of percentages can be compared between models, and with --compare between numbers of
+// steps.
 #include <cstdio>
 #include <ctime>
 
@@ -9,11 +10,11 @@
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
-#include "generation.hpp"
 #include "../commands.hpp"
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
+#include "generation.hpp"
 #include "prompts.hpp"
 
 namespace program {
@@ -37,11 +38,12 @@ struct Judgement {
   std::vector<std::vector<Measures>> results{std::vector<std::vector<Measures>>(prompts().size())};
   std::vector<Positions> positions;  // seed by seed, prompt by prompt
   double skate = 0, shake = 0;       // m/s, m/s^3
-  double bones = 0;                  // largest change of the length of a bone between predicted positions, as a share of it
-  double seconds = 0;                // of the processor per second of motion
+  double bones = 0;    // largest change of the length of a bone between predicted positions, as a share of it
+  double seconds = 0;  // of the processor per second of motion
 
   std::size_t done(std::size_t prompt) const {
-    return static_cast<std::size_t>(std::count_if(results[prompt].begin(), results[prompt].end(), prompts()[prompt].done));
+    return static_cast<std::size_t>(
+        std::count_if(results[prompt].begin(), results[prompt].end(), prompts()[prompt].done));
   }
   std::size_t done() const {
     std::size_t n = 0;
@@ -56,7 +58,8 @@ double bone_change(const std::vector<double>& features) {
   Positions positions;
   for (std::size_t at = 0; at < features.size(); at += ml::smplrifke_size) {
     positions.push_back({});
-    for (std::size_t j = at + 136; j < at + 205; j += 3) positions.push_back({features[j], features[j + 1], features[j + 2]});
+    for (std::size_t j = at + 136; j < at + 205; j += 3)
+      positions.push_back({features[j], features[j + 1], features[j + 2]});
   }
   return ml::bone_length_deviation({positions, ml::smplrifke_joints}, ml::smpl24_skeleton().parents);
 }
@@ -87,7 +90,8 @@ Judgement judge(const Generator& generator, GenerationSettings settings, int see
       if (notes.layout == "smplrifke") out.bones += bone_change(notes.features[i]);
     }
   }
-  for (double* sum : {&out.skate, &out.shake, &out.bones}) *sum /= static_cast<double>(std::max<std::size_t>(1, out.motions()));
+  for (double* sum : {&out.skate, &out.shake, &out.bones})
+    *sum /= static_cast<double>(std::max<std::size_t>(1, out.motions()));
   return out;
 }
 
@@ -106,7 +110,9 @@ double distance(const Judgement& a, const Judgement& b, std::size_t shift = 0) {
 /// A table in Markdown: what fewer steps cost. The first number of steps is what the others are compared with.
 void compare(const Generator& generator, const JudgeOptions& o) {
   require_steps({.steps = std::ranges::max(o.compare)}, generator);
-  std::printf("| sampler | steps | prompts done | foot skate m/s | jitter m/s^3 | bone lengths +- %% | joints, mm away | processor s per s of motion |\n");
+  std::printf(
+      "| sampler | steps | prompts done | foot skate m/s | jitter m/s^3 | bone lengths +- %% | joints, mm away | "
+      "processor s per s of motion |\n");
   std::printf("|---|---|---|---|---|---|---|---|\n");
   std::string scale;
   for (const char* sampler : {"ddpm", "ddim"}) {
@@ -127,13 +133,13 @@ void compare(const Generator& generator, const JudgeOptions& o) {
         }
       }
       std::printf("| %s | %td | %.0f %% | %.3f | %.1f | %.1f | %.0f | %.2f |\n", sampler, steps,
-                  100.0 * static_cast<double>(j.done()) / static_cast<double>(j.motions()), j.skate, j.shake, 100 * j.bones,
-                  1000 * distance(first, j), j.seconds);
+                  100.0 * static_cast<double>(j.done()) / static_cast<double>(j.motions()), j.skate, j.shake,
+                  100 * j.bones, 1000 * distance(first, j), j.seconds);
       std::fflush(stdout);
     }
   }
-  std::printf("%d seeds of %zu prompts. Joints: mean distance to the result of the same seed with %td steps", o.seeds, prompts().size(),
-              o.compare.front());
+  std::printf("%d seeds of %zu prompts. Joints: mean distance to the result of the same seed with %td steps", o.seeds,
+              prompts().size(), o.compare.front());
   std::printf(scale.empty() ? "\n" : "; between two seeds:%s mm\n", scale.c_str());
 }
 
@@ -147,7 +153,8 @@ void run(const JudgeOptions& o) {
   }();
   std::printf("%-28s %-8s %s\n", "prompt", "done", "what counts");
   for (std::size_t i = 0; i < prompts().size(); ++i) {
-    std::printf("%-28s %zu/%-6zu %s\n", prompts()[i].text.c_str(), j.done(i), j.results[i].size(), prompts()[i].rule.c_str());
+    std::printf("%-28s %zu/%-6zu %s\n", prompts()[i].text.c_str(), j.done(i), j.results[i].size(),
+                prompts()[i].rule.c_str());
     if (o.details) {
       for (const Measures& m : j.results[i]) {
         std::printf(
@@ -165,8 +172,8 @@ void run(const JudgeOptions& o) {
   const auto about = ml::SafetensorsFile::open(model_file(o.model)).metadata();
   if (about.contains("real.skate") && about.contains("real.jitter")) {
     const double real_skate = std::stod(about.at("real.skate")), real_jitter = std::stod(about.at("real.jitter"));
-    std::printf("recordings: %.3f m/s, %.1f m/s^3; ratio %.2f and %.2f\n", real_skate, real_jitter, j.skate / real_skate,
-                j.shake / real_jitter);
+    std::printf("recordings: %.3f m/s, %.1f m/s^3; ratio %.2f and %.2f\n", real_skate, real_jitter,
+                j.skate / real_skate, j.shake / real_jitter);
   }
 }
 
@@ -179,8 +186,9 @@ void add_judge(CLI::App& app) {
       "Generates twelve prompts with several seeds, measures the motions, prints how many do what they should");
   c->add_option("--model", o->model, "Weights")->capture_default_str();
   const auto compare =
-      c->add_option("--compare", o->compare,
-                    "Numbers of steps: a table of what they cost, with both samplers, against the first of them (100 20 10 8 5)")
+      c->add_option(
+           "--compare", o->compare,
+           "Numbers of steps: a table of what they cost, with both samplers, against the first of them (100 20 10 8 5)")
           ->check(positive());
   c->add_option("--seeds", o->seeds, "Motions per prompt")->check(positive())->capture_default_str();
   c->add_option("--guidance", o->settings.guidance, "Weight of the text, 1 is none; the model's own unless given")

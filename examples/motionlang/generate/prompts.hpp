@@ -34,7 +34,8 @@ struct Prompt {
   std::function<bool(const Measures&)> done;
 };
 
-/// What the free data show often: each of these is said about 19 segments or more (walking backwards) and up to 105 (bending).
+/// What the free data show often: each of these is said about 19 segments or more (walking backwards) and up to 105
+/// (bending).
 const std::vector<Prompt>& prompts();
 
 }  // namespace program

@@ -29,22 +29,27 @@ inline std::filesystem::path record_file(const std::filesystem::path& path) {
 inline std::string told(const ml::StmcReuse& r, std::optional<double> keep_beyond) {
   char text[400];
   const double work = r.whole_work == 0 ? 0 : 100.0 * static_cast<double>(r.work) / static_cast<double>(r.whole_work);
-  std::snprintf(text, sizeof text, "reused: %td of %td frames are those of before; %.0f %% of the work of a whole run\n", r.kept,
-                r.frames, work);
+  std::snprintf(text, sizeof text,
+                "reused: %td of %td frames are those of before; %.0f %% of the work of a whole run\n", r.kept, r.frames,
+                work);
   std::string out = text;
   if (r.exact) {
     out += "  the motion is that of a whole run, bit for bit\n";
   } else if (!keep_beyond) {
     out += "  not the motion of a whole run: the run that is reused was made with --keep-beyond\n";
   } else {
-    std::snprintf(text, sizeof text,
-                  "  not the motion of a whole run: frames further than %.2f s from an edit were kept (--keep-beyond)\n", *keep_beyond);
+    std::snprintf(
+        text, sizeof text,
+        "  not the motion of a whole run: frames further than %.2f s from an edit were kept (--keep-beyond)\n",
+        *keep_beyond);
     out += text;
   }
   if (r.everywhere > 0) {
     std::snprintf(text, sizeof text,
-                  "  after step %td of %td nothing could be reused: texts that follow each other share frames, so an edit goes one text "
-                  "further with every step\n  fewer steps reuse more (--preset fast); --keep-beyond 1 keeps what is further away, "
+                  "  after step %td of %td nothing could be reused: texts that follow each other share frames, so an "
+                  "edit goes one text "
+                  "further with every step\n  fewer steps reuse more (--preset fast); --keep-beyond 1 keeps what is "
+                  "further away, "
                   "though the model would change it\n",
                   r.everywhere, r.steps);
     out += text;

@@ -123,7 +123,8 @@ inline std::string placed(const ml::Interval& i, const std::string& source) {
   return ml::concat_text(source, ":", i.place.line, ":", i.place.column, ": '", i.text, "'");
 }
 
-/// A line for each text of a few body parts, as far as its words tell, that takes all of them from a text that needs others.
+/// A line for each text of a few body parts, as far as its words tell, that takes all of them from a text that needs
+/// others.
 inline std::string told_whole_body_texts(const std::vector<ml::Timeline>& timelines, const std::string& source) {
   std::string out;
   for (const ml::Timeline& t : timelines) {
@@ -146,7 +147,8 @@ inline std::string told_whole_body_texts(const std::vector<ml::Timeline>& timeli
   return out;
 }
 
-/// A line for each text that moves nothing at any time: others with fewer parts, or as many and later in the file, take all that it has.
+/// A line for each text that moves nothing at any time: others with fewer parts, or as many and later in the file, take
+/// all that it has.
 inline std::string told_hidden_texts(const std::vector<ml::Timeline>& timelines, const std::string& source) {
   std::string out;
   for (const ml::Timeline& t : timelines) {

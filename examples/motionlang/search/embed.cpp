@@ -51,8 +51,10 @@ std::string last_name(const std::string& path) {
 }
 
 void run(EmbedOptions o) {
-  const std::map<std::string, ml::Pooling> poolings{
-      {"none", ml::Pooling::none}, {"mean", ml::Pooling::mean}, {"first", ml::Pooling::first}, {"end", ml::Pooling::end}};
+  const std::map<std::string, ml::Pooling> poolings{{"none", ml::Pooling::none},
+                                                    {"mean", ml::Pooling::mean},
+                                                    {"first", ml::Pooling::first},
+                                                    {"end", ml::Pooling::end}};
   ml::TextEncoderOptions options{.text = {.pooling = poolings.at(o.pooling), .normalize = o.normalize}};
   if (o.truncate) options.limits.truncate = true;
   options.limits.cleaning = ml::ClipCleaning::original;  // as STMC's own caches
@@ -82,21 +84,27 @@ void run(EmbedOptions o) {
 void add_embed(CLI::App& app) {
   const auto o = std::make_shared<EmbedOptions>();
   CLI::App* c = app.add_subcommand(
-      "embed", "Writes the vectors of texts to NAME.npy, NAME_slice.npy and NAME_index.json, as TMR and STMC read them");
+      "embed",
+      "Writes the vectors of texts to NAME.npy, NAME_slice.npy and NAME_index.json, as TMR and STMC read them");
   c->add_option("texts", o->texts, "A text on each line, or an annotations.json")->required()->check(CLI::ExistingFile);
-  c->add_option("--encoder", o->encoder,
-                "Folder of Hugging Face (distilbert, bert, mpnet, clip), or OpenAI's ViT-B-32.pt with its vocabulary beside it")
+  c->add_option(
+       "--encoder", o->encoder,
+       "Folder of Hugging Face (distilbert, bert, mpnet, clip), or OpenAI's ViT-B-32.pt with its vocabulary beside it")
       ->required()
       ->check(CLI::ExistingPath);
   c->add_option("-o,--out", o->out, "Folder for the files")->required();
-  c->add_option("--name", o->name, "Of the encoder in the names of the files, 'ViT-B/32' in a sub-folder; that of its folder unless given");
-  c->add_option("--pooling", o->pooling,
-                "none: a row for each token (TMR's token_embeddings); mean, first: one for each text; end: CLIP's (STMC)")
+  c->add_option(
+      "--name", o->name,
+      "Of the encoder in the names of the files, 'ViT-B/32' in a sub-folder; that of its folder unless given");
+  c->add_option(
+       "--pooling", o->pooling,
+       "none: a row for each token (TMR's token_embeddings); mean, first: one for each text; end: CLIP's (STMC)")
       ->check(CLI::IsMember({"none", "mean", "first", "end"}))
       ->capture_default_str();
   c->add_flag("--normalize", o->normalize, "Vectors of texts get the length 1 (TMR's sent_embeddings)");
   c->add_flag("--empty,!--no-empty", o->empty, "Also the text \"\", the unconditional one")->capture_default_str();
-  c->add_flag("--truncate", o->truncate, "Cuts texts that are longer than the encoder takes (512 ids), which are refused "
+  c->add_flag("--truncate", o->truncate,
+              "Cuts texts that are longer than the encoder takes (512 ids), which are refused "
               "otherwise; CLIP, of 77 ids, always cuts");
   c->add_option("--batch", o->batch, "Texts at a time")->check(in_range(1, 4096))->capture_default_str();
   c->callback([o] { run(*o); });

@@ -11,14 +11,14 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/search/motion_search.hpp>
 
-#include "../train/clip_lines.hpp"
 #include "../commands.hpp"
+#include "../files/motion_files.hpp"
+#include "../files/weights.hpp"
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
-#include "../files/motion_files.hpp"
 #include "../progress_bar.hpp"
+#include "../train/clip_lines.hpp"
 #include "search_model.hpp"
-#include "../files/weights.hpp"
 
 namespace program {
 
@@ -48,7 +48,8 @@ struct FileState {
 std::vector<FileState> file_states(const fs::path& folder) {
   std::vector<FileState> files;
   for (const fs::path& path : motion_files_below(folder)) {
-    const auto time = std::chrono::duration_cast<std::chrono::nanoseconds>(fs::last_write_time(path).time_since_epoch());
+    const auto time =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(fs::last_write_time(path).time_since_epoch());
     files.push_back({path.lexically_normal(), time.count(), static_cast<std::int64_t>(fs::file_size(path))});
   }
   return files;
@@ -60,7 +61,9 @@ fs::path folder_of(const fs::path& path) {
 }
 /// As a table of captions names it.
 std::string named_as(const fs::path& path) { return fs::path(path).replace_extension().string(); }
-std::string checksum(std::span<const std::byte> bytes) { return ml::detail::hexadecimal(ml::detail::content_hash(bytes)); }
+std::string checksum(std::span<const std::byte> bytes) {
+  return ml::detail::hexadecimal(ml::detail::content_hash(bytes));
+}
 std::string checksum(const fs::path& file) { return checksum(ml::MappedFile::open(file.string())->bytes()); }
 std::string checksum(const std::vector<ClipLine>& lines) {
   std::string all;
@@ -76,8 +79,8 @@ bool is_below(const fs::path& path, const fs::path& folder) {
   return end == folder.end();
 }
 
-/// The first line of the file LICENSE (LICENCE, COPYING, with or without an extension) beside a motion or in a folder above it, as
-/// UTF-8.
+/// The first line of the file LICENSE (LICENCE, COPYING, with or without an extension) beside a motion or in a folder
+/// above it, as UTF-8.
 class LicenseFiles {
  public:
   explicit LicenseFiles(fs::path top) : top_(std::move(top)) {}
@@ -183,7 +186,8 @@ class Indexer {
         stopped = !bar(static_cast<std::ptrdiff_t>(begin + some.size()), std::ssize(fresh));
       }
     }
-    if (added_ + removed_ + renamed_ + relicensed_ > 0 || model_moved_ || !before_ || lacks_graphs()) stopped = write(stopped);
+    if (added_ + removed_ + renamed_ + relicensed_ > 0 || model_moved_ || !before_ || lacks_graphs())
+      stopped = write(stopped);
     for (const std::string& problem : problems_) std::fprintf(stderr, "skipped: %s\n", ml::printable(problem).c_str());
     std::printf("%s: %td clips, %zu moments (%td added, %td removed, %td renamed, %td unchanged, %zu skipped)\n",
                 o_.out.c_str(), index_->count(), index_->moments().size(), added_, removed_, renamed_, unchanged_,
@@ -241,8 +245,8 @@ class Indexer {
     }
   }
 
-  /// Forgets what is gone, renames what has only moved, and says what is to be read: new and changed files, and those of which the
-  /// table says something new.
+  /// Forgets what is gone, renames what has only moved, and says what is to be read: new and changed files, and those
+  /// of which the table says something new.
   std::vector<FileState> changed_files(const std::vector<FileState>& files, const fs::path& folder) {
     std::map<std::string, ml::IndexedClip> known;  // a clip of each file
     std::set<std::string> now;
@@ -264,8 +268,8 @@ class Indexer {
         } catch (const ml::io_error&) {  // said when it is read
         }
       }
-      if (!o_.again && before != known.end() && before->second.modified == f.modified && before->second.bytes == f.bytes &&
-          has_lines(before->second, path)) {
+      if (!o_.again && before != known.end() && before->second.modified == f.modified &&
+          before->second.bytes == f.bytes && has_lines(before->second, path)) {
         ++unchanged_;
         keep(before->second, path);
       } else if (from != moved.end() && has_lines(from->second, path)) {
@@ -435,7 +439,8 @@ void add_index(CLI::App& app) {
   c->add_option("--captions", o->captions, "Table of parts of clips and what they show (examples/training/README.md)")
       ->check(CLI::ExistingFile);
   c->add_option("--license", o->license,
-                "Of the motions below the folder, those that are in the index as well; unless given, the first line of the LICENSE "
+                "Of the motions below the folder, those that are in the index as well; unless given, the first line of "
+                "the LICENSE "
                 "file beside or above them as it is now; without such a file, what the index had");
   const CLI::Option* windows = c->add_option("--windows", o->windows, "Lengths of moments, seconds")
                                    ->delimiter(',')

@@ -128,8 +128,7 @@ class Search {
         f.problem = e.what();
       }
     }
-    const std::string summary = ml::concat_text(
-        "The nearest ", kind(), " of ", gallery(), " in ", o_.index);
+    const std::string summary = ml::concat_text("The nearest ", kind(), " of ", gallery(), " in ", o_.index);
     ml::write_file(o_.html, ml::search_html(found_, query_text(), summary));
     if (!o_.json)
       std::printf("Open %s in a browser to see them.\n", std::filesystem::absolute(o_.html).string().c_str());

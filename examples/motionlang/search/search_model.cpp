@@ -53,7 +53,8 @@ std::vector<float> SearchModel::rows(const ml::Motion& motion) const {
 
 std::vector<float> SearchModel::normalized(std::span<const float> features) const {
   const ml::Index width = parts_->features->width;
-  return parts_->model.motion_normalizer.normalize(ml::Tensor<B, 2>::from(features, {std::ssize(features) / width, width}))
+  return parts_->model.motion_normalizer
+      .normalize(ml::Tensor<B, 2>::from(features, {std::ssize(features) / width, width}))
       .to_vector();
 }
 

@@ -17,8 +17,8 @@ namespace ml = motionlang;
 class SearchModel {
  public:
   /// folder        of train-tmr, or the run folder of a published TMR
-  /// text_encoder  folder of the language model whose states it reads, or a cache of them (.npy); "": it has its own word pieces, or
-  ///               no texts are asked for
+  /// text_encoder  folder of the language model whose states it reads, or a cache of them (.npy); "": it has its own
+  ///               word pieces, or no texts are asked for
   /// Throws config_error 102 for a model of another system, and what the readers throw.
   SearchModel(const std::filesystem::path& folder, const std::filesystem::path& text_encoder);
 
@@ -38,8 +38,8 @@ class SearchModel {
   ml::Index frames(std::span<const float> rows) const;
   /// (windows, width): windows of the frames of `rows`.
   std::vector<float> windows(std::span<const float> rows, std::span<const ml::FrameSlice> windows) const;
-  /// (width): a whole clip. One of more than ten seconds, which is longer than what such models are trained on, is cut into equal parts
-  /// and has the mean of their directions.
+  /// (width): a whole clip. One of more than ten seconds, which is longer than what such models are trained on, is cut
+  /// into equal parts and has the mean of their directions.
   std::vector<float> clip(std::span<const float> rows) const;
 
  private:

@@ -17,8 +17,8 @@ template <class Config, ml::Module Tape, ml::Module Plain>
 class ActionTask : public EpochTask<Config, Tape, Plain> {
  public:
   using Base = EpochTask<Config, Tape, Plain>;
-  using typename Base::A, typename Base::B;
   using Base::seed;
+  using typename Base::A, typename Base::B;
 
   std::map<std::string, std::string> settings() const {
     auto out = Base::settings();
@@ -165,7 +165,8 @@ class ClassifierTask : public ActionTask<ClassifierConfig, Classifier<TrainingTa
     const double loss = over_validation([&](std::span<const ml::Index> which, const ml::Philox& rng) {
       const auto b = validation_batch(which, rng);
       const auto logits = learner_.average(b.x, config_.clips, rng).logits;
-      const auto confusion = ml::confusion_matrix(ml::Rows(logits.span(), logits.size(1)), std::span<const ml::Index>(b.classes));
+      const auto confusion =
+          ml::confusion_matrix(ml::Rows(logits.span(), logits.size(1)), std::span<const ml::Index>(b.classes));
       right += ml::accuracy(confusion) * static_cast<double>(b.classes.size());
       return static_cast<double>(ml::cross_entropy(logits, b.classes).item());
     });

@@ -57,8 +57,9 @@ std::vector<double> rows_of(const ml::Motion& given, const ActorClipsConfig& c) 
   }
   std::vector<ml::Matrix3<double>> rotations;
   for (const auto& q : motion.local) rotations.push_back(ml::to_matrix(q));
-  return ml::actor_frame_features(std::span<const ml::Matrix3<double>>(rotations), std::span<const ml::Vec3<double>>(motion.root),
-                                  motion.skeleton.size(), options_of(c));
+  return ml::actor_frame_features(std::span<const ml::Matrix3<double>>(rotations),
+                                  std::span<const ml::Vec3<double>>(motion.root), motion.skeleton.size(),
+                                  options_of(c));
 }
 
 }  // namespace

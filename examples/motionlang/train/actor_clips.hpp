@@ -1,4 +1,5 @@
-// Motions as ACTOR and its classifiers see them: rows of rotations and the way of the root, windows of so many frames, points.
+// Motions as ACTOR and its classifiers see them: rows of rotations and the way of the root, windows of so many frames,
+// points.
 #pragma once
 
 #include <filesystem>
@@ -23,7 +24,7 @@ struct ActorClipsConfig {
   bool translation = true;     // the way of the root is a row of its own; not of xyz
   bool global = true;          // the rotation of joint 0 is there; without it all face +Z; not of xyz
   bool turned_ahead = true;    // every clip begins facing +Z
-  bool camera = false;  // rotations in the world of a camera, where figures stand on their heads, as published
+  bool camera = false;         // rotations in the world of a camera, where figures stand on their heads, as published
   double fps = 30;
   ml::Index num_frames = 60;    // of a training item; -1: all of the clip, -2: between min_len and max_len
   ml::Index sampling_step = 1;  // frames that are left out between; -1: as many as fit

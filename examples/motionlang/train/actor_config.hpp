@@ -1,4 +1,5 @@
-// The hyperparameters of ACTOR and of the classifiers that judge it: JSON by their fields, the published values as presets.
+// The hyperparameters of ACTOR and of the classifiers that judge it: JSON by their fields, the published values as
+// presets.
 #pragma once
 
 #include <string>
@@ -36,7 +37,8 @@ struct ActorLossConfig {
   bool vertstrans = false;        // points of a body follow the way of the root, as joints do
 
   void require_sound() const {
-    for (const auto& [name, value] : {std::pair("rc", rc), {"rcxyz", rcxyz}, {"kl", kl}, {"vel", vel}, {"velxyz", velxyz}})
+    for (const auto& [name, value] :
+         {std::pair("rc", rc), {"rcxyz", rcxyz}, {"kl", kl}, {"vel", vel}, {"velxyz", velxyz}})
       require_value(name, value, value >= 0, "0 or more");
   }
   /// Throws config_error 101 if there is nothing to learn from.
@@ -94,7 +96,7 @@ struct ClassifierConfig {
   ActorClipsConfig clips;
   ml::Index hidden_size = 128, num_layers = 2;  // of the GRU
   bool drawn_state = false;                     // the GRU starts from normal numbers, in use as well, not from zeros
-  ml::Index width = 64;  // of the first blocks of ST-GCN; later ones have two and four times as much
+  ml::Index width = 64;        // of the first blocks of ST-GCN; later ones have two and four times as much
   double generated_share = 0;  // of the motions that are learned from: made by the ACTOR that --generated names
   std::string generated_kind = "sampled";  // or "denoised", "interpolated", made of recorded ones
   OptimiserConfig optimiser;

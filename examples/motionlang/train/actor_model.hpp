@@ -1,6 +1,7 @@
 // A trained ACTOR, and a trained classifier of actions: how they are made, and their folders.
 //
-//     config.json            io/model_folder.hpp: "system" actor or classifier, the configuration of the training, "labels"
+//     config.json            io/model_folder.hpp: "system" actor or classifier, the configuration of the training,
+//                            "labels"
 //     weights.safetensors    the published names; motions are not normalised
 //
 // And ACTOR as it was published: a folder with opt.yaml and checkpoint_5000.pth.tar in the place of one of ours.
@@ -78,7 +79,8 @@ struct Classifier {
   }
 };
 
-/// Compares the sizes of a config.json with the file of weights, before memory is taken for them. Throws config_error 102.
+/// Compares the sizes of a config.json with the file of weights, before memory is taken for them. Throws config_error
+/// 102.
 inline void require_room(const ml::TensorSet& weights, const ClassifierConfig& c) {
   if (c.kind == "gru")
     ml::detail::check_room(weights, 72, c.hidden_size, c.hidden_size, c.num_layers);
@@ -159,7 +161,8 @@ struct ActorModel {
     load_action_weights(actor, weights);
   }
 
-  /// Motions in the pose representation of a classifier, without the way of the root where it (ST-GCN) does not read it.
+  /// Motions in the pose representation of a classifier, without the way of the root where it (ST-GCN) does not read
+  /// it.
   ml::Sequences<B> seen_by(const ml::Sequences<B>& x, const ActorClipsConfig& seen) const {
     const ActorClipsConfig& clips = file.config.clips;
     if (clips.pose == seen.pose && clips.camera == seen.camera && clips.global == seen.global)
@@ -224,8 +227,8 @@ ActionBatch<B> action_batch(const std::vector<DescribedMotion>& motions, std::sp
 std::vector<ml::Index> others_of_class(std::span<const ml::Index> which, std::span<const ml::Index> classes,
                                        ml::Philox& rng);
 
-/// Recorded motions and what an ACTOR makes of them, as a classifier reads them: the sets of thesis table 3.8. Every call
-/// gives one motion for each that is asked for, of its action, as long as its window.
+/// Recorded motions and what an ACTOR makes of them, as a classifier reads them: the sets of thesis table 3.8. Every
+/// call gives one motion for each that is asked for, of its action, as long as its window.
 template <ml::Backend B>
 struct RecognitionSets {
   using Numbers = std::span<const ml::Index>;

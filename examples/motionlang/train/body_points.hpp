@@ -45,8 +45,7 @@ struct BodyPoints {
   template <ml::Backend From>
   explicit BodyPoints(const BodyPoints<From>& from) : points(from.points), body(ml::convert<B>(from.body)) {
     if (from.J_regressor_extra)
-      J_regressor_extra =
-          ml::Tensor<B, 2>::from(from.J_regressor_extra->to_vector(), from.J_regressor_extra->shape());
+      J_regressor_extra = ml::Tensor<B, 2>::from(from.J_regressor_extra->to_vector(), from.J_regressor_extra->shape());
   }
 
   /// (frames, 3 points); `translate`: moved by the way of the root.

@@ -91,8 +91,7 @@ class LabelTable {
       if (fields.size() == 2) line.texts = {fields[1]};
       return fields.size() == 2;
     };
-    for (const ClipLine& line :
-         read_rows(path, "the id of a stretch or of a motion, or a text, and its label", read)) {
+    for (const ClipLine& line : read_rows(path, "the id of a stretch or of a motion, or a text, and its label", read)) {
       if (!labels_.emplace(line.id, line.texts).second) wrong(line, "'" + line.id + "' has a label already");
     }
   }

@@ -25,9 +25,11 @@ struct ClipLine {
 };
 
 /// clip, start, end, body parts, captions separated by |; or clip, captions: all of it. Columns are separated by tabs,
-/// lines that begin with # are comments; a clip may have the extension of its file. Throws io_error 401, 403 with file and line.
+/// lines that begin with # are comments; a clip may have the extension of its file. Throws io_error 401, 403 with file
+/// and line.
 std::vector<ClipLine> read_captions(const std::filesystem::path& path);
-/// clip, start, end, label; or clip, label: all of it; clips as in captions. Throws io_error 401, 403 with file and line.
+/// clip, start, end, label; or clip, label: all of it; clips as in captions. Throws io_error 401, 403 with file and
+/// line.
 std::vector<ClipLine> read_labels(const std::filesystem::path& path);
 
 /// The stretches of an annotation file with the labels that each has; some may have none, some several.

@@ -55,7 +55,8 @@ void require_value(const char* name, T value, bool good, const char* expected) {
 /// The sizes that every network has.
 template <class Network>
 void require_sizes(const Network& n) {
-  for (const auto& [name, size] : {std::pair("latent_dim", n.latent_dim), {"ff_size", n.ff_size}, {"num_heads", n.num_heads}})
+  for (const auto& [name, size] :
+       {std::pair("latent_dim", n.latent_dim), {"ff_size", n.ff_size}, {"num_heads", n.num_heads}})
     require_value(name, size, size >= 1 && size <= 65'536, "1 to 65536");
   require_value("num_layers", n.num_layers, n.num_layers >= 1 && n.num_layers <= 256, "1 to 256");
   require_value("dropout", n.dropout, n.dropout >= 0 && n.dropout < 1, "0 or more, and less than 1");

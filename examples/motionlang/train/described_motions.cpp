@@ -182,7 +182,8 @@ void read_humanml3d(DescribedMotions& out, const DataSources& sources, const Row
       DescribedMotion d{ml::concat_text(id, "_", number++), id, {}, {}};
       d.rows.assign(rows.begin() + item.frames.first * maker.width,
                     rows.begin() + (item.frames.first + item.frames.length) * maker.width);
-      for (const std::size_t c : item.captions) d.texts.push_back({captions[c].text, {0, item.frames.length}, captions[c].words});
+      for (const std::size_t c : item.captions)
+        d.texts.push_back({captions[c].text, {0, item.frames.length}, captions[c].words});
       part_of(out, part).push_back(std::move(d));
     }
   }

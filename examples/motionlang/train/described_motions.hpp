@@ -1,6 +1,6 @@
 // Motions with texts or labels as rows of features, split into training, validation and test: what ACTOR, TEMOS and TMR
-// are trained and measured on. From a folder of clips with a table, from folders in the form of HumanML3D or KIT-ML, and
-// from the unified annotation file with the motions that it names.
+// are trained and measured on. From a folder of clips with a table, from folders in the form of HumanML3D or KIT-ML,
+// and from the unified annotation file with the motions that it names.
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ struct RowMaker {
 
 struct DescribedText {
   std::string text;
-  ml::FrameSlice frames;  // of the rows, that it is about
+  ml::FrameSlice frames;                // of the rows, that it is about
   std::vector<ml::TaggedWord> words{};  // of data sets that have them: lemmas with their parts of speech
 };
 struct DescribedMotion {

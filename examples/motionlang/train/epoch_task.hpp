@@ -1,4 +1,5 @@
-// What trainings on described motions have in common: epochs of shuffled batches, a learner, validation, what decides a run.
+// What trainings on described motions have in common: epochs of shuffled batches, a learner, validation, what decides a
+// run.
 #pragma once
 
 #include <map>
@@ -56,10 +57,7 @@ class EpochTask {
       : EpochTask(std::move(system), std::move(config), data, std::ssize(data.training)) {}
   /// items: of an epoch, where they are not the motions. Throws config_error 103 for an unknown schedule.
   EpochTask(std::string system, Config config, const DescribedMotions& data, ml::Index items)
-      : system_(std::move(system)),
-        config_(std::move(config)),
-        data_(&data),
-        batches_(items, config_.optimiser.batch) {
+      : system_(std::move(system)), config_(std::move(config)), data_(&data), batches_(items, config_.optimiser.batch) {
     config_.optimiser.rate(0, steps());
   }
   /// The weights that training begins with.
@@ -71,8 +69,8 @@ class EpochTask {
     learner_.clip_norm = config_.optimiser.clip_norm;
   }
 
-  /// Calls f(numbers of motions, generator) for the batches of the validation part, the same every time. Returns the mean of what it
-  /// gives, weighted by motions.
+  /// Calls f(numbers of motions, generator) for the batches of the validation part, the same every time. Returns the
+  /// mean of what it gives, weighted by motions.
   template <class F>
   double over_validation(F f) {
     learner_.follow();

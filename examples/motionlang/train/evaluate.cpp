@@ -60,7 +60,9 @@ void add_evaluate(CLI::App& app) {
       ->check(CLI::ExistingDirectory);
   c->add_option("--data", o->data, "Folder of the motions, as for training")->required()->check(CLI::ExistingDirectory);
   c->add_option("--captions", o->captions, "Table of captions, as for training")->check(CLI::ExistingFile);
-  c->add_option("--labels", o->labels, "ACTOR, classifier: table of labels, as for training, unless --annotations has them")->check(CLI::ExistingFile);
+  c->add_option("--labels", o->labels,
+                "ACTOR, classifier: table of labels, as for training, unless --annotations has them")
+      ->check(CLI::ExistingFile);
   c->add_option("--classifier", o->classifier,
                 "ACTOR: folder of the classifier that judges, or the file of a published one (humanact12_gru.tar, "
                 "uestc_rot6d_stgcn.tar)")
@@ -111,7 +113,8 @@ void add_evaluate(CLI::App& app) {
        "Of a published TEMOS, SINC or TEACH: folder with mean and std of the features, if they are not in its own; "
        "of --evaluator: those that it was trained with, if they are not those of TM2T")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--tokenizer", o->tokenizer, "Of a published TM2T: folder of its motion tokenizer, if it is not beside it")
+  c->add_option("--tokenizer", o->tokenizer,
+                "Of a published TM2T: folder of its motion tokenizer, if it is not beside it")
       ->check(CLI::ExistingDirectory);
   c->add_option("--sentence-encoder", o->sentence_encoder, "As for training")->check(CLI::ExistingPath);
   c->add_option("--threshold", o->threshold, "TMR: from this score on texts mean the same")
@@ -120,28 +123,36 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--nsim", o->nsim,
                 "TMR: list of ids of dissimilar texts, which of a table are clip@start-end; chosen unless given")
       ->check(CLI::ExistingFile);
-  CLI::Option* synthesis = c->add_flag("--synthesis", o->synthesis,
-                                       "TMR: also whether motions are found that were made for the texts, as long as the recorded ones");
-  c->add_option("--generator", o->generator,
-                "Model that makes these motions, as for generate (--text-encoder is its one too); TMR itself unless given")
+  CLI::Option* synthesis =
+      c->add_flag("--synthesis", o->synthesis,
+                  "TMR: also whether motions are found that were made for the texts, as long as the recorded ones");
+  c->add_option(
+       "--generator", o->generator,
+       "Model that makes these motions, as for generate (--text-encoder is its one too); TMR itself unless given")
       ->needs(synthesis)
       ->check(CLI::ExistingPath);
-  c->add_option("--moments", o->moments,
-                "TMR: makes so many long motions of several clips each, and measures whether the stretch of each text is found")
+  c->add_option(
+       "--moments", o->moments,
+       "TMR: makes so many long motions of several clips each, and measures whether the stretch of each text is found")
       ->excludes(synthesis)
       ->check(in_range(1, 1000000));
-  c->add_option("--joined", o->joined, "Clips in each of them, all of different texts")->check(in_range(2, 100))->capture_default_str();
+  c->add_option("--joined", o->joined, "Clips in each of them, all of different texts")
+      ->check(in_range(2, 100))
+      ->capture_default_str();
   c->add_option("--windows", o->windows, "Seconds of the stretches that are compared with a text")
       ->delimiter(',')
       ->check(in_range(0.1, 10))
       ->capture_default_str();
-  c->add_option("--stride", o->stride, "Seconds from one stretch to the next")->check(in_range(0.01, 10))->capture_default_str();
+  c->add_option("--stride", o->stride, "Seconds from one stretch to the next")
+      ->check(in_range(0.01, 10))
+      ->capture_default_str();
   c->add_option("--samples", o->samples, "TEMOS, SINC, TEACH: motions for each text")
       ->check(in_range(1, 1000))
       ->capture_default_str();
-  c->add_option("--items", o->items,
-                "SINC: two actions at the same time, such of them as the training part has not and without 'stand' (the "
-                "published evaluation), single actions, or all")
+  c->add_option(
+       "--items", o->items,
+       "SINC: two actions at the same time, such of them as the training part has not and without 'stand' (the "
+       "published evaluation), single actions, or all")
       ->check(CLI::IsMember({"pairs", "unseen", "single", "all"}))
       ->capture_default_str();
   c->add_option("--keys", o->keys, "SINC, TEACH: list of the items to be measured, spatial_pairs-4242-0 on a line")
@@ -178,16 +189,19 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--slerp-window", o->slerp_window, "TEACH: frames between two actions that are interpolated; 0: none")
       ->check(in_range(0, 1000))
       ->capture_default_str();
-  c->add_option("--independent", o->independent,
-                "TEACH: model of single actions, which makes both actions, each alone, to be joined in the same way: a SINC "
-                "or a TEACH (without its past), of our training or as published, or a TEMOS as published, of the same "
-                "features at 30 frames a second")
+  c->add_option(
+       "--independent", o->independent,
+       "TEACH: model of single actions, which makes both actions, each alone, to be joined in the same way: a SINC "
+       "or a TEACH (without its past), of our training or as published, or a TEMOS as published, of the same "
+       "features at 30 frames a second")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--joint", o->joint, "TEACH: such a model of pairs of actions, which makes one motion of the text 'a, b'")
+  c->add_option("--joint", o->joint,
+                "TEACH: such a model of pairs of actions, which makes one motion of the text 'a, b'")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--strips", o->strips,
-                "Folder for film strips: of TEMOS, SINC and TEACH of what is generated of different texts (the mean of the "
-                "latent) next to what was recorded, of ACTOR of an action each");
+  c->add_option(
+      "--strips", o->strips,
+      "Folder for film strips: of TEMOS, SINC and TEACH of what is generated of different texts (the mean of the "
+      "latent) next to what was recorded, of ACTOR of an action each");
   c->add_option("--count", o->count, "Film strips")->capture_default_str();
   c->add_option("--seed", o->seed, "Seed of what is generated")->check(seed_number())->capture_default_str();
   o->machine.add_to(*c);

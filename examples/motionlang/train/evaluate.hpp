@@ -15,7 +15,7 @@ struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
       strips, classifier, generator, statistics, tokenizer, body, regressor, babel, validation, spelling, body_parts,
       temos, independent, joint, keys, tags, evaluator, bert;
-  bool synthesis = false;   // TMR: also motions that are made for the texts, by itself or by the generator
+  bool synthesis = false;  // TMR: also motions that are made for the texts, by itself or by the generator
   std::string part = "test";
   double threshold = 0.95;  // texts more similar than that count as the same
   ml::Index samples = 10;   // of TEMOS, SINC and TEACH, for each text
@@ -23,9 +23,9 @@ struct EvaluationOptions {
   ml::Index seeds = 20;     // of ACTOR, and TM2T's motions
   ml::Index moments = 0;    // long motions in which TMR looks for texts; 0: whole clips are looked for
   ml::Index joined = 5;     // clips in each
-  std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the stretches that are compared
-  double stride = 0.2;                         // seconds from one to the next
-  std::string items = "pairs";                 // of SINC: pairs, unseen, single or all
+  std::vector<double> windows{1, 2, 3, 4, 6};                // seconds of the stretches that are compared
+  double stride = 0.2;                                       // seconds from one to the next
+  std::string items = "pairs";                               // of SINC: pairs, unseen, single or all
   ml::Conjunction conjunction = ml::Conjunction::same_time;  // of the labels, of SINC
   ml::Alignment alignment = ml::Alignment::full;             // of the second action, of TEACH
   ml::Index slerp_window = 8;                                // frames between both that are interpolated
@@ -51,10 +51,11 @@ void evaluate_teach(const EvaluationOptions& o);
 void evaluate_actor(const EvaluationOptions& o);
 /// Accuracy on recorded motions over seeds.
 void evaluate_classifier(const EvaluationOptions& o);
-/// Descriptions against those of the data, by TM2T from motions to texts: BLEU, ROUGE-L, CIDEr and BERTScore. With an evaluator
-/// motions of texts: R-precision, FID, distance from the texts, diversity and multimodality.
+/// Descriptions against those of the data, by TM2T from motions to texts: BLEU, ROUGE-L, CIDEr and BERTScore. With an
+/// evaluator motions of texts: R-precision, FID, distance from the texts, diversity and multimodality.
 void evaluate_tm2t(const EvaluationOptions& o);
-/// Where in long motions, made of several clips one after the other, a text happens: the share of stretches that TMR finds.
+/// Where in long motions, made of several clips one after the other, a text happens: the share of stretches that TMR
+/// finds.
 void evaluate_moments(const EvaluationOptions& o);
 
 }  // namespace program

@@ -1,6 +1,6 @@
-// motionlang evaluate of ACTOR: accuracy, FID, diversity and multimodality of generated motions next to recorded ones, of
-// these denoised, and of what lies between two of them (thesis table 3.8), over several seeds, by a classifier that was
-// trained on the training part, or by a published one. ACTOR is of our training, or as it was published.
+// motionlang evaluate of ACTOR: accuracy, FID, diversity and multimodality of generated motions next to recorded ones,
+// of these denoised, and of what lies between two of them (thesis table 3.8), over several seeds, by a classifier that
+// was trained on the training part, or by a published one. ACTOR is of our training, or as it was published.
 #include <cstdio>
 #include <set>
 
@@ -59,8 +59,8 @@ struct Judge {
       classes = classifier.gru->linear2.out(), read = gates->shape[1], wanted = 24 * 3;
       if (read == 18 * 3) {
         if (body.empty())
-          ml::raise<ml::config_error>(102, path.string(),
-                                      " reads 18 points of a body: --body SMPL, --joint-regressor J_regressor_extra.npy");
+          ml::raise<ml::config_error>(
+              102, path.string(), " reads 18 points of a body: --body SMPL, --joint-regressor J_regressor_extra.npy");
         wanted = 18 * 3;
       }
       if (!body.empty()) read_body_points(wanted == 18 * 3 ? "a2m" : "smpl", body, regressor);
@@ -132,7 +132,8 @@ struct Measured {
            std::span<const std::string> labels)
       : data([&] {
           ProgressBar bar("reading motions");
-          return read_described_motions({o.data, {}, o.labels, o.annotations, o.splits, true}, config, actor_row_maker(clips), bar);
+          return read_described_motions({o.data, {}, o.labels, o.annotations, o.splits, true}, config,
+                                        actor_row_maker(clips), bar);
         }()),
         part(&data.part(o.part)),
         classes(classes_of(*part, labels)) {
@@ -179,7 +180,7 @@ void evaluate_actor(const EvaluationOptions& o) {
   require_same_clips(clips, seen);
   who.numbers = numbers_of(file.labels, who.file.labels);
   const Measured measured(o, file.config.data, clips, file.labels);
-  const auto &part = *measured.part;
+  const auto& part = *measured.part;
   const auto& classes = measured.classes;
   const Index count = std::ssize(part), kinds = std::ssize(file.labels);
   const auto [numbered, present] = present_classes(classes, kinds);

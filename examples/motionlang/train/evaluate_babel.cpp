@@ -61,8 +61,8 @@ void with_model(const std::string& option, const std::filesystem::path& folder, 
   else if (system == "teach")
     take(teach_of(folder, sources));
   else if (system == "temos" && !ours)
-    take(text_latents(ml::load_temos_run<B>(
-        ml::find_run(folder), {.text_encoder = sources.text_encoder, .statistics = sources.statistics})));
+    take(text_latents(ml::load_temos_run<B>(ml::find_run(folder),
+                                            {.text_encoder = sources.text_encoder, .statistics = sources.statistics})));
   else
     ml::raise<ml::config_error>(103, option, " ", folder.string(), ": a model of '", system,
                                 "'; taken are sinc and teach, and temos as published");
@@ -99,8 +99,8 @@ struct Items {
     bar.finish();
     part = all ? &data.training : &data.part(o.part);
   }
-  /// Chooses what is measured: of the items that are wanted, those that `--keys` names. Throws config_error 101 if there
-  /// are none, io_error 401, 403 of the list.
+  /// Chooses what is measured: of the items that are wanted, those that `--keys` names. Throws config_error 101 if
+  /// there are none, io_error 401, 403 of the list.
   void choose(const EvaluationOptions& o, const std::function<bool(const DescribedMotion&)>& wanted) {
     std::set<std::string> keys;
     if (!o.keys.empty()) {
@@ -283,7 +283,8 @@ std::string types_of(const std::string& items) {
   return items == "single" ? "seg+seq" : "seg+seq+spatial_pairs";
 }
 
-/// What the published evaluation leaves out: pairs of labels that training has, in whatever order, and those with "stand".
+/// What the published evaluation leaves out: pairs of labels that training has, in whatever order, and those with
+/// "stand".
 /// Source  thesis B.3.1
 class SeenPairs {
  public:
@@ -404,7 +405,8 @@ void evaluate_sinc(const EvaluationOptions& o) {
     show(strips, text, mean, d);
     if (parts && labels.size() == 2) {
       const auto alone = [&](std::size_t label) {
-        return made(tokens_of(labels[label]), rng.split("alone").split(static_cast<std::uint64_t>(label)), 1, {}).front();
+        return made(tokens_of(labels[label]), rng.split("alone").split(static_cast<std::uint64_t>(label)), 1, {})
+            .front();
       };
       composed.add(joints_of(ml::sinc_composed(model.normalizer, alone(0), parts->parts(labels[0]), alone(1),
                                                parts->parts(labels[1]))),
@@ -433,9 +435,8 @@ void evaluate_teach(const EvaluationOptions& o) {
   const JointErrors none(variant);
   std::vector<Baseline> baselines = baselines_of(o, *model.features, none);
   Items items(o, sources, *model.features, lots_of(config), teach_reader(config));
-  items.choose(o, [](const DescribedMotion& m) {
-    return m.texts[0].frames.length > 1 && m.texts[1].frames.length > 1;
-  });
+  items.choose(o,
+               [](const DescribedMotion& m) { return m.texts[0].frames.length > 1 && m.texts[1].frames.length > 1; });
   using enum ml::Alignment;
   std::printf("the second action %s, %td frames between them interpolated\n",
               o.alignment == full ? "turned and moved to the end of the first" : "moved to the end of the first",

@@ -1,8 +1,10 @@
-// motionlang evaluate --moments: long motions are made of clips of different texts, and TMR says where in them each text happens.
+// motionlang evaluate --moments: long motions are made of clips of different texts, and TMR says where in them each
+// text happens.
 //
-// The clips follow each other as features do, which say how the body moves from frame to frame, not where it is: paths join, the pose
-// jumps. A window is a stretch of these frames around a middle (metrics/retrieval.hpp); the one whose latent is most like that of the text
-// is the answer, right if its intersection with the clip over their union is large enough.
+// The clips follow each other as features do, which say how the body moves from frame to frame, not where it is: paths
+// join, the pose jumps. A window is a stretch of these frames around a middle (metrics/retrieval.hpp); the one whose
+// latent is most like that of the text is the answer, right if its intersection with the clip over their union is large
+// enough.
 #include <cstdio>
 #include <set>
 

@@ -87,7 +87,8 @@ ml::RetrievalTable chance(ml::RetrievalProtocol protocol, const LatentTable& tab
 /// Motions for the texts of a batch, as long as its own and seen by the model: made by it, or by another.
 class Synthesis {
  public:
-  Synthesis(const EvaluationOptions& o, const TmrModel<B>& model, const TextMotionFile& file, const ml::EmbeddingCache* states)
+  Synthesis(const EvaluationOptions& o, const TmrModel<B>& model, const TextMotionFile& file,
+            const ml::EmbeddingCache* states)
       : model_(model), features_(ml::motion_features(file.config.features)), states_(states), seed_(o.seed) {
     if (o.generator.empty()) return;
     other_ = load_generator("eigen", o.generator, {.text_encoder = o.text_encoder.string()});
@@ -96,7 +97,8 @@ class Synthesis {
     const ml::Offsets& lengths = batch.motions.offsets;
     const std::uint64_t seed = seed_++;
     if (!other_)
-      return ml::text_to_motion(model_.system, model_.tokens(batch.texts, states_), lengths, ml::Philox{.seed = seed}).front();
+      return ml::text_to_motion(model_.system, model_.tokens(batch.texts, states_), lengths, ml::Philox{.seed = seed})
+          .front();
     std::vector<ml::Timeline> timelines;
     for (Index i = 0; i < lengths.count(); ++i) {
       const double seconds = static_cast<double>(lengths.length(i)) / features_.fps;
@@ -112,7 +114,8 @@ class Synthesis {
       frames.push_back(std::ssize(rows) / features_.width);
     }
     const ml::Offsets offsets(frames);
-    return {model_.motion_normalizer.normalize(ml::Tensor<B, 2>::from(values, {offsets.rows(), features_.width})), offsets};
+    return {model_.motion_normalizer.normalize(ml::Tensor<B, 2>::from(values, {offsets.rows(), features_.width})),
+            offsets};
   }
 
  private:
@@ -132,7 +135,9 @@ void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file) {
   for (const DescribedMotion& d : *m.part) options.ids.push_back(d.id);
   if (!o.nsim.empty()) {
     options.nsim_ids = ml::read_ids(o.nsim);
-    const auto measured = [&](const std::string& id) { return std::ranges::find(options.ids, id) != options.ids.end(); };
+    const auto measured = [&](const std::string& id) {
+      return std::ranges::find(options.ids, id) != options.ids.end();
+    };
     if (std::ranges::none_of(options.nsim_ids, measured))
       ml::raise<ml::config_error>(102, "--nsim ", o.nsim.string(), " names no motion of the ", o.part, " part");
   }
@@ -161,8 +166,9 @@ void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file) {
     if (protocol == nsim && options.nsim_ids.empty()) continue;
     print_retrieval(name, ml::retrieve(protocol, texts, motions, sentences, options));
     if (made)
-      print_retrieval("  generated", ml::retrieve(protocol, texts, ml::Rows(std::span<const float>(made->motion), made->width),
-                                                  sentences, options));
+      print_retrieval("  generated",
+                      ml::retrieve(protocol, texts, ml::Rows(std::span<const float>(made->motion), made->width),
+                                   sentences, options));
     print_retrieval("  by chance", chance(protocol, table, sentences, options));
   }
 }
@@ -179,8 +185,10 @@ struct MeasuredJoints {
   explicit MeasuredJoints(const ml::MotionFeatures& f)
       : mmm(f.joints == ml::kit21_skeleton().size()),
         variant(mmm ? ml::temos_rifke()
-                    : ml::RifkeVariant{
-                          .joints = 22, .z_up = true, .across = {{{2, 1}, {17, 16}}}, .floor = {7, 10, 8, 11}}),
+                    : ml::RifkeVariant{.joints = 22,
+                                       .z_up = true,
+                                       .across = {{{2, 1}, {17, 16}}},
+                                       .floor = {7, 10, 8, 11}}),
         unit(mmm ? 0.001 : 1) {}
   Joints operator()(const ml::MotionFeatures& f, std::span<const float> rows) const {
     const std::vector<double> values(rows.begin(), rows.end());

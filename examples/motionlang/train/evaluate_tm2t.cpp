@@ -270,8 +270,8 @@ struct Drawn {
   Embedded text, motion;
 };
 
-/// What the loader of Guo et al. hands out: a text of every entry by lot, a part of its motion, batches by lot, the last
-/// of which is left out unless it is whole.
+/// What the loader of Guo et al. hands out: a text of every entry by lot, a part of its motion, batches by lot, the
+/// last of which is left out unless it is whole.
 class GuoItems {
  public:
   /// Throws config_error 101 unless there are two or more entries of the lengths that the loader takes.

@@ -1,4 +1,5 @@
-// A module under training: its weights, the moments of AdamW, a running average, and how all of that lies in a checkpoint.
+// A module under training: its weights, the moments of AdamW, a running average, and how all of that lies in a
+// checkpoint.
 #pragma once
 
 #include <map>

@@ -38,7 +38,8 @@ struct OptimiserConfig {
       require_value(name, value, value >= 0 && value < 1, "0 or more, and less than 1");
     for (const auto& [name, value] : {std::pair("lr", lr), {"weight_decay", weight_decay}, {"clip_norm", clip_norm}})
       require_value(name, value, value >= 0, "0 or more");
-    for (const auto& [name, value] : {std::pair("batch", batch), {"epochs", epochs}}) require_value(name, value, value >= 1, "1 or more");
+    for (const auto& [name, value] : {std::pair("batch", batch), {"epochs", epochs}})
+      require_value(name, value, value >= 1, "1 or more");
     require_value("warmup", warmup, warmup >= 0, "0 or more");
   }
   ml::AdamWConfig adamw() const {

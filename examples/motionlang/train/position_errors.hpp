@@ -1,5 +1,5 @@
-// Errors of the positions of joints, as evaluate prints them of TEMOS, TEACH and SINC: of several motions for each text,
-// and of motions that know no text.
+// Errors of the positions of joints, as evaluate prints them of TEMOS, TEACH and SINC: of several motions for each
+// text, and of motions that know no text.
 #pragma once
 
 #include <functional>

@@ -85,9 +85,7 @@ ml::StmcModelConfig completed(const StmcTrainingConfig& c) {
 }  // namespace
 
 StmcTask::StmcTask(StmcTrainingConfig config, const TrainingSet& data)
-    : config_(std::move(config)),
-      data_(&data),
-      diffusion_(ml::CosineSchedule{.steps = config_.model.diffusion_steps}) {
+    : config_(std::move(config)), data_(&data), diffusion_(ml::CosineSchedule{.steps = config_.model.diffusion_steps}) {
   config_.model = completed(config_);
   const auto captions = data.all_captions();
   learner_.average = ml::make_stmc<B>(config_.model, ml::WordPiece::learn(captions, config_.vocabulary),
@@ -107,8 +105,8 @@ double StmcTask::learn_texts(ml::Progress progress) {
       draw_batch(*data_, config_, rng.split("samples"), std::min<Index>(20000, 8 * config_.text_steps));
   std::vector<float> summaries;
   for (const Sample& s : samples) {
-    const auto rows =
-        learner_.average.motion_normalizer.normalize(ml::Tensor<B, 2>::from(s.features, {s.frames, ml::smplrifke_size}));
+    const auto rows = learner_.average.motion_normalizer.normalize(
+        ml::Tensor<B, 2>::from(s.features, {s.frames, ml::smplrifke_size}));
     append_summary(summaries, rows.span());
   }
   ml::AdamW<A> adam_text{{.weight_decay = config_.weight_decay}}, adam_summary = adam_text;
@@ -168,7 +166,8 @@ ml::LossTerms<StmcTask::A> StmcTask::loss(ml::Philox rng, Index, const ml::Conte
 
   const auto text = ml::TextFeatures<A>::pooled(learner_.model.text_encoder(captions, context));
   const auto out =
-      learner_.model.denoiser(ml::Sequences<A>(ml::q_sample(diffusion_, x0, t_of_row, eps), offsets), t, text, context).rows;
+      learner_.model.denoiser(ml::Sequences<A>(ml::q_sample(diffusion_, x0, t_of_row, eps), offsets), t, text, context)
+          .rows;
   const auto error = (out - x0) * feature_weights<A>(config_.root_weight);
   ml::LossTerms<A> loss;
   loss.add("features", 1, ml::mean(ml::square(error)));
@@ -231,8 +230,8 @@ std::map<std::string, std::string> StmcTask::settings() const {
   add("samples", ml::concat_text(config_.samples.shortest, " to ", config_.samples.longest, " frames, no text ",
                                  config_.samples.no_text, ", composed ", config_.samples.compose, ", mirrored ",
                                  config_.samples.mirror, ", speed ", config_.samples.speed, ", stretched ",
-                                 config_.samples.stretch, ", tempo ",
-                                 config_.samples.tempo, ", reversed ", config_.samples.reverse));
+                                 config_.samples.stretch, ", tempo ", config_.samples.tempo, ", reversed ",
+                                 config_.samples.reverse));
   return out;
 }
 

@@ -49,21 +49,24 @@ struct TextMotionLossConfig {
   std::string contrastive_loss = "info_nce";  // "margin", "none"; TEMOS has none
   double temperature = 0.1;
   bool learned_temperature = false;  // from that value on, as CLIP does; of info_nce
-  double threshold = 0.8;  // texts more similar than that are no negatives; 0: all are
+  double threshold = 0.8;            // texts more similar than that are no negatives; 0: all are
   double margin = 10;
   bool cross_modal_kl = true, gaussian_kl = true, embedding = true;  // the terms that kl and latent weigh
 
   void require_sound() const {
-    for (const auto& [name, value] :
-         {std::pair("recons", recons), {"kl", kl}, {"latent", latent}, {"contrastive", contrastive}, {"margin", margin}})
+    for (const auto& [name, value] : {std::pair("recons", recons),
+                                      {"kl", kl},
+                                      {"latent", latent},
+                                      {"contrastive", contrastive},
+                                      {"margin", margin}})
       require_value(name, value, value >= 0, "0 or more");
   }
   static constexpr auto fields() {
     using C = TextMotionLossConfig;
     return ml::fields("recons", &C::recons, "kl", &C::kl, "latent", &C::latent, "contrastive", &C::contrastive,
                       "contrastive_loss", &C::contrastive_loss, "temperature", &C::temperature, "learned_temperature",
-                      &C::learned_temperature, "threshold", &C::threshold, "margin", &C::margin, "cross_modal_kl", &C::cross_modal_kl, "gaussian_kl",
-                      &C::gaussian_kl, "embedding", &C::embedding);
+                      &C::learned_temperature, "threshold", &C::threshold, "margin", &C::margin, "cross_modal_kl",
+                      &C::cross_modal_kl, "gaussian_kl", &C::gaussian_kl, "embedding", &C::embedding);
   }
 };
 

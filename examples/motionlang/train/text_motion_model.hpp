@@ -1,12 +1,15 @@
-// A trained TEMOS or TMR with what belongs to it: word pieces where it has no language model, statistics of the features,
-// its configuration. How it is made, and its folder.
+// A trained TEMOS or TMR with what belongs to it: word pieces where it has no language model, statistics of the
+// features, its configuration. How it is made, and its folder.
 //
-//     config.json            io/model_folder.hpp, with the configuration of the training; "vocabulary" of word pieces; "about"
-//     weights.safetensors    the published names, words.embedding.weight, motion_normalizer.mean, motion_normalizer.std,
-//                            log_temperature; textencoder.text_model.* of a DistilBERT that was trained with it, as in TEMOS
+//     config.json            io/model_folder.hpp, with the configuration of the training; "vocabulary" of word pieces;
+//                            "about"
+//     weights.safetensors    the published names, words.embedding.weight, motion_normalizer.mean,
+//                            motion_normalizer.std, log_temperature; textencoder.text_model.* of a DistilBERT that was
+//                            trained with it, as in TEMOS
 //     text_encoder/          its config.json and tokenizer
 //
-// And TMR as it was published: HumanML3D's features, the states of DistilBERT, statistics in stats/mean.pt and stats/std.pt.
+// And TMR as it was published: HumanML3D's features, the states of DistilBERT, statistics in stats/mean.pt and
+// stats/std.pt.
 #pragma once
 
 #include <filesystem>
@@ -35,8 +38,8 @@ struct LanguageModelFiles {
   ml::BertConfig sizes;
   std::shared_ptr<const ml::AnyTokenizer> tokenizer;
 };
-/// From config.json and the tokenizer of a folder. Throws io_error 401, config_error 103 for another network, 102 if they
-/// do not fit.
+/// From config.json and the tokenizer of a folder. Throws io_error 401, config_error 103 for another network, 102 if
+/// they do not fit.
 LanguageModelFiles read_language_model_files(const std::filesystem::path& folder);
 /// Copies all but the weights into a folder, which is made. Throws io_error 401.
 void write_language_model_files(const std::filesystem::path& folder, const LanguageModelFiles& files);
@@ -93,8 +96,8 @@ struct TextMotionModel {
 
   /// Whether it needs no states of a language model.
   bool reads_texts() const { return words || language; }
-  /// What the text encoder reads: rows of word pieces, or the states of a language model: its own, or `states`, which has
-  /// all texts.
+  /// What the text encoder reads: rows of word pieces, or the states of a language model: its own, or `states`, which
+  /// has all texts.
   ml::Sequences<B> tokens(std::span<const std::string> texts, const ml::EmbeddingCache* states,
                           const ml::Context& context = {}) const {
     if (words) return (*words)(texts).tokens;
@@ -184,7 +187,7 @@ struct TextModelFile {
   Config config;
   std::optional<ml::WordPiece> pieces;
   std::optional<LanguageModelFiles> language{};  // that was trained with it
-  std::optional<ml::RunFolder> published{};  // where it is not of our training
+  std::optional<ml::RunFolder> published{};      // where it is not of our training
 };
 using TextMotionFile = TextModelFile<TextMotionConfig>;
 
@@ -203,10 +206,11 @@ TextModelFile<Config> text_model_file(const ml::ModelFolder& model, const std::s
 /// Of a folder of train-tmr or train-temos, or of a published TMR. Throws io_error 401, 403, config_error 103, 107.
 TextMotionFile read_text_motion_config(const std::filesystem::path& folder);
 
-/// Writes config.json and weights.safetensors, over those that are there. `about`: license, provenance, data, command, ...
+/// Writes config.json and weights.safetensors, over those that are there. `about`: license, provenance, data, command,
+/// ...
 template <template <class> class System, ml::Backend B, class Config>
-void save_text_motion(const std::filesystem::path& folder, const TextMotionModel<B, System>& model, const Config& config,
-                      double fps, const std::map<std::string, std::string>& about) {
+void save_text_motion(const std::filesystem::path& folder, const TextMotionModel<B, System>& model,
+                      const Config& config, double fps, const std::map<std::string, std::string>& about) {
   ml::TensorStore store;
   store.add_module(model);
   auto description = described_model(system_name<System>(), about);
@@ -218,15 +222,17 @@ void save_text_motion(const std::filesystem::path& folder, const TextMotionModel
   if (model.language) write_language_model_files(folder / "text_encoder", model.language->files);
   overwrite_model(folder, description, store);
 }
-/// Throws what the readers throw; io_error 401 if there are no statistics, config_error 102 for features of another width.
+/// Throws what the readers throw; io_error 401 if there are no statistics, config_error 102 for features of another
+/// width.
 template <ml::Backend B>
-TmrModel<B> load_published_tmr(const ml::TensorSet& weights, const ml::RunFolder& run, const ml::MotionFeatures& features) {
+TmrModel<B> load_published_tmr(const ml::TensorSet& weights, const ml::RunFolder& run,
+                               const ml::MotionFeatures& features) {
   TmrModel<B> m;
   m.system = ml::load_tmr<B>(weights, run);
   const ml::Index width = m.system.config.motion_nfeats;
   if (width != features.width)
-    ml::raise<ml::config_error>(102, run.folder.string(), ": a model of features of ", width, " numbers, '", features.name,
-                                "' has ", features.width);
+    ml::raise<ml::config_error>(102, run.folder.string(), ": a model of features of ", width, " numbers, '",
+                                features.name, "' has ", features.width);
   auto statistics = ml::detail::find_normalizer<B>(weights, width, {"stats.", ""});
   if (!statistics)
     ml::raise<ml::io_error>(401, run.folder.string(),
@@ -235,7 +241,8 @@ TmrModel<B> load_published_tmr(const ml::TensorSet& weights, const ml::RunFolder
   ml::prepare(m);
   return m;
 }
-/// Compares the sizes in a config.json with the file of weights, before memory is taken for them. Throws config_error 102.
+/// Compares the sizes in a config.json with the file of weights, before memory is taken for them. Throws config_error
+/// 102.
 template <class Config>
 void require_room(const ml::TensorSet& weights, const TextModelFile<Config>& file) {
   const auto& n = file.config.network;
@@ -245,7 +252,8 @@ void require_room(const ml::TensorSet& weights, const TextModelFile<Config>& fil
   if (file.pieces) ml::detail::check_room(weights, file.pieces->size(), width, 0, 0);
   if (file.language) ml::detail::check_room(weights, file.language->sizes);
 }
-/// The model with weights of a file that somebody has opened. Throws what the readers throw; config_error 102 for one of the other system.
+/// The model with weights of a file that somebody has opened. Throws what the readers throw; config_error 102 for one
+/// of the other system.
 template <template <class> class System, ml::Backend B>
 TextMotionModel<B, System> load_text_motion(const ml::TensorSet& weights, const TextMotionFile& file) {
   if (file.system != system_name<System>())

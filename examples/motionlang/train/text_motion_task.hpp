@@ -73,13 +73,14 @@ template <template <class> class System>
 class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<TrainingTape, System>,
                                         TextMotionModel<TrainingBackend, System>> {
  public:
-  using Base = EpochTask<TextMotionConfig, TextMotionModel<TrainingTape, System>, TextMotionModel<TrainingBackend, System>>;
-  using typename Base::A, typename Base::B;
+  using Base =
+      EpochTask<TextMotionConfig, TextMotionModel<TrainingTape, System>, TextMotionModel<TrainingBackend, System>>;
   using Base::seed;
+  using typename Base::A, typename Base::B;
   static constexpr bool retrieves = std::is_same_v<System<B>, ml::Tmr<B>>;
 
-  /// `states` (null with word pieces or a language model) and `sentences` have all texts of `data`. All three outlive the
-  /// task.
+  /// `states` (null with word pieces or a language model) and `sentences` have all texts of `data`. All three outlive
+  /// the task.
   /// statistics   a folder with those of the features; empty: of the motions to train on
   /// language     trained with the model
   TextMotionTask(TextMotionConfig config, const DescribedMotions& data, const ml::EmbeddingCache* states,
@@ -151,13 +152,14 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
         [&](const DescribedMotion& m) { return choose.below(static_cast<std::uint32_t>(m.texts.size())); });
     return loss_of(learner_.model, batch, branches_of(learner_.model, batch, rng.split("noise"), context));
   }
-  /// The loss without dropout, of first captions and with the same noise every time; of TMR also recalls among the motions of
-  /// the validation part, where motions with a text that means the same count as found.
+  /// The loss without dropout, of first captions and with the same noise every time; of TMR also recalls among the
+  /// motions of the validation part, where motions with a text that means the same count as found.
   std::vector<Measure> validate() {
     LatentTable table;
     const double loss = Base::over_validation([&](std::span<const ml::Index> which, const ml::Philox& rng) {
       const auto& model = learner_.average;
-      const auto batch = text_motion_batch<B>(data_->validation, which, model.motion_normalizer, [](const auto&) { return 0u; });
+      const auto batch =
+          text_motion_batch<B>(data_->validation, which, model.motion_normalizer, [](const auto&) { return 0u; });
       const auto branches = branches_of(model, batch, rng, {});
       if constexpr (retrieves) table.add(batch.texts, branches.text.distribution.mu, branches.motion->distribution.mu);
       return static_cast<double>(loss_of(model, batch, branches).total().item());
@@ -165,8 +167,9 @@ class TextMotionTask : public EpochTask<TextMotionConfig, TextMotionModel<Traini
     std::vector<Measure> out{{"loss", loss}};
     if constexpr (retrieves) {
       const auto e = sentences_->encode<B>(table.texts).tokens.rows;
-      const auto r = ml::retrieve(ml::RetrievalProtocol::threshold, ml::Rows(std::span<const float>(table.text), table.width),
-                                  ml::Rows(std::span<const float>(table.motion), table.width), ml::Rows(e.span(), e.size(1)));
+      const auto r =
+          ml::retrieve(ml::RetrievalProtocol::threshold, ml::Rows(std::span<const float>(table.text), table.width),
+                       ml::Rows(std::span<const float>(table.motion), table.width), ml::Rows(e.span(), e.size(1)));
       double sum = 0;
       for (const auto* m : {&r.text_to_motion, &r.motion_to_text}) {
         for (const double recall : m->recall) sum += recall;

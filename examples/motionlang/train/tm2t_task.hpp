@@ -25,8 +25,8 @@ ml::Sequences<T> constants(const ml::Sequences<TrainingBackend>& x) {
 /// Mean and deviation as the tokenizer has them: those of the features, each deviation the mean of its group as
 /// HumanML3D has it, and then smaller for root and contacts.
 /// folder   with Mean.npy and Std.npy, whose groups are made already; empty: of these motions
-inline ml::Normalizer<TrainingBackend> tm2t_statistics(const DescribedMotions& data, const std::filesystem::path& folder,
-                                                       double bias) {
+inline ml::Normalizer<TrainingBackend> tm2t_statistics(const DescribedMotions& data,
+                                                       const std::filesystem::path& folder, double bias) {
   const ml::Index width = data.width, joints = (width + 1) / 12;
   auto out = statistics_of(folder, data);
   std::vector<double> std(out.std.span().begin(), out.std.span().end());

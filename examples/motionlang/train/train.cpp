@@ -86,7 +86,9 @@ void add_train(CLI::App& app) {
   c->add_option("--steps", o->config.steps, "Optimiser steps")->check(positive())->capture_default_str();
   c->add_option("--batch", o->config.batch, "Sequences per step")->check(positive())->capture_default_str();
   c->add_option("--lr", o->config.lr, "Peak learning rate")->check(positive())->capture_default_str();
-  c->add_option("--width", o->config.model.denoiser.latent_dim, "Width of the denoiser")->check(positive())->capture_default_str();
+  c->add_option("--width", o->config.model.denoiser.latent_dim, "Width of the denoiser")
+      ->check(positive())
+      ->capture_default_str();
   c->add_option("--feed-forward", o->config.model.denoiser.ff_size, "Width of its feed-forward layers")
       ->check(positive())
       ->capture_default_str();
@@ -110,7 +112,8 @@ void add_train(CLI::App& app) {
                 "Weight of the loss that asks captions for a summary of their motion")
       ->check(not_negative())
       ->capture_default_str();
-  c->add_option("--text-steps", o->config.text_steps, "Steps of the text encoder alone, at the beginning; stopped in them, they begin anew")
+  c->add_option("--text-steps", o->config.text_steps,
+                "Steps of the text encoder alone, at the beginning; stopped in them, they begin anew")
       ->check(not_negative())
       ->capture_default_str();
   c->add_option("--denoiser", o->denoiser, "Begin with the denoiser of this model; only texts are learnt anew")
@@ -121,7 +124,9 @@ void add_train(CLI::App& app) {
   c->add_option("--license", o->license, "Licence of the weights, for their metadata: as the data allow");
   c->add_option("--provenance", o->provenance, "Where the data come from, for the metadata");
   c->add_option("--commit", o->commit, "Commit of the program, for the metadata");
-  c->add_option("--save-minutes", o->run.save_minutes, "Minutes between checkpoints")->check(not_negative())->capture_default_str();
+  c->add_option("--save-minutes", o->run.save_minutes, "Minutes between checkpoints")
+      ->check(not_negative())
+      ->capture_default_str();
   c->add_flag("--other-settings", o->run.other_settings,
               "Go on with a checkpoint that began with other numbers (batch, rates, weights of losses, samples); the "
               "result is then no longer that of one "

@@ -25,7 +25,8 @@ void run_text_motion(const TextMotionOptions& o, const TextMotionConfig& preset)
   const bool pieces = reads_pieces(config.text, o.text_encoder);
   if (config.text.finetune && (pieces || !std::filesystem::is_directory(o.text_encoder)))
     ml::raise<ml::config_error>(102, "text.finetune trains DistilBERT: text.encoder is '", config.text.encoder,
-                                "', --text-encoder '", o.text_encoder.string(), "', expected distilbert and its folder");
+                                "', --text-encoder '", o.text_encoder.string(),
+                                "', expected distilbert and its folder");
   std::optional<LanguageModel<TrainingBackend>> language;
   if (config.text.finetune) language = read_language_model<TrainingBackend>(o.text_encoder);
   const auto data = read_data(o.common, sources, config.data, row_maker(config.features));
@@ -34,8 +35,8 @@ void run_text_motion(const TextMotionOptions& o, const TextMotionConfig& preset)
   std::optional<ml::EmbeddingCache> states;
   if (!pieces && !language) states = token_states(o.text_encoder, texts);
   const auto sentences = sentence_vectors(o.sentence_encoder, data);
-  Trainer trainer(TextMotionTask<System>(config, data, states ? &*states : nullptr, sentences, o.statistics,
-                                         std::move(language)));
+  Trainer trainer(
+      TextMotionTask<System>(config, data, states ? &*states : nullptr, sentences, o.statistics, std::move(language)));
   trainer.run(o.common.run, [] {});
   const auto folder = o.common.run.out / "model";
   save_text_motion(folder, trainer.task().result(), trainer.task().config(), data.fps, about(o.common, data));
@@ -53,11 +54,13 @@ void add_text_motion(CLI::App& app, const char* name, const char* what, const ch
                 "DistilBERT: a folder, which text.finetune trains, too, or the .npy file of an embedding cache")
       ->check(CLI::ExistingPath);
   c->add_option("--sentence-encoder", o->sentence_encoder,
-                "MPNet, which tells texts that mean the same: a folder or a cache; the words of all texts about the same frames are "
+                "MPNet, which tells texts that mean the same: a folder or a cache; the words of all texts about the "
+                "same frames are "
                 "compared unless given")
       ->check(CLI::ExistingPath);
   c->add_option("--statistics", o->statistics,
-                "Folder with mean and std of the features, such as that of HumanML3D or KIT-ML with Mean.npy and Std.npy; those of the "
+                "Folder with mean and std of the features, such as that of HumanML3D or KIT-ML with Mean.npy and "
+                "Std.npy; those of the "
                 "motions to train on unless given, as the published programs have it")
       ->check(CLI::ExistingDirectory);
   c->callback([o, preset] { run_text_motion<System>(*o, preset(o->common.preset)); });

@@ -86,8 +86,7 @@ void run(const Options& o) {
     config.features = before->model.statistics.mean.size(0) == 251 ? "kit" : "guoh3d";  // what the tokenizer reads
   const auto data = read_data(o.common, sources, config.data, row_maker(config.features));
   if (!before) {
-    Trainer trainer(TokenizerTask(
-        config, data, tm2t_statistics(data, o.statistics, config.tokenizer.feature_bias)));
+    Trainer trainer(TokenizerTask(config, data, tm2t_statistics(data, o.statistics, config.tokenizer.feature_bias)));
     trainer.run(o.common.run, [] {});
     return save_tm2t(o, config, data, {trainer.task().result(), trainer.task().statistics()});
   }

@@ -142,7 +142,8 @@ void require_same_settings(const ml::SafetensorsFile& checkpoint, const std::map
     if (value == before) continue;
     const bool is_long = value.size() + before.size() > 100;  // the vocabulary
     ml::raise<ml::config_error>(102, checkpoint.name(), ": this run began with another ", name,
-                                is_long ? "" : " (" + before + ", not " + value + ")", "; --fresh starts anew, another --out keeps both");
+                                is_long ? "" : " (" + before + ", not " + value + ")",
+                                "; --fresh starts anew, another --out keeps both");
   }
 }
 

@@ -1,5 +1,5 @@
-// One training run of whatever can be trained: steps, validation, early stop, checkpoints from which it goes on with the
-// same numbers, curves.
+// One training run of whatever can be trained: steps, validation, early stop, checkpoints from which it goes on with
+// the same numbers, curves.
 #pragma once
 
 #include <chrono>
@@ -13,8 +13,8 @@
 #include <motionlang/core/context.hpp>
 #include <motionlang/loss/loss_terms.hpp>
 
-#include "learner.hpp"
 #include "../progress_bar.hpp"
+#include "learner.hpp"
 
 namespace program {
 
@@ -27,7 +27,8 @@ struct RunOptions {
 };
 
 inline constexpr const char* about_recompute =
-    "Calculate layers again instead of keeping what is inside them: the same numbers from a third to a half of the memory, in about half as much time again";
+    "Calculate layers again instead of keeping what is inside them: the same numbers from a third to a half of the "
+    "memory, in about half as much time again";
 
 /// What a validation found.
 struct Measure {
@@ -77,7 +78,8 @@ void require_same_settings(const ml::SafetensorsFile& checkpoint, const std::map
 /// add_to, load   the state
 template <class T>
 concept TrainingTask = requires(T& task, const T& same, ml::Philox rng, const ml::Context& context,
-                                const ml::Gradients<TrainingTape>& gradients, ml::TensorStore& store, const ml::SafetensorsFile& file, ml::Index step) {
+                                const ml::Gradients<TrainingTape>& gradients, ml::TensorStore& store,
+                                const ml::SafetensorsFile& file, ml::Index step) {
   { task.loss(rng, step, context) } -> std::same_as<ml::LossTerms<TrainingTape>>;
   task.update(gradients, step);
   { same.seed() } -> std::convertible_to<std::uint64_t>;
@@ -96,8 +98,8 @@ concept ValidatedTask = TrainingTask<T> && requires(T& task, const T& same) {
   task.keep_best();
 };
 
-/// Every step depends on the state and the step's number only, so that a run which is stopped and resumed gives the numbers
-/// of one that was not.
+/// Every step depends on the state and the step's number only, so that a run which is stopped and resumed gives the
+/// numbers of one that was not.
 template <TrainingTask Task>
 class Trainer {
  public:
@@ -156,8 +158,8 @@ class Trainer {
     task_.load(file, steps_done());
   }
 
-  /// All steps, from the checkpoint in the folder if there is one; `begin` prepares a run that starts anew. Saves now and
-  /// then, when it is done, and on Ctrl-C, which ends it with `cancelled`.
+  /// All steps, from the checkpoint in the folder if there is one; `begin` prepares a run that starts anew. Saves now
+  /// and then, when it is done, and on Ctrl-C, which ends it with `cancelled`.
   template <class Begin>
   void run(const RunOptions& o, Begin begin) {
     recompute_ = o.recompute;

@@ -1,5 +1,5 @@
-// What the commands train-tmr, train-temos, train-sinc, train-teach, train-tm2t, train-actor and train-classifier have in common:
-// options, configuration, reading of data.
+// What the commands train-tmr, train-temos, train-sinc, train-teach, train-tm2t, train-actor and train-classifier have
+// in common: options, configuration, reading of data.
 #pragma once
 
 #include <cstdio>

@@ -73,9 +73,9 @@ double pose_distance(const ml::Vec3<double>* a, const ml::Vec3<double>* b, Index
   return sum / static_cast<double>(joints);
 }
 
-/// The cycle of a clip that is nothing else: a quarter of a second round is there, and every pose of the clip is close to one of the
-/// cycle. Somebody who sits still and then rises, or bends and comes up again, also looks alike at two times, but any part of
-/// that is not the same action.
+/// The cycle of a clip that is nothing else: a quarter of a second round is there, and every pose of the clip is close
+/// to one of the cycle. Somebody who sits still and then rises, or bends and comes up again, also looks alike at two
+/// times, but any part of that is not the same action.
 std::optional<ml::Loop> cycle_of(const ml::Motion& motion) {
   const auto loop = ml::find_loop(motion, 12);
   if (!loop || 4 * (motion.frames() - loop->last + loop->first) < loop->last - loop->first) return std::nullopt;
@@ -85,7 +85,8 @@ std::optional<ml::Loop> cycle_of(const ml::Motion& motion) {
   for (Index f = 0; f < motion.frames(); ++f) {
     const auto* pose = poses.data() + f * joints;
     double nearest = 1e9;
-    for (Index k = loop->first; k < loop->last; ++k) nearest = std::min(nearest, pose_distance(pose, poses.data() + k * joints, joints));
+    for (Index k = loop->first; k < loop->last; ++k)
+      nearest = std::min(nearest, pose_distance(pose, poses.data() + k * joints, joints));
     farthest = std::max(farthest, nearest);
     range = std::max(range, pose_distance(pose, poses.data(), joints));
   }

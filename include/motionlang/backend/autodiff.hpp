@@ -5,8 +5,8 @@
 /// the answer is the gradient of each operand. The graph hangs off the tensors; there is no global tape. A closure
 /// keeps only the tensors that its derivative needs, and `backward` frees them as it goes: a graph can be walked once.
 /// Results of layer norms and of a sequence's attention to itself, which are cheap, are not kept: a product that needs
-/// one has it calculated again. `checkpoint` does the same with any function (Chen, Xu, Zhang, Guestrin: "Training deep nets with sublinear memory cost", 2016).
-/// Gradients are returned as a value and live on the inner backend.
+/// one has it calculated again. `checkpoint` does the same with any function (Chen, Xu, Zhang, Guestrin: "Training deep
+/// nets with sublinear memory cost", 2016). Gradients are returned as a value and live on the inner backend.
 ///
 /// Threads may differentiate losses over the same variables at once: a walk writes only to the operations behind its
 /// own loss. Losses that share operations belong to one thread.
@@ -26,7 +26,7 @@
 #include <motionlang/tensor/fused.hpp>
 #include <motionlang/tensor/gradient.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct Autodiff {
@@ -438,8 +438,8 @@ struct Autodiff {
 
   // Recomputation.
 
-  /// y as one operation that keeps its inputs only: again(inputs...) gives y once more, and its graph is made during the
-  /// backward pass. What else `again` uses has to be constant or variable.
+  /// y as one operation that keeps its inputs only: again(inputs...) gives y once more, and its graph is made during
+  /// the backward pass. What else `again` uses has to be constant or variable.
   template <class F, class... T>
   static tensor checkpoint(const tensor& y, F again, const T&... inputs) {
     if (y.node == nullptr || y.node->variable) return y;
@@ -470,9 +470,9 @@ struct Autodiff {
   }
 
  private:
-  /// Sends the gradients of all variables behind `last`, whose own gradient is g, to the sink. Operations are walked from the last
-  /// made to the first: what a layer kept is free before the layer below begins, and sums of gradients have one order, with
-  /// checkpoints or without.
+  /// Sends the gradients of all variables behind `last`, whose own gradient is g, to the sink. Operations are walked
+  /// from the last made to the first: what a layer kept is free before the layer below begins, and sums of gradients
+  /// have one order, with checkpoints or without.
   static void walk(const tensor& last, Value g_last, Sink& sink) {
     if (last.node == nullptr) return;
     if (last.node->variable) return sink.add_variable(last.node.get(), std::move(g_last));
@@ -577,7 +577,8 @@ struct Autodiff {
   template <class G, class F, class... T>
   static tensor record_cheap(Value value, G forward, F vjp, const T&... operands) {
     if (constants(operands...)) return {std::move(value), nullptr};
-    return result(std::move(value), std::make_shared<CheapOperation<F, G>>(std::move(vjp), std::move(forward)), operands...);
+    return result(std::move(value), std::make_shared<CheapOperation<F, G>>(std::move(vjp), std::move(forward)),
+                  operands...);
   }
   template <class F>
   static tensor record_list(Value value, F vjp, std::span<const tensor> operands) {
@@ -615,4 +616,4 @@ struct Autodiff {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

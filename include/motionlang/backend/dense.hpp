@@ -11,7 +11,7 @@
 #include <motionlang/core/buffer_pool.hpp>
 #include <motionlang/core/concepts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 class Dense {
@@ -70,4 +70,4 @@ class Dense {
   Index offset_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

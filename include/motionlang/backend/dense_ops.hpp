@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What all backends over Dense storage share: making tensors, moving numbers without calculating, and how a reduction is shared by threads.
+/// What all backends over Dense storage share: making tensors, moving numbers without calculating, and how a reduction
+/// is shared by threads.
 #pragma once
 
 #include <algorithm>  // fill, min
@@ -9,11 +10,11 @@
 #include <motionlang/backend/dense.hpp>
 #include <motionlang/core/parallel.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
-/// A reduction along an axis of (outer, axis, inner), by all threads: of the last axis rows(first, last), rows of the memory; of another
-/// columns(i, first, last), columns of matrix i of `outer`.
+/// A reduction along an axis of (outer, axis, inner), by all threads: of the last axis rows(first, last), rows of the
+/// memory; of another columns(i, first, last), columns of matrix i of `outer`.
 template <class Rows, class Columns>
 void for_reduction(const Shape& s, int axis, const Rows& rows, const Columns& columns) {
   const Index outer = s.count(0, axis), n = s[axis], inner = s.count(axis + 1, s.rank());
@@ -142,8 +143,9 @@ struct DenseOps {
   struct Axis {
     Index size = 1, in = 1, out = 1;
   };
-  /// out[i_0, i_1, ...] = a's memory at sum i_k stride_k, line by line along the last axis. Where these lines jump through the memory of a, and
-  /// those along another axis do not, some lines are made at once: a line of the cache serves all of them.
+  /// out[i_0, i_1, ...] = a's memory at sum i_k stride_k, line by line along the last axis. Where these lines jump
+  /// through the memory of a, and those along another axis do not, some lines are made at once: a line of the cache
+  /// serves all of them.
   static tensor strided_copy(const tensor& a, const Shape& s, const Strides& stride) {
     tensor out(s);
     if (s.count() == 0) return out;
@@ -202,4 +204,4 @@ struct DenseOps {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

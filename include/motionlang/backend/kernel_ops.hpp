@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by the Eigen and
-/// xtensor backends: one layer of kernels serves both.
+/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by
+/// the Eigen and xtensor backends: one layer of kernels serves both.
 ///
 /// Declarations only; the bodies are in detail/kernel_ops_impl.hpp, which a program that links motionlang::instantiated
 /// need not read.
@@ -11,7 +11,7 @@
 #include <motionlang/backend/dense.hpp>
 #include <motionlang/tensor/fused.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct KernelOps {
@@ -31,8 +31,9 @@ struct KernelOps {
   /// Product of the last two axes, batched. b is packed on the fly.
   static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
 
-  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed form. For inference:
-  /// the weight must not change afterwards. Returns whether all its numbers are finite: they are read anyway.
+  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed
+  /// form. For inference: the weight must not change afterwards. Returns whether all its numbers are finite: they are
+  /// read anyway.
   static bool prepare(const Dense<S>& weight);
   static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
                          const Dense<S>* residual, const Dropout& drop = {});
@@ -73,7 +74,7 @@ struct KernelOps {
   static void adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const Dense<S>& gradient, const AdamwUpdate& update);
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::KernelOps<float>;

@@ -9,7 +9,7 @@
 
 #include <motionlang/backend/dense_ops.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct ReferenceBackend : DenseOps<S> {
@@ -136,4 +136,4 @@ struct ReferenceBackend : DenseOps<S> {
 };
 static_assert(Backend<ReferenceBackend<float>> && Backend<ReferenceBackend<double>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

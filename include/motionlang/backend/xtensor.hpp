@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// Backend over xtensor: functions and maxima are xtensor expressions over adapted memory; arithmetic, sums, products and fused operations
-/// are the same kernels that the Eigen backend uses.
+/// Backend over xtensor: functions and maxima are xtensor expressions over adapted memory; arithmetic, sums, products
+/// and fused operations are the same kernels that the Eigen backend uses.
 #pragma once
 
 #include <motionlang/backend/dense_ops.hpp>
 #include <motionlang/backend/kernel_ops.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct XtensorBackend : DenseOps<S>, KernelOps<S> {
@@ -24,7 +24,7 @@ struct XtensorBackend : DenseOps<S>, KernelOps<S> {
   static tensor max(const tensor& a, int axis);
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::XtensorBackend<float>;
@@ -33,6 +33,6 @@ extern template struct motionlang::XtensorBackend<double>;
 #include <motionlang/backend/detail/xtensor_impl.hpp>
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 static_assert(Backend<XtensorBackend<float>> && Backend<XtensorBackend<double>>);
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

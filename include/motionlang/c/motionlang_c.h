@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* motionlang for programs in other languages: texts on a timeline in, 3D motion out, through plain C functions.
  *
- * Build    target motionlang::c of CMake, or: c++ -std=c++20 -O3 -fPIC -shared -fvisibility=hidden -I include -I /usr/include/eigen3
- *          include/motionlang/c/motionlang_c.cpp -o libmotionlang_c.so
- * Motion   Y up, right-handed, metres, rotations as unit quaternions w x y z. Joint 0 is the root. A rest pose faces +Z; what is generated
- *          begins facing -Z.
- * Errors   A function that can fail returns 0 if it is done, else an id: those of motionlang's errors (core/error.hpp: 101 ... 510),
+ * Build    target motionlang::c of CMake, or: c++ -std=c++20 -O3 -fPIC -shared -fvisibility=hidden -I include
+ *          -I /usr/include/eigen3 include/motionlang/c/motionlang_c.cpp -o libmotionlang_c.so
+ * Motion   Y up, right-handed, metres, rotations as unit quaternions w x y z. Joint 0 is the root. A rest pose faces
+ *          +Z; generated motion starts facing -Z.
+ * Errors   Functions that can fail return 0 on success, otherwise an error id: one of core/error.hpp (101 ... 510),
  *          MOTIONLANG_CANCELLED or MOTIONLANG_FAILED. motionlang_message() then says what is wrong. Nothing is thrown.
- * Memory   What a function makes belongs to the caller until motionlang_free_... ; numbers are copied into memory of the caller's.
- * Threads  A model or motion may be used by several threads at once, as nothing changes it. Not to be freed while in use. */
+ * Memory   What a function makes belongs to the caller until motionlang_free_... is called for it. Values are copied
+ *          into memory of the caller.
+ * Threads  Several threads may use one model or motion at the same time, as no function changes it. Do not free it
+ *          while it is in use. */
 #ifndef MOTIONLANG_C_H
 #define MOTIONLANG_C_H
 
@@ -39,7 +41,8 @@ MOTIONLANG_C_API const char* motionlang_message(void);
 /* Threads that calculate; as many as the machine has unless said. 101 below 1 or above 1024. */
 MOTIONLANG_C_API int motionlang_set_threads(int32_t threads);
 
-/* Reads a model: the weights that come with motionlang (examples/models/stmc_free.safetensors), or of `motionlang train`. */
+/* Reads a model: the weights that come with motionlang (examples/models/stmc_free.safetensors), or those that
+ * `motionlang train` writes. */
 MOTIONLANG_C_API int motionlang_load_model(const char* file, motionlang_model** model);
 MOTIONLANG_C_API void motionlang_free_model(motionlang_model* model); /* of NULL: nothing */
 /* Frames per second of its motions. */
@@ -61,15 +64,17 @@ typedef struct motionlang_options {
 /* What the program `motionlang generate` does: seed 0, all that the model wants, cut, smooth, feet fixed. */
 MOTIONLANG_C_API motionlang_options motionlang_default_options(void);
 
-/* The motion of a timeline, one text on a line: "walk forward # 0.0 # 6.0 # legs" (text # start # end in seconds # body parts: left arm,
- * right arm, legs, spine, head; none: the whole body). 501 ... 510 with line and column if it is none. options NULL: the default ones. */
+/* The motion of a timeline, one text on a line: "walk forward # 0.0 # 6.0 # legs" (text # start # end in seconds # body
+ * parts: left arm, right arm, legs, spine, head; none: the whole body). Errors 501 ... 510 have line and column. options
+ * NULL: the default ones. */
 MOTIONLANG_C_API int motionlang_generate(const motionlang_model* model, const char* timeline,
                                          const motionlang_options* options, motionlang_motion** motion);
 
 /* From a .bvh, .glb or .gltf file; into a .bvh, .glb or .html file (a page to look at). */
 MOTIONLANG_C_API int motionlang_read_motion(const char* file, motionlang_motion** motion);
 MOTIONLANG_C_API int motionlang_write_motion(const motionlang_motion* motion, const char* file);
-/* The motion on the skeleton of another one, which was read from the file of a character: Mixamo, Unreal, VRM, CMU, ... (joints by name). */
+/* The motion on the skeleton of another one, which was read from the file of a character: Mixamo, Unreal, VRM, CMU, ...
+ * (joints by name). */
 MOTIONLANG_C_API int motionlang_retarget(const motionlang_motion* motion, const motionlang_motion* character,
                                          motionlang_motion** result);
 MOTIONLANG_C_API void motionlang_free_motion(motionlang_motion* motion); /* of NULL: nothing */
@@ -77,7 +82,7 @@ MOTIONLANG_C_API void motionlang_free_motion(motionlang_motion* motion); /* of N
 MOTIONLANG_C_API int64_t motionlang_frames(const motionlang_motion* motion);
 MOTIONLANG_C_API int32_t motionlang_joints(const motionlang_motion* motion);
 MOTIONLANG_C_API double motionlang_fps(const motionlang_motion* motion);
-/* Of joint 0 ... joints-1: its name (NULL: no such joint), and its parent, which comes before it (-1: the root has none). */
+/* Name of joint 0 ... joints-1 (NULL: no such joint), and its parent, which comes before it (-1: the root has none). */
 MOTIONLANG_C_API const char* motionlang_joint_name(const motionlang_motion* motion, int32_t joint);
 MOTIONLANG_C_API int32_t motionlang_joint_parent(const motionlang_motion* motion, int32_t joint);
 

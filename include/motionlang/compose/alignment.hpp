@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// TEACH's way to put generated parts one behind the other: the next part is turned and moved onto the last frame of the
-/// one before it, the frames between them are interpolated.
+/// TEACH's way to put generated parts one behind the other: the next part is turned and moved onto the last frame of
+/// the one before it, the frames between them are interpolated.
 ///
 /// Source    TEACH (Athanasiou et al., 3DV 2022), tools/interpolation.py; spec teach.md 5.1
 /// Notation  last frame of what is there -> e, first frame of the next part -> b
@@ -12,7 +12,7 @@
 
 #include <motionlang/features/smplvelp.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Pose and place of one frame.
 template <Scalar S>
@@ -87,11 +87,11 @@ SmplVelpMotion<S> slerp_window(const PoseInWorld<S>& e, const PoseInWorld<S>& b,
   return out;
 }
 
-/// Parts that stand one behind the other, each aligned to the end of the one before it; the first `window` frames of all parts but the
-/// first are interpolated.
+/// Parts that stand one behind the other, each aligned to the end of the one before it; the first `window` frames of
+/// all parts but the first are interpolated.
 /// lengths  frames of the parts, all of the motion together
-/// Throws   shape_error 205 if the motion has another number of frames or a part no frame behind its window; config_error 101 for a
-///          negative window
+/// Throws   shape_error 205 if the motion has another number of frames or a part no frame behind its window;
+///          config_error 101 for a negative window
 template <Scalar S>
 void join_parts(SmplVelpMotion<S>& motion, std::span<const Index> lengths, Index window = 0,
                 Alignment alignment = Alignment::full) {
@@ -121,4 +121,4 @@ void join_parts(SmplVelpMotion<S>& motion, std::span<const Index> lengths, Index
   if (end != frames) raise<shape_error>(205, "join_parts: parts of ", end, " frames, motion of ", frames);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -11,7 +11,7 @@
 
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Frames [start, end) with their text.
 struct BabelSegment {
@@ -29,11 +29,12 @@ inline bool is_babel_excluded(std::string_view label) {
   return std::find(babel_excluded_labels.begin(), babel_excluded_labels.end(), label) != babel_excluded_labels.end();
 }
 
-/// The segments that SINC takes, in their order: without empty ones and excluded labels. One without text stays here (it
+/// The segments that SINC takes, in their order: without empty ones and excluded labels. One without text stays here
+/// (it
 /// counts as simultaneous with others) and is nothing to train on. Source  spec sinc.md 5.1
 inline std::vector<BabelSegment> sinc_segments(std::vector<BabelSegment> segments) {
   std::erase_if(segments, [](const BabelSegment& s) { return s.end <= s.start || is_babel_excluded(s.text); });
   return segments;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

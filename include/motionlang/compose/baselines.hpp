@@ -7,7 +7,7 @@
 
 #include <motionlang/compose/intervals.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -49,4 +49,4 @@ inline TimelineInSeconds one_text(const TimelineInSeconds& timeline) {
   return {{std::move(joined)}};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What a language model answered when it was asked which body parts an action moves, as the parts of SINC; and a table of
-/// such answers. Read from a file by io/body_part_table.hpp; without a table, body_part_lexicon.hpp guesses.
+/// What a language model answered when it was asked which body parts an action moves, as the parts of SINC; and a table
+/// of such answers. Read from a file by io/body_part_table.hpp; without a table, body_part_lexicon.hpp guesses.
 ///
 ///     parse_body_part_answer("Answer: right leg\nleft leg\nbuttocks")   // global, left leg, right leg
 ///
@@ -19,7 +19,7 @@
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/kinematics/sinc_parts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -38,8 +38,8 @@ inline std::string plain_answer(std::string_view answer) {
 
 }  // namespace detail
 
-/// One part per line; those of the face, wrists and hands say nothing; shoulders are arms, buttocks and waist the pelvis,
-/// the neck is the torso. Throws config_error 103 for a name that is none, and if no part is named.
+/// One part per line; those of the face, wrists and hands say nothing; shoulders are arms, buttocks and waist the
+/// pelvis, the neck is the torso. Throws config_error 103 for a name that is none, and if no part is named.
 inline SincParts parse_body_part_answer(std::string_view answer) {
   std::set<std::string, std::less<>> named;
   const std::string plain = detail::plain_answer(answer);
@@ -90,4 +90,4 @@ class BodyPartTable {
   std::unordered_map<std::string, SincParts> parts_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

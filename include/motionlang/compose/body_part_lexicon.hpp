@@ -19,7 +19,7 @@
 #include <motionlang/compose/timeline.hpp>
 #include <motionlang/core/text_lines.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -79,8 +79,10 @@ inline constexpr std::array lexicon = {
     WordMeaning{.stem = "sneak", .legs = true},    WordMeaning{.stem = "tiptoe", .legs = true},
     WordMeaning{.stem = "turn", .legs = true},     WordMeaning{.stem = "spin", .legs = true},
     WordMeaning{.stem = "stand", .legs = true},    WordMeaning{.stem = "lung", .legs = true},
-    WordMeaning{.stem = "sit", .legs = true, .spine = true},    WordMeaning{.stem = "squat", .legs = true, .spine = true},
-    WordMeaning{.stem = "crouch", .legs = true, .spine = true}, WordMeaning{.stem = "kneel", .legs = true, .spine = true},
+    WordMeaning{.stem = "sit", .legs = true, .spine = true},
+    WordMeaning{.stem = "squat", .legs = true, .spine = true},
+    WordMeaning{.stem = "crouch", .legs = true, .spine = true},
+    WordMeaning{.stem = "kneel", .legs = true, .spine = true},
     // head and torso
     WordMeaning{.stem = "nod", .head = true},      WordMeaning{.stem = "look", .head = true},
     WordMeaning{.stem = "gaz", .head = true},      WordMeaning{.stem = "peer", .head = true},
@@ -173,4 +175,4 @@ void guess_missing_parts(BasicTimeline<T>& timeline) {
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -13,7 +13,7 @@
 #include <motionlang/diffusion/guidance.hpp>
 #include <motionlang/diffusion/sampler.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What one step computed, for those who want to see it. Rows are those of the crops, in batch order.
 template <Backend B>
@@ -22,18 +22,19 @@ struct CollageStep {
 };
 
 /// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
-/// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow with the
-///         timelines. Sequences of the same frames and the same text go through it once: both calls of guidance of a crop whose
-///         text is "", and the unconditional calls of texts that begin and end together; what a denoiser can compute for the frames of a
-///         crop whatever its text is computed once as well. The longest come first, so that threads end together; crops without frames
-///         are left out. Texts, offsets and index lists are prepared here, not in the loop.
+/// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow
+///         with the timelines. Sequences of the same frames and the same text go through it once: both calls of
+///         guidance of a crop whose text is "", and the unconditional calls of texts that begin and end together; what
+///         a denoiser can compute for the frames of a crop whatever its text is computed once as well. The longest come
+///         first, so that threads end together; crops without frames are left out. Texts, offsets and index lists are
+///         prepared here, not in the loop.
 template <Backend B, Denoiser<B> D>
 class Collage {
  public:
   /// text: features of every interval of every timeline, in order; null: of "" (one). The denoiser must outlive the
   /// collage. rows_at_once: frames of a batch, more only if one crop has more; 0: any number. No result depends on it.
-  /// Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for the denoiser,
-  /// config_error 101 for a negative rows_at_once.
+  /// Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for the
+  /// denoiser, config_error 101 for a negative rows_at_once.
   Collage(const D& denoiser, BatchPlan plan, const FeatureLayout& layout, const TextFeatures<B>& text,
           const TextFeatures<B>& null, double guidance, Index rows_at_once = usual_rows_at_once)
       : denoiser_(&denoiser),
@@ -114,7 +115,8 @@ class Collage {
     Index intervals = 0;
     for (const TimelinePlan& p : plan_.timelines) intervals += static_cast<Index>(p.timeline.intervals.size());
     if (texts == intervals && nulls == 1) return;
-    raise<shape_error>(204, "Collage: ", texts, " texts for ", intervals, " intervals; ", nulls, " unconditional texts");
+    raise<shape_error>(204, "Collage: ", texts, " texts for ", intervals, " intervals; ", nulls,
+                       " unconditional texts");
   }
 
   void prepare_step() {
@@ -159,7 +161,8 @@ class Collage {
     std::map<std::string_view, Index> known{{"", null}};
     Index first = 0;
     for (const TimelinePlan& p : plan_.timelines) {
-      for (const Crop& c : p.crops) out.push_back(c.is_transition() ? null : known.emplace(p.text(c), first + c.interval).first->second);
+      for (const Crop& c : p.crops)
+        out.push_back(c.is_transition() ? null : known.emplace(p.text(c), first + c.interval).first->second);
       first += static_cast<Index>(p.timeline.intervals.size());
     }
     return out;
@@ -217,7 +220,8 @@ class Collage {
       }
     }
   }
-  /// Where a sequence depends on the others: as published, all crops in their order, and then the same without their texts.
+  /// Where a sequence depends on the others: as published, all crops in their order, and then the same without their
+  /// texts.
   void build_two_calls(std::span<const std::pair<Job, Job>> crops) {
     const Index rows = crops_.offsets.rows();
     for (Index call = 0; call < (guidance_ == 1 ? 1 : 2); ++call) {
@@ -263,20 +267,22 @@ Tensor<B, 2> clean_motion(const Collage<B, D>& collage, const GaussianDiffusion&
   return collage.step(x, diffusion.network_t(t), to_clean).x0;
 }
 
-/// The whole reverse process with any clean_motion(x, t). noise(0) is the initial x, noise(1), noise(2), ... belong to the steps; all of shape
-/// (rows, features).
+/// The whole reverse process with any clean_motion(x, t). noise(0) is the initial x, noise(1), noise(2), ... belong to
+/// the steps; all of shape (rows, features).
 /// -> clean motions (rows, features), normalised; rows behind a timeline's end mean nothing. `watch(t, step)` sees
 /// every step. Throws `cancelled` if progress says so.
 template <Backend B, class Clean, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_clean_motions(const GaussianDiffusion& diffusion, const Clean& clean_motion, Noise&& noise,
-                                  const SamplingOptions& options = {}, Progress progress = {}, const Watch& watch = {}) {
+                                  const SamplingOptions& options = {}, Progress progress = {},
+                                  const Watch& watch = {}) {
   auto step_noise = [&](Index draw) { return noise(draw + 1); };
   const StepOptions step{.noise_scale = options.noise_scale, .clip = options.clip};
   if (options.sampler == SamplingOptions::Sampler::ddim) {
-    return sample_ddim<B, 2>(diffusion, noise(0), clean_motion, step_noise, options.eta, step, detail::KeepX0{}, progress,
-                             watch);
+    return sample_ddim<B, 2>(diffusion, noise(0), clean_motion, step_noise, options.eta, step, detail::KeepX0{},
+                             progress, watch);
   }
-  return sample_ancestral<B, 2>(diffusion, noise(0), clean_motion, step_noise, step, detail::KeepX0{}, progress, -1, watch);
+  return sample_ancestral<B, 2>(diffusion, noise(0), clean_motion, step_noise, step, detail::KeepX0{}, progress, -1,
+                                watch);
 }
 template <Backend B, Denoiser<B> D, class Noise, class Watch = IgnoreSteps>
 Tensor<B, 2> sample_collage(const Collage<B, D>& collage, const GaussianDiffusion& diffusion, Prediction prediction,
@@ -298,4 +304,4 @@ inline BatchPlan independent_plan(const BatchPlan& plan, Index frames = 0) {
   return batch_plans(std::move(alone));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -9,7 +9,7 @@
 #include <motionlang/features/layout.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -56,8 +56,8 @@ template <Backend B>
 class Stitcher {
  public:
   Stitcher() = default;
-  /// `crops`: offsets of the crops in batch order; `stride`: rows per motion. Throws config_error 102 for a layout that does not give
-  /// each number to one body part.
+  /// `crops`: offsets of the crops in batch order; `stride`: rows per motion. Throws config_error 102 for a layout that
+  /// does not give each number to one body part.
   Stitcher(const BatchPlan& plan, const FeatureLayout& layout, const Offsets& crops, Index stride)
       : rows_(static_cast<Index>(plan.timelines.size()) * stride), features_(layout.size) {
     layout.validate();
@@ -132,4 +132,4 @@ Tensor<B, 2> interpolate_transitions(const BatchPlan& plan, const FeatureLayout&
   return Tensor<B, 2>::from(out, motion.shape());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

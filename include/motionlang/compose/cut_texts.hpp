@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Texts cut where a denoiser does them best in parts: where they lend body parts or get them back, and where they are too long.
+/// Texts cut where a denoiser does them best in parts: where they lend body parts or get them back, and where they are
+/// too long.
 ///
 ///     const auto motion = stmc.generate(cut_texts(timeline, stmc.fps), rng);
 ///
@@ -9,10 +10,10 @@
 #include <motionlang/compose/handovers.hpp>
 #include <motionlang/compose/long_texts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// Seconds of a text that a denoiser does as a whole. HumanML3D's clips and ours end at 9.8 s, and the longest crops are what a model has
-/// seen least of: ours walks as far in 8 s as in 10.
+/// Seconds of a text that a denoiser does as a whole. HumanML3D's clips and ours end at 9.8 s, and the longest crops
+/// are what a model has seen least of: ours walks as far in 8 s as in 10.
 inline constexpr double longest_whole_text = 8;
 /// Seconds below which a part would be too short for the denoiser to do what the text says.
 inline constexpr double shortest_part = 0.5;
@@ -22,4 +23,4 @@ inline Timeline cut_texts(const Timeline& timeline, double fps) {
   return divide_long_texts(cut_at_handovers(timeline, frame_at(shortest_part, fps)), frame_at(longest_whole_text, fps));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

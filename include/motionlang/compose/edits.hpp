@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// What an edit of a timeline can change in its motion, step by step. No tensors here.
 ///
-/// A step of STMC makes every frame from the crops that are added and subtracted there, and a crop reads all of its frames. So an
-/// edit changes in the first step the frames that are made of other crops than before, in the second one all frames of every
-/// crop that reads one of these, and so on: it goes one crop further with every step. It stops where nothing spans a cut
-/// (overlap 0), and at the end of the run. As the noise belongs to the frame, all other frames are those of before, bit for bit.
+/// A step of STMC makes every frame from the crops that are added and subtracted there, and a crop reads all of its
+/// frames. So an edit changes in the first step the frames that are made of other crops than before, in the second one
+/// all frames of every crop that reads one of these, and so on: it goes one crop further with every step. It stops
+/// where nothing spans a cut (overlap 0), and at the end of the run. As the noise belongs to the frame, all other
+/// frames are those of before, bit for bit.
 ///
 /// Source   follows from STMC (Petrovich et al. 2024), algorithm 1; not in the paper
 /// Caution  holds for denoisers whose sequences do not depend on their batch mates (see MdmSmplDenoiser)
@@ -15,7 +16,7 @@
 
 #include <motionlang/compose/plan.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -46,7 +47,8 @@ inline std::vector<std::vector<FrameTerm>> frame_terms(const TimelinePlan& plan,
 /// The frames that differ between two runs with the same noise, of which the first is recorded, after each step.
 class EditSpread {
  public:
-  /// The plans of both runs, and how many rows every timeline has in them. The timelines of a batch are compared by their place in it.
+  /// The plans of both runs, and how many rows every timeline has in them. The timelines of a batch are compared by
+  /// their place in it.
   /// reads   frames that the denoiser reads from the start of a crop; 0: those of the crop
   /// within  frames further than this from the edit are said not to differ, although they would
   EditSpread(const BatchPlan& before, Index rows_before, BatchPlan after, Index rows, Index reads = 0,
@@ -56,8 +58,10 @@ class EditSpread {
       std::vector<char> edited(static_cast<std::size_t>(rows), 1);  // where nothing is recorded
       if (m < before.timelines.size()) {
         const Index longest = std::max(rows, rows_before);
-        const auto was = detail::frame_terms(before.timelines[m], longest), is = detail::frame_terms(plan_.timelines[m], longest);
-        for (std::size_t f = 0; f < edited.size(); ++f) edited[f] = std::cmp_greater_equal(f, rows_before) || was[f] != is[f];
+        const auto was = detail::frame_terms(before.timelines[m], longest),
+                   is = detail::frame_terms(plan_.timelines[m], longest);
+        for (std::size_t f = 0; f < edited.size(); ++f)
+          edited[f] = std::cmp_greater_equal(f, rows_before) || was[f] != is[f];
       }
       reachable_.push_back(within ? near(edited, *within) : std::vector<char>(edited.size(), 1));
       differs_.push_back(std::move(edited));
@@ -92,7 +96,8 @@ class EditSpread {
       std::vector<char> now = differs_[m];
       for_each_slice(plan, [&](const Slice& s) {
         const FrameRange& crop = plan.crops[static_cast<std::size_t>(s.crop)].range;
-        if (crop.size() == 0 || !any(m, {crop.start, reads_ > 0 ? std::min(crop.start + reads_, rows_) : crop.end})) return;
+        if (crop.size() == 0 || !any(m, {crop.start, reads_ > 0 ? std::min(crop.start + reads_, rows_) : crop.end}))
+          return;
         for (auto f = static_cast<std::size_t>(s.to.start); f < static_cast<std::size_t>(s.to.end); ++f) {
           now[f] |= reachable_[m][f];
           limited_ |= now[f] == 0;
@@ -109,7 +114,8 @@ class EditSpread {
     for (std::size_t m = 0; m < differs_.size(); ++m) {
       TimelinePlan& plan = out.timelines[m];
       std::vector<char> used(plan.crops.size());
-      for_each_slice(plan, [&](const Slice& s) { used[static_cast<std::size_t>(s.crop)] |= static_cast<char>(any(m, s.to)); });
+      for_each_slice(
+          plan, [&](const Slice& s) { used[static_cast<std::size_t>(s.crop)] |= static_cast<char>(any(m, s.to)); });
       const auto unused = [&](const Slice& s) { return used[static_cast<std::size_t>(s.crop)] == 0; };
       std::erase_if(plan.add, unused), std::erase_if(plan.subtract, unused);
       for (std::size_t c = 0; c < used.size(); ++c) {
@@ -152,4 +158,4 @@ class EditSpread {
   std::vector<std::vector<char>> differs_, reachable_;  // of every row of every timeline
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

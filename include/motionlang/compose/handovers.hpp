@@ -2,8 +2,8 @@
 /// Texts cut where what they own changes.
 ///
 /// A text that goes on while another borrows its arms is one crop as published, so the denoiser sees raised arms in the
-/// middle of "walk forward" and keeps them up before and after. Cut at these times, it walks with its own arms, then without
-/// them, then with its own again; the transitions are where they were.
+/// middle of "walk forward" and keeps them up before and after. Cut at these times, it walks with its own arms, then
+/// without them, then with its own again; the transitions are where they were.
 ///
 ///     const auto motion = stmc.generate(cut_at_handovers(timeline, 10), rng);
 ///
@@ -13,10 +13,10 @@
 #include <motionlang/compose/intervals.hpp>
 #include <motionlang/compose/sinc_assignment.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// Cuts every text at the times at which it gets or loses body parts, unless a stretch would be shorter than `least` frames.
-/// Throws config_error 101 if too many texts lie over each other.
+/// Cuts every text at the times at which it gets or loses body parts, unless a stretch would be shorter than `least`
+/// frames. Throws config_error 101 if too many texts lie over each other.
 inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
   const auto pieces = elementary_pieces(timeline);
   std::vector<PartOwners> owners;
@@ -46,4 +46,4 @@ inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

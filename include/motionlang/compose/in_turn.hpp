@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Sentences of several actions, one after the other, as texts that follow each other in a timeline.
 ///
-/// Denoisers learn from clips of a few seconds, most of which show one thing: of "walk forward then sit down" they do one half.
+/// Denoisers learn from clips of a few seconds, most of which show one thing: of "walk forward then sit down" they do
+/// one half.
 ///
 ///     actions_in_turn("walk forward, then sit down")                 // {"walk forward", "sit down"}
 ///     const auto motion = stmc.generate(in_turn(timeline), rng);
@@ -17,7 +18,7 @@
 #include <motionlang/compose/long_texts.hpp>
 #include <motionlang/core/text_lines.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -58,9 +59,9 @@ inline std::size_t words_of_turn(const std::vector<SentenceWord>& words, std::si
 
 }  // namespace detail
 
-/// The actions that a sentence says one after the other: it is cut at "then", "afterwards", "after that", "after which" and "followed
-/// by" (with the "and" before them), at semicolons and at full stops. "and" alone joins what is done at once. A sentence of one action
-/// is given back as it is.
+/// The actions that a sentence says one after the other: it is cut at "then", "afterwards", "after that", "after which"
+/// and "followed by" (with the "and" before them), at semicolons and at full stops. "and" alone joins what is done at
+/// once. A sentence of one action is given back as it is.
 inline std::vector<std::string> actions_in_turn(std::string_view sentence) {
   const auto words = detail::sentence_words(sentence);
   std::vector<std::string> actions;
@@ -83,8 +84,8 @@ inline std::vector<std::string> actions_in_turn(std::string_view sentence) {
   return actions.size() > 1 ? actions : std::vector<std::string>{std::string(sentence)};
 }
 
-/// Every text of several actions becomes as many texts, one after the other, which share its frames evenly. Throws config_error 101 if
-/// it has fewer frames than actions.
+/// Every text of several actions becomes as many texts, one after the other, which share its frames evenly. Throws
+/// config_error 101 if it has fewer frames than actions.
 inline Timeline in_turn(const Timeline& timeline) {
   Timeline out;
   for (const Interval& whole : timeline.intervals) {
@@ -101,4 +102,4 @@ inline Timeline in_turn(const Timeline& timeline) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -10,7 +10,7 @@
 #include <motionlang/compose/timeline.hpp>
 #include <motionlang/core/sort.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A stretch without cuts inside, and the intervals that cover it, in file order.
 template <class T>
@@ -69,4 +69,4 @@ void fill_gaps(BasicTimeline<T>& timeline) {
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

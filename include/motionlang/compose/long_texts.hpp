@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Long texts in parts.
 ///
-/// Denoisers learn from clips of ten seconds at most. A text of a minute as one crop makes somebody who stands, or turns in the air;
-/// in parts that follow each other it is done all the time.
+/// Denoisers learn from clips of ten seconds at most. A text of a minute as one crop makes somebody who stands, or
+/// turns in the air; in parts that follow each other it is done all the time.
 ///
 ///     const auto motion = stmc.generate(divide_long_texts(timeline, 160), rng);
 #pragma once
@@ -11,7 +11,7 @@
 
 #include <motionlang/compose/timeline.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Of one text: a day in parts of 8 s makes 10,800.
 inline constexpr Index most_parts = 100000;
@@ -49,4 +49,4 @@ inline Timeline divide_long_texts(const Timeline& timeline, Index longest) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -7,8 +7,10 @@
 ///
 /// Each timeline has three intervals: two back to back on one track, one on a second track beside them, with other body
 /// parts than those it meets.
-/// Source  STMC (Petrovich et al., CVPR workshops 2024), section 4.1; mtt/sampling_timelines.py; spec stmc-evaluation.md 1
-/// Differs from the thesis: durations have a deviation of 1.2 s, not 1.0, and end at 9.2 s; parts are other ones only where
+/// Source  STMC (Petrovich et al., CVPR workshops 2024), section 4.1; mtt/sampling_timelines.py; spec
+///         stmc-evaluation.md 1
+/// Differs from the thesis: durations have a deviation of 1.2 s, not 1.0, and end at 9.2 s; parts are other ones only
+/// where
 ///         the window of the third interval was chosen, which is where it lies
 #pragma once
 
@@ -23,7 +25,7 @@
 #include <motionlang/core/python_random.hpp>
 #include <motionlang/core/rounding.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A text and the body parts that it moves.
 struct MttText {
@@ -129,4 +131,4 @@ inline std::vector<TimelineInSeconds> mtt_timelines(std::span<const MttText> tex
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -4,7 +4,7 @@
 
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What to do where no text is active: let the model move freely, or throw timeline_error 505.
 enum class Gaps { fill, refuse };
@@ -12,8 +12,8 @@ enum class Gaps { fill, refuse };
 /// 506, or leave the transition out (the result is the same without it).
 enum class HiddenTexts { refuse, ignore };
 
-/// Frames that go through the denoiser together unless told otherwise: more than 12 s on five tracks have, with and without
-/// their texts. The published network holds some 90 MB for them.
+/// Frames that go through the denoiser together unless told otherwise: more than 12 s on five tracks have, with and
+/// without their texts. The published network holds some 90 MB for them.
 inline constexpr Index usual_rows_at_once = 4096;
 
 struct PlanOptions {
@@ -25,4 +25,4 @@ struct PlanOptions {
   Index longest_crop = 0;  // frames that the denoiser accepts; 0: any
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -19,7 +19,7 @@
 #include <motionlang/compose/sinc_assignment.hpp>
 #include <motionlang/compose/transition.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A stretch of the timeline that the denoiser sees as one sequence. Crops without frames (overlap 0) are kept, so that
 /// numbers agree with the reference; they take part in nothing.
@@ -154,8 +154,9 @@ inline void check_crops(const TimelinePlan& plan, Index longest) {
     if (longest == 0 || c.range.size() <= longest) continue;
     raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", c.range.size(),
                           " frames with its overlap; the denoiser accepts ", longest,
-                          c.is_transition() ? "" : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]) +
-                                                       ". Divide it into shorter ones");
+                          c.is_transition() ? ""
+                                            : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]) +
+                                                  ". Divide it into shorter ones");
   }
 }
 
@@ -265,4 +266,4 @@ inline NetWeights net_weights(const TimelinePlan& plan) {
   return net;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Stretches in which several actions happen at once, out of overlapping segments of one motion: what SINC is trained on.
+/// Stretches in which several actions happen at once, out of overlapping segments of one motion: what SINC is trained
+/// on.
 ///
 ///     simultaneous_segments(std::vector<BabelSegment>{{0, 60, "walk"}, {30, 90, "wave"}})   // [30, 60) {walk, wave}
 ///
@@ -12,7 +13,7 @@
 #include <motionlang/compose/babel_segment.hpp>
 #include <motionlang/core/error.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct SimultaneousSegment {
   Index start = 0, end = 0;
@@ -49,4 +50,4 @@ inline std::vector<SimultaneousSegment> simultaneous_segments(std::span<const Ba
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -15,7 +15,7 @@
 
 #include <motionlang/compose/intervals.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Number of the interval that owns each body part.
 using PartOwners = std::array<Index, body_part_count>;
@@ -71,4 +71,4 @@ PartOwners assign_parts(const BasicTimeline<T>& timeline, std::span<const Index>
   return owners;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

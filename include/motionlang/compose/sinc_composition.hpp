@@ -14,7 +14,7 @@
 #include <motionlang/kinematics/sinc_parts.hpp>
 #include <motionlang/kinematics/standard.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Where the longer motion is cut: at its end, as in training, or at both ends, as published compositions of generated
 /// motions are.
@@ -87,4 +87,4 @@ inline Motion compose_motions(const Motion& a, SincParts parts_a, const Motion& 
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

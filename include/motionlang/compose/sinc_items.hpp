@@ -14,7 +14,7 @@
 #include <motionlang/compose/body_part_answers.hpp>
 #include <motionlang/features/frame_sampling.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Where an item comes from, the first word of its key: "seg", "seq", "spatial_pairs", "separate_pairs".
 enum class SincSource { segment, sequence, simultaneous, pair };
@@ -114,4 +114,4 @@ class SincItems {
   std::vector<Index> not_simultaneous_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

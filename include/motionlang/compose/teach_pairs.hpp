@@ -8,8 +8,8 @@
 ///
 /// Source    TEACH (Athanasiou et al., 3DV 2022), separate_actions; spec teach.md 4.3
 /// Notation  segment S -> (start, end); X before S: X begins and ends earlier and touches S; X after S likewise
-/// Differs   from the paper: two overlapping actions are not parted in the middle of their overlap but half of it after the
-///           end of the first one, as the code does
+/// Differs   from the paper: two overlapping actions are not parted in the middle of their overlap but half of it after
+///           the end of the first one, as the code does
 #pragma once
 
 #include <map>       // segments by their times
@@ -19,7 +19,7 @@
 #include <motionlang/compose/babel_segment.hpp>
 #include <motionlang/compose/transition.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Frames of a pair: the parts lie end to end. Published: the last frame of each, and of the second action the frame
 /// behind its last.
@@ -110,8 +110,8 @@ inline bool is_teach_length(const PairFrames& frames, const TeachLengths& limits
   return fits(frames.first.size()) && fits(frames.transition_size() + frames.second.size());
 }
 
-/// Pairs as one segment with both texts ("walk, sit down"): what the baseline "Joint" is trained on. Of several with the same
-/// times the first.
+/// Pairs as one segment with both texts ("walk, sit down"): what the baseline "Joint" is trained on. Of several with
+/// the same times the first.
 inline std::vector<BabelSegment> joined_pairs(std::span<const ActionPair> pairs) {
   std::vector<BabelSegment> out;
   for (const ActionPair& p : pairs) {
@@ -128,4 +128,4 @@ inline std::vector<BabelSegment> joined_pairs(std::span<const ActionPair> pairs)
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

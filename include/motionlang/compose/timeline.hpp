@@ -12,7 +12,7 @@
 
 #include <motionlang/kinematics/body_parts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Where an interval was read, for messages. It says nothing about the interval: all places are equal.
 struct TextPlace {
@@ -93,4 +93,4 @@ inline TimelineInSeconds to_seconds(const Timeline& timeline, double fps) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

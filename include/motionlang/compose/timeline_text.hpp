@@ -10,8 +10,8 @@
 /// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
 ///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
 ///          intervals are no matter of the text: see PlanOptions.
-/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is wrong with the
-///          whole of a timeline is found when it is planned, and named by line and column of an interval
+/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is
+///          wrong with the whole of a timeline is found when it is planned, and named by line and column of an interval
 #pragma once
 
 #include <charconv>     // numbers
@@ -25,7 +25,7 @@
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/core/utf8.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct TimelineTextOptions {
   double fps = 20;  // frame = trunc(fps * seconds)
@@ -197,8 +197,8 @@ inline Timeline parse_timeline(std::string_view text, const TimelineTextOptions&
   return std::move(all.front());
 }
 
-/// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than three
-/// fields. The published programs ask for one such line only (`as_published`), and then blame the others.
+/// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than
+/// three fields. The published programs ask for one such line only (`as_published`), and then blame the others.
 inline bool is_text_list(std::string_view text, const TimelineTextOptions& options = {}) {
   Index lines = 0, short_lines = 0;
   detail::for_each_line(text, [&](std::string_view line, Index number) {
@@ -254,4 +254,4 @@ inline std::string write_timeline(const TimelineInSeconds& timeline) {
   return write_timelines(std::span(&timeline, 1));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -10,7 +10,7 @@
 
 #include <motionlang/compose/timeline.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A half-open range of frames.
 struct FrameRange {
@@ -38,4 +38,4 @@ struct Overlap {
   FrameRange window(Index cut, Index frames) const { return extend({cut, cut}, frames); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

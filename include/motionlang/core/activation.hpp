@@ -6,10 +6,11 @@
 
 #include <motionlang/core/error.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     relu(x) = max(x, 0),   gelu(x) = x (1 + erf(x / sqrt 2)) / 2 (the exact form),   silu(x) = x / (1 + exp(-x)),
-///     tanh(x),   quick_gelu(x) = x / (1 + exp(-1.702 x)),   gelu_new(x) = x (1 + tanh(sqrt(2 / pi) (x + 0.044715 x^3))) / 2,
+///     tanh(x),   quick_gelu(x) = x / (1 + exp(-1.702 x)),   gelu_new(x) = x (1 + tanh(sqrt(2 / pi) (x + 0.044715
+///                x^3))) / 2,
 ///     sigmoid(x) = 1 / (1 + exp(-x))
 enum class Activation { none, relu, gelu, silu, tanh, quick_gelu, gelu_new, sigmoid };
 
@@ -32,4 +33,4 @@ constexpr std::string_view to_string(Activation a) {
   return names[static_cast<int>(a)];
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

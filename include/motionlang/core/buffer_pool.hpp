@@ -20,7 +20,7 @@
 #include <motionlang/core/large_memory.hpp>
 #include <motionlang/core/thread_object.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -167,8 +167,8 @@ class BufferHandle {
 
 }  // namespace detail
 
-/// A list of values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no more (a
-/// std::vector over an allocator would be compiled with sixty functions for every type).
+/// A list of values in memory of the pool: cheap to make again and again in a loop. Does what such lists are for and no
+/// more (a std::vector over an allocator would be compiled with sixty functions for every type).
 template <class T>
 class PoolVector {
   static_assert(std::is_nothrow_move_constructible_v<T> && alignof(T) <= 64,
@@ -227,4 +227,4 @@ class PoolVector {
   std::size_t size_ = 0, capacity_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

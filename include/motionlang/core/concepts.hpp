@@ -11,7 +11,7 @@
 #include <motionlang/core/scalar_math.hpp>
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A number that memory holds: float or double.
 template <class S>
@@ -92,8 +92,9 @@ concept AutodiffBackend = Backend<B> && Backend<typename B::inner> && requires(c
   { B::variable(B::value(a)) } -> std::same_as<typename B::tensor>;
 };
 
-/// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in, taps): prepare(weight) keeps
-/// the weight in it beside the tensor, which must not change afterwards, and says whether all numbers are finite, which are read anyway.
+/// A backend with a layout of its own for the weights of linear layers, (out, in), and of convolutions, (out, in,
+/// taps): prepare(weight) keeps the weight in it beside the tensor, which must not change afterwards, and says whether
+/// all numbers are finite, which are read anyway.
 /// Laws     `linear` and `conv1d` of a prepared weight give the same bits (tests/unit/tensor/module.cpp)
 /// Models   EigenBackend<S>, XtensorBackend<S>
 template <class B>
@@ -121,4 +122,4 @@ concept Rng = std::copyable<G> &&
   { c.split(number) } -> std::same_as<G>;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

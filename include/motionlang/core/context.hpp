@@ -6,7 +6,7 @@
 
 #include <motionlang/core/rng.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Dropout runs only if the context carries a generator: there is no train or eval flag to forget.
 ///
@@ -20,4 +20,4 @@ struct Context {
   Philox next_mask() const { return dropout->split(drawn++); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -7,7 +7,7 @@
 
 #include <motionlang/core/concepts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct Dual {
@@ -41,4 +41,4 @@ struct Dual {
 };
 static_assert(ScalarLike<Dual<double>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

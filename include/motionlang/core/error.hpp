@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// Errors: one hierarchy, one id for each kind of failure, one place that throws, one that catches.
 ///
-/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless MOTIONLANG_THROW(exception) is
-/// defined, the same in all units: it gets the exception as an object (an error, std::bad_alloc, cancelled), on whichever thread it
-/// happens, and must not return; std::_Exit ends a program from any thread. What is caught otherwise (a value in a file of weights
-/// that cannot be read is passed over) ends it too.
+/// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless
+/// MOTIONLANG_THROW(exception) is defined, the same in all units: it gets the exception as an object (an error,
+/// std::bad_alloc, cancelled), on whichever thread it happens, and must not return; std::_Exit ends a program from any
+/// thread. What is caught otherwise (a value in a file of weights that cannot be read is passed over) ends it too.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
@@ -28,7 +28,7 @@
 #include <motionlang/core/utf8.hpp>
 #include <motionlang/version.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Base of every exception of the library. `id()` is stable between versions; the text is not.
 class error : public std::runtime_error {
@@ -136,8 +136,8 @@ requires requires(const T& t) {
 }
 void append(std::string& out, const T& t) { out += to_string(t); }
 
-/// A value on its way into a message: where it stands and how it is written. One type for all values and one for literals of
-/// all lengths, because messages are many and each would be compiled for its own list of types.
+/// A value on its way into a message: where it stands and how it is written. One type for all values and one for
+/// literals of all lengths, because messages are many and each would be compiled for its own list of types.
 struct TextPart {
   const void* value;
   void (*append)(std::string& out, const void* value);
@@ -198,7 +198,8 @@ std::string join_text(const R& items, std::string_view between, F text) {
 }
 template <class R>
 std::string join_text(const R& items, std::string_view between = ", ") {
-  return join_text(items, between, [](const auto& item) -> const auto& { return item; });
+  return join_text(
+      items, between, [](const auto& item) -> const auto& { return item; });
 }
 
 /// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
@@ -242,8 +243,8 @@ template <class E>
 }
 [[noreturn]] inline void raise_bad_alloc() { throw_exception(std::bad_alloc()); }
 
-/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here (true) or goes on
-/// to the caller. Returns whether f came to its end.
+/// The one place that catches: calls f; handle(e), called with what it throws of type E, says whether that ends here
+/// (true) or goes on to the caller. Returns whether f came to its end.
 template <class E, class F, class H>
 bool guard(const F& f, [[maybe_unused]] const H& handle) {
 #ifdef __cpp_exceptions
@@ -292,4 +293,4 @@ template <class E, class... T>
   detail::raise_parts<E>(id, {detail::text_part(parts)...});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -4,13 +4,14 @@
 ///     struct Linear {
 ///       Tensor<B, 2> weight;
 ///       Tensor<B, 1> bias;
-///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias); }
+///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias);
+///       }
 ///     };
 ///     visit(model, [](const std::string& path, auto& tensor) { ... });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
-/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here, and be empty where the fields of
-/// a member have no level of their own (the statistics of a BatchNorm).
+/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here, and be empty where
+/// the fields of a member have no level of their own (the statistics of a BatchNorm).
 #pragma once
 
 #include <optional>     // members that a model may lack
@@ -20,7 +21,7 @@
 
 #include <motionlang/core/concepts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <class M, class T>
 struct Field {
@@ -97,8 +98,8 @@ auto walk(Object& object) {
   return Walk<decltype(Object::fields()), Object>{Object::fields(), object};
 }
 
-/// Calls f(name, member of first, members of others...) for all fields. The others may be the same template over another
-/// backend: fields are matched by position.
+/// Calls f(name, member of first, members of others...) for all fields. The others may be the same template over
+/// another backend: fields are matched by position.
 template <class F, class First, class... Walks>
 void each_field(F& f, const First& first, const Walks&... others) {
   if constexpr (!std::is_same_v<decltype(first.list), NoFields>) {
@@ -139,4 +140,4 @@ Index count_leaves(const M& module) {
   return n;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

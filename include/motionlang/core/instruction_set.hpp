@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Instruction sets beyond the plain ones of the compiler, chosen while the program runs: one binary for all processors.
+/// Instruction sets beyond the plain ones of the compiler, chosen while the program runs: one binary for all
+/// processors.
 ///
 /// MOTIONLANG_KERNELS (portable, avx2, avx512, avx512_bf16, amx) in the environment chooses instead of the processor.
 #pragma once
@@ -24,7 +25,7 @@
 #define MOTIONLANG_AVX512 "avx512f,avx512vl,avx512dq,avx512bw," MOTIONLANG_AVX2
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -51,20 +52,25 @@ inline bool may_use_amx() {
 inline bool processor_has(Isa isa) {
 #if defined(__x86_64__)
   switch (isa) {
-    case Isa::avx2: return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    case Isa::avx2:
+      return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
     case Isa::avx512:
       return processor_has(Isa::avx2) && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
              __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
-    case Isa::avx512_bf16: return processor_has(Isa::avx512) && cpuid_bit(1, 0, 5);
-    case Isa::amx: return processor_has(Isa::avx512) && has_amx_bf16() && may_use_amx();
-    default: return true;
+    case Isa::avx512_bf16:
+      return processor_has(Isa::avx512) && cpuid_bit(1, 0, 5);
+    case Isa::amx:
+      return processor_has(Isa::avx512) && has_amx_bf16() && may_use_amx();
+    default:
+      return true;
   }
 #else
   return isa == Isa::portable || isa == Isa::best;
 #endif
 }
 
-/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor lacks.
+/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor
+/// lacks.
 inline Isa wanted_isa() {
   static const Isa wanted = [] {
     const char* name = std::getenv("MOTIONLANG_KERNELS");
@@ -102,4 +108,4 @@ __attribute__((target(MOTIONLANG_AVX512), flatten)) void with_avx512(const F& f)
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// A handful of numbers that are calculated with at once: one SIMD register as a `ScalarLike`.
 ///
-/// Geometry over `Lane<float>` treats eight poses at a time with the same source text as for one; with `with_widest_lanes`
-/// as many as a register of this processor holds. The compiler's vector types are used, so the code is the same on every
-/// processor. Square roots are refined from an estimate (error below 2 ulp).
+/// Geometry over `Lane<float>` treats eight poses at a time with the same source text as for one; with
+/// `with_widest_lanes` as many as a register of this processor holds. The compiler's vector types are used, so the code
+/// is the same on every processor. Square roots are refined from an estimate (error below 2 ulp).
 #pragma once
 
 #include <array>        // lane access
@@ -13,7 +13,7 @@
 #include <motionlang/core/concepts.hpp>
 #include <motionlang/core/instruction_set.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 // Everything below is inlined: how such vectors are passed between functions depends on the caller's instruction set.
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
@@ -52,8 +52,8 @@ struct Lane {
   }
 
   /// 1 / sqrt(x) of a normal number x > 0, error below 2 ulp; finite of 0.
-  /// The well-known estimate by shifting the exponent, 3.5 % off, then Householder's iteration: with y = (1 + e) / sqrt(x) and
-  /// h = x y^2, the first terms of y / sqrt(h) around h = 1, which leave 2.5 e^3.
+  /// The well-known estimate by shifting the exponent, 3.5 % off, then Householder's iteration: with y = (1 + e) /
+  /// sqrt(x) and h = x y^2, the first terms of y / sqrt(h) around h = 1, which leave 2.5 e^3.
   friend MOTIONLANG_INLINE Lane inverse_sqrt(const Lane& x) {
     constexpr Bits magic = sizeof(S) == 4 ? static_cast<Bits>(0x5F375A86) : static_cast<Bits>(0x5FE6EB50C7B537A9);
     Register y = (Register)(magic - ((BitRegister)x.v >> 1));
@@ -92,8 +92,8 @@ static_assert(ScalarLike<Lane<float>> && ScalarLike<Lane<double>>);
 
 #undef MOTIONLANG_INLINE
 
-/// Calls f.operator()<Lane<S, bytes>>(), by GCC for the widest registers of this processor, compiled for them with all that
-/// it calls.
+/// Calls f.operator()<Lane<S, bytes>>(), by GCC for the widest registers of this processor, compiled for them with all
+/// that it calls.
 template <Scalar S, class F>
 void with_widest_lanes(const F& f) {
 #if defined(MOTIONLANG_WIDER_COPIES)
@@ -104,4 +104,4 @@ void with_widest_lanes(const F& f) {
   f.template operator()<Lane<S, 16>>();
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

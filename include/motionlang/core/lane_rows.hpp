@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Rows of numbers into lanes, number k of row i in lane i of number k, and back.
 ///
-/// Floats go four at a time: a register is made of pieces of 16 bytes, and piece i of register r takes four numbers of row 4 i + r. In
-/// four such registers the squares of four by four that stand at the same piece are transposed.
+/// Floats go four at a time: a register is made of pieces of 16 bytes, and piece i of register r takes four numbers of
+/// row 4 i + r. In four such registers the squares of four by four that stand at the same piece are transposed.
 #pragma once
 
 #include <algorithm>  // min
@@ -12,7 +12,7 @@
 
 #include <motionlang/core/lane.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -73,7 +73,8 @@ MOTIONLANG_INLINE void transpose_pieces(Lane<float, bytes> (&in)[4]) {
 
 }  // namespace detail
 
-/// Lane i of number k is from[i * step + k] for the first `count` lanes (at least one); further lanes are as the last of these.
+/// Lane i of number k is from[i * step + k] for the first `count` lanes (at least one); further lanes are as the last
+/// of these.
 template <Scalar S, int bytes>
 MOTIONLANG_INLINE void load_rows(const S* from, std::size_t step, int count, std::span<Lane<S, bytes>> numbers) {
   using L = Lane<S, bytes>;
@@ -129,4 +130,4 @@ MOTIONLANG_INLINE void store_rows(std::span<const Lane<S, bytes>> numbers, std::
 
 #undef MOTIONLANG_INLINE
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: MIT
-/// Memory for what is read from end to end again and again, weights and tables: in pages of 2 MB where the system has them (Linux).
-/// Between small pages the processor stops to read ahead; a scan over large ones is up to 1.8 times as fast. It comes from the system
-/// itself and goes back there: a heap that mixes alignments of 2 MB with small things keeps the gaps (a quarter of the weights).
+/// Memory for what is read from end to end again and again, weights and tables: in pages of 2 MB where the system has
+/// them (Linux). Between small pages the processor stops to read ahead; a scan over large ones is up to 1.8 times as
+/// fast. It comes from the system itself and goes back there: a heap that mixes alignments of 2 MB with small things
+/// keeps the gaps (a quarter of the weights).
 #pragma once
 
 #include <cstddef>  // sizes
 #include <cstdlib>  // aligned_alloc
 #include <memory>   // shared_ptr
 #if defined(__linux__)
-#include <cstdint>     // addresses
 #include <sys/mman.h>  // mmap, madvise
+#include <cstdint>     // addresses
 #elif defined(_WIN32)
 #include <malloc.h>  // _aligned_malloc
 #endif
 
 #include <motionlang/core/error.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -27,7 +28,8 @@ constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (
 
 }  // namespace detail
 
-/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in large pages.
+/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in
+/// large pages.
 inline void* take_memory(std::size_t bytes, [[maybe_unused]] std::size_t used) {
 #if defined(__linux__)
   if (bytes >= detail::large_page) {
@@ -39,7 +41,8 @@ inline void* take_memory(std::size_t bytes, [[maybe_unused]] std::size_t used) {
     std::byte* memory = static_cast<std::byte*>(start) + before;
     if (before > 0) ::munmap(start, before);
     if (after > 0) ::munmap(memory + whole, after);
-    const std::size_t large = used / detail::large_page * detail::large_page;  // a page that is partly used would be taken whole
+    // a page that is partly used would be taken whole
+    const std::size_t large = used / detail::large_page * detail::large_page;
     ::madvise(memory, large, MADV_HUGEPAGE);
     ::madvise(memory + large, whole - large, MADV_NOHUGEPAGE);  // where the system takes large pages for everything
     return memory;
@@ -76,4 +79,4 @@ std::shared_ptr<T[]> large_table(std::size_t count) {
   return {static_cast<T*>(take_memory(bytes, bytes)), [bytes](T* p) { give_memory(p, bytes); }};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -13,7 +13,7 @@
 
 #include <motionlang/version.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class Mt19937 {
  public:
@@ -76,4 +76,4 @@ class Mt19937 {
   std::size_t at_ = size;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

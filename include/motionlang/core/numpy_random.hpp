@@ -17,7 +17,7 @@
 #include <motionlang/core/mt19937.hpp>
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class NumpyRandom {
  public:
@@ -91,4 +91,4 @@ class NumpyRandom {
   std::optional<double> spare_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

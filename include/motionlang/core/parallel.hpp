@@ -21,7 +21,7 @@
 #include <motionlang/core/processors.hpp>
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -79,8 +79,8 @@ class ThreadPool {
  private:
   static constexpr int spins_before_sleep = 20000;
 
-  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike, one after the
-  /// other, find them in the caches of the same thread.
+  /// Tasks that a thread takes first; whoever has none left helps the others. Regions that split the same rows alike,
+  /// one after the other, find them in the caches of the same thread.
   struct alignas(64) Share {
     std::atomic<Index> next{0};
     Index end = 0;
@@ -112,8 +112,9 @@ class ThreadPool {
     for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
   }
 
-  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of std::thread's, which a
-  /// program and a shared library, each with its own copy of this pool and of `inside_`, have in common.
+  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of
+  /// std::thread's, which a program and a shared library, each with its own copy of this pool and of `inside_`, have in
+  /// common.
   static void start(ThreadPool* pool, int number, unsigned seen) {
     number_ = number;
     pool->work(seen);
@@ -157,7 +158,7 @@ class ThreadPool {
 
   inline static thread_local int number_ = 0;
   inline static thread_local bool inside_ = false;  // a task that calls parallel_for runs it alone
-  std::unique_ptr<Share[]> shares_;  // one for every thread
+  std::unique_ptr<Share[]> shares_;                 // one for every thread
   std::unique_ptr<std::thread[]> threads_;
   int workers_ = 0;  // threads that run
   std::mutex caller_, sleep_;
@@ -178,7 +179,8 @@ inline int thread_count() { return detail::ThreadPool::instance().size(); }
 /// Threads that `parallel_for` uses here: one inside a task.
 inline int parallel_width() { return detail::ThreadPool::instance().width(); }
 
-/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at once.
+/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at
+/// once.
 inline int thread_number() { return detail::ThreadPool::number(); }
 
 /// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
@@ -200,9 +202,10 @@ namespace detail {
 inline constexpr Index worth_a_thread = 16384;  // numbers
 }
 
-/// Calls f(first, last) for pieces of 0 ... count-1, in one piece what is not worth two threads (`cost` numbers per element). Of elements of
-/// many numbers, such as rows, every thread has as many: in the next region it finds what it wrote in its cache. Pieces of single numbers begin
-/// at the same places for any number of threads: vectors and what is left beside them are the same.
+/// Calls f(first, last) for pieces of 0 ... count-1, in one piece what is not worth two threads (`cost` numbers per
+/// element). Of elements of many numbers, such as rows, every thread has as many: in the next region it finds what it
+/// wrote in its cache. Pieces of single numbers begin at the same places for any number of threads: vectors and what is
+/// left beside them are the same.
 template <class F>
 void parallel_ranges(Index count, Index cost, const F& f) {
   const Index grain = std::max<Index>(1, detail::worth_a_thread / std::max<Index>(1, cost));
@@ -213,8 +216,8 @@ void parallel_ranges(Index count, Index cost, const F& f) {
   parallel_for(equal, [&](Index i) { f(count * i / equal, count * (i + 1) / equal); });
 }
 
-/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the rows in their order.
-/// Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
+/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the
+/// rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
 template <class F>
 void parallel_columns(Index rows, Index width, const F& f) {
   const Index pieces = rows * width < detail::worth_a_thread ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
@@ -222,4 +225,4 @@ void parallel_columns(Index rows, Index width, const F& f) {
   parallel_for(pieces, [&](Index i) { f(begin(i), begin(i + 1)); });
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

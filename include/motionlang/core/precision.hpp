@@ -8,17 +8,18 @@
 
 #include <motionlang/version.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// fp32    the numbers as they are.
 /// bf16    both factors rounded to bfloat16 (8 bits of significand), products and sums in float: half the memory for
 ///         prepared weights, and up to ten times the speed where the processor has instructions for it. An element of a
 ///         product over k differs from the exact one by at most (2^-7 + 2^-16) sum_k |a_k b_k|, besides the rounding of
 ///         the sum, of which a bias may be the first number. Numbers below 2^-126 may count as 0.
-/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added up. From 128 rows on; else, and on other processors,
-///         fp32. Half its error while products are above 2^-108 (below 2^-126 they count as 0), other last digits (those of a few rows may
-///         differ alone and in a larger batch). For few threads: with two, large products take 0.6 to 0.9 of the time; with 8 and 16 of one
-///         machine they took 1.1 to 2.3 times as long, as all instructions of AMX are slower there when every core uses them.
+/// bf16x3  fp32 by AMX: a float is the sum of three bfloat16, whose products are added up. From 128 rows on; else, and
+///         on other processors, fp32. Half its error while products are above 2^-108 (below 2^-126 they count as 0),
+///         other last digits (those of a few rows may differ alone and in a larger batch). For few threads: with two,
+///         large products take 0.6 to 0.9 of the time; with 8 and 16 of one machine they took 1.1 to 2.3 times as long,
+///         as all instructions of AMX are slower there when every core uses them.
 /// All other arithmetic stays in float. For the kernels of the Eigen and xtensor backends in float; others ignore it.
 enum class Precision { fp32, bf16, bf16x3 };
 
@@ -43,8 +44,10 @@ inline std::atomic<Precision>& current_product_precision() {
 
 inline Precision product_precision() { return detail::current_product_precision().load(std::memory_order_relaxed); }
 
-/// Changes the precision of products for the whole process. Weights that were prepared in another precision are packed anew at every
-/// use (but fp32 and bf16x3 use the same): set it before preparing a model.
-inline void set_product_precision(Precision p) { detail::current_product_precision().store(p, std::memory_order_relaxed); }
+/// Changes the precision of products for the whole process. Weights that were prepared in another precision are packed
+/// anew at every use (but fp32 and bf16x3 use the same): set it before preparing a model.
+inline void set_product_precision(Precision p) {
+  detail::current_product_precision().store(p, std::memory_order_relaxed);
+}
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// How many threads pay for this process: the processors that it may run on, and no more than the processor time that its control group
-/// is given (containers, batch systems). More would spend the group's time with waiting for each other, and then all are stopped.
+/// How many threads pay for this process: the processors that it may run on, and no more than the processor time that
+/// its control group is given (containers, batch systems). More would spend the group's time with waiting for each
+/// other, and then all are stopped.
 #pragma once
 
 #include <algorithm>  // clamp
@@ -12,12 +13,12 @@
 
 #include <motionlang/version.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` says which group this process belongs to, the folders
-/// of `root` what it is given. What cannot be read is no limit.
+/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` says which group this process
+/// belongs to, the folders of `root` what it is given. What cannot be read is no limit.
 struct ControlGroups {
   std::string root = "/sys/fs/cgroup", processes = "/proc/self/cgroup";
 
@@ -79,4 +80,4 @@ inline int processor_count() {
 #endif
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

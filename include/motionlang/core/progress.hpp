@@ -7,7 +7,7 @@
 
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. May be empty.
 /// Without exceptions false ends the program, like an error: there the C functions can be cancelled (motionlang/c).
@@ -40,4 +40,4 @@ class Progress {
   bool (*call_)(void*, Index, Index) = nullptr;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -20,7 +20,7 @@
 #include <motionlang/core/mt19937.hpp>
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class PythonRandom {
  public:
@@ -149,4 +149,4 @@ class PythonRandom {
   std::optional<double> spare_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -9,7 +9,7 @@
 
 #include <motionlang/version.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The value that n others are not above; n below the number of values.
 inline double nth_smallest(std::vector<double> values, std::size_t n) {
@@ -24,4 +24,4 @@ inline double quantile(std::vector<double> values, double share) {
   return nth_smallest(std::move(values), n);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

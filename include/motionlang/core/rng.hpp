@@ -17,7 +17,7 @@
 
 #include <motionlang/core/concepts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Philox4x32-10. `seed` is the key, `stream` and `position` are the counter: any number of any stream can be computed
 /// without the ones before it, so results do not depend on batch order or threads.
@@ -106,4 +106,4 @@ struct Philox {
 };
 static_assert(Rng<Philox>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -7,7 +7,7 @@
 
 #include <motionlang/core/error.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -18,8 +18,8 @@ inline void require_places(const char* function, int places) {
 
 }  // namespace detail
 
-/// Python's `round(x, places)`: the decimal number nearest to the binary value of x. 2.675 is a little less than it looks
-/// and becomes 2.67. Throws config_error 101 unless 0 <= places <= 15.
+/// Python's `round(x, places)`: the decimal number nearest to the binary value of x. 2.675 is a little less than it
+/// looks and becomes 2.67. Throws config_error 101 unless 0 <= places <= 15.
 inline double python_round(double x, int places) {
   detail::require_places("python_round", places);
   if (!std::isfinite(x)) return x;
@@ -29,12 +29,12 @@ inline double python_round(double x, int places) {
   return x;
 }
 
-/// NumPy's `round(x, places)`: x 10^places to the nearest integer, halves to the even one, then back. 2.675 becomes 2.68,
-/// because the product is rounded before. Throws config_error 101 unless 0 <= places <= 15.
+/// NumPy's `round(x, places)`: x 10^places to the nearest integer, halves to the even one, then back. 2.675 becomes
+/// 2.68, because the product is rounded before. Throws config_error 101 unless 0 <= places <= 15.
 inline double numpy_round(double x, int places) {
   detail::require_places("numpy_round", places);
   const double scale = std::pow(10.0, places);
   return std::nearbyint(x * scale) / scale;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

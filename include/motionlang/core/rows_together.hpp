@@ -5,12 +5,13 @@
 #include <motionlang/core/shape.hpp>
 #include <motionlang/core/thread_object.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
-/// While it lives, products of this thread count as parts of one of so many rows (0: each as what it is), unless another lives already. In
-/// bf16x3 the instructions depend on the number of rows, and with them the last digit: where that must not depend on how rows are shared by
-/// threads, or on what else is in a batch, say so by this. As `many`, a product of a few rows takes up to four times as long. Threads that
-/// help have to be told (for_products, in_groups).
+/// While it lives, products of this thread count as parts of one of so many rows (0: each as what it is), unless
+/// another lives already. In bf16x3 the instructions depend on the number of rows, and with them the last digit: where
+/// that must not depend on how rows are shared by threads, or on what else is in a batch, say so by this. As `many`, a
+/// product of a few rows takes up to four times as long. Threads that help have to be told (for_products, in_groups).
 class RowsTogether {
  public:
   static constexpr Index few = 1, many = 1 << 20;
@@ -34,4 +35,5 @@ class RowsTogether {
   Index before_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

@@ -10,7 +10,7 @@
 
 #include <motionlang/core/error.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sizes, positions and counts. Signed, so that differences are what they look like.
 using Index = std::ptrdiff_t;
@@ -101,4 +101,4 @@ constexpr Shape broadcast_shapes(const Shape& a, const Shape& b, const char* op)
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty functions.
+/// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty
+/// functions.
 #pragma once
 
 #include <cstddef>  // size_t
@@ -7,10 +8,11 @@
 
 #include <motionlang/version.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
-/// Sorts by `less`, which leaves no two elements equal or does not care for their order. Heap sort: n log n steps whatever
-/// the list. `List` is a vector.
+/// Sorts by `less`, which leaves no two elements equal or does not care for their order. Heap sort: n log n steps
+/// whatever the list. `List` is a vector.
 template <class List, class Less>
 void sort(List& list, Less less) {
   const auto sift_down = [&](std::size_t i, std::size_t size) {
@@ -27,4 +29,5 @@ void sort(List& list, Less less) {
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

@@ -7,7 +7,8 @@
 
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// A letter of ASCII in small, whatever the locale.
 constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
@@ -31,4 +32,5 @@ void for_each_line(std::string_view text, F on_line) {
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

@@ -16,9 +16,10 @@ __declspec(dllimport) int __stdcall FlsSetValue(unsigned long key, void* value);
 }
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// The calling thread's T: made when it is first asked for, destroyed when the thread ends. `Tag` tells objects of one type apart.
+/// The calling thread's T: made when it is first asked for, destroyed when the thread ends. `Tag` tells objects of one
+/// type apart.
 template <class T, class Tag = T>
 T& thread_object() {
 #ifdef MOTIONLANG_SYSTEM_KEEPS_THREAD_OBJECTS
@@ -35,4 +36,4 @@ T& thread_object() {
 #endif
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -18,7 +18,7 @@
 #include <motionlang/core/concepts.hpp>
 #include <motionlang/core/mt19937.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class TorchRandom {
  public:
@@ -85,4 +85,4 @@ class TorchRandom {
   std::optional<double> spare_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

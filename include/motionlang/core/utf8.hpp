@@ -8,7 +8,7 @@
 
 #include <motionlang/version.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What `decode_utf8` returns for bytes that are not UTF-8.
 inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
@@ -56,7 +56,8 @@ inline void append_utf8(std::string& out, char32_t c) {
   }
 }
 
-/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is in `keep` stays.
+/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is
+/// in `keep` stays.
 inline std::string printable(std::string_view text, std::string_view keep = {}) {
   std::string out;
   for (std::size_t at = 0; at < text.size();) {
@@ -69,4 +70,4 @@ inline std::string printable(std::string_view text, std::string_view keep = {}) 
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

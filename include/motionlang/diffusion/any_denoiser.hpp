@@ -6,7 +6,7 @@
 #include <motionlang/diffusion/mdm_smpl.hpp>
 #include <motionlang/diffusion/motiondiffuse.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Exactly one of the members is set. The names of its parameters stand behind that of the member.
 template <Backend B>
@@ -53,4 +53,4 @@ struct AnyDenoiser {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

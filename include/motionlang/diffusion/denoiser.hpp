@@ -7,7 +7,7 @@
 #include <motionlang/diffusion/gaussian.hpp>
 #include <motionlang/nn/text_features.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What of the other sequences of its batch a result depends on: a batch of such a denoiser cannot be divided.
 ///     longest_text   the length of the longest text (MDM-SMPL with texts of several lengths)
@@ -29,8 +29,8 @@ struct DenoiserTraits {
 
 /// A network that cleans noisy sequences given a text for each.
 ///     x (frames of all sequences, features), t (one step number per sequence), text (one per sequence) -> as x
-/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), but for last
-///          digits in bf16x3 (core/precision.hpp)
+/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), but for
+///          last digits in bf16x3 (core/precision.hpp)
 /// Models   MdmSmplDenoiser, MdmDenoiser, MotionDiffuseDenoiser, and yours
 template <class D, class B>
 concept Denoiser = Module<D> &&
@@ -48,9 +48,10 @@ concept EncodesText = Denoiser<D, B> &&
   { d(x, t, d.encode(text)) } -> std::same_as<Sequences<B>>;
 };
 
-/// What a denoiser makes of frames with several texts each: of sequence i of x with the texts uses.begin(i) ... uses.end(i) - 1, such as a text
-/// and none, for guidance. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
-/// A denoiser that computes once what the texts of a sequence have in common takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
+/// What a denoiser makes of frames with several texts each: of sequence i of x with the texts uses.begin(i) ...
+/// uses.end(i) - 1, such as a text and none, for guidance. t: a step for each text. Throws shape_error 204 for other
+/// numbers of sequences, texts or steps. A denoiser that computes once what the texts of a sequence have in common
+/// takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
 ///     d(x, uses, t, text) == d(repeat_sequences(x, uses), t, text)
 template <Backend B, Denoiser<B> D, class Text>
 Sequences<B> denoise_with_texts(const D& denoiser, const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
@@ -70,4 +71,4 @@ auto encoded_text(const D& denoiser, TextFeatures<B> text) {
     return text;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -3,7 +3,8 @@
 /// network may predict, converted into each other.
 ///
 /// Notation (Ho et al. 2020)   beta_t, alpha_t = 1 - beta_t, abar_t = prod_{s <= t} alpha_s, abarp_t = abar_{t-1} (1
-///                             for t = 0), abarn_t = abar_{t+1} (0 for the last). Index t stands for t + 1 applications of noise.
+///                             for t = 0), abarn_t = abar_{t+1} (0 for the last). Index t stands for t + 1 applications
+///                             of noise.
 /// Precision   tables are built in double, the entry for t is rounded to the tensor's scalar, then one multiplication
 ///             and one addition per term in the order written: what the published code does, and what parity needs.
 #pragma once
@@ -15,7 +16,7 @@
 #include <motionlang/diffusion/schedule.hpp>
 #include <motionlang/tensor/ops.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What a network says about x_t.
 enum class Prediction { x0, eps, score, x_prev };
@@ -214,4 +215,4 @@ Tensor<B, R> convert_prediction(const GaussianDiffusion& d, Prediction from, Pre
   return x0;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -4,7 +4,7 @@
 
 #include <motionlang/tensor/ops.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     guided = null + w (cond - null)
 /// Source  Ho and Salimans (2022), eq. 6 in the form that all motion models use. Applied to whatever the network
@@ -19,4 +19,4 @@ Tensor<B, R> guide(const Tensor<B, R>& cond, const Tensor<B, R>& null, const Ten
   return null + (cond - null) * w;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

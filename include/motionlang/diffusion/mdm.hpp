@@ -8,7 +8,7 @@
 #include <motionlang/nn/timestep_embedding.hpp>
 #include <motionlang/nn/transformer_decoder.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class MdmArch { trans_enc, trans_dec, gru };
 enum class MdmCondition { text, action, none };
@@ -157,4 +157,4 @@ struct MdmDenoiser {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

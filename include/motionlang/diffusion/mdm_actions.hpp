@@ -2,7 +2,8 @@
 /// MDM for actions: motions for classes, which stand where MDM for texts has a text.
 ///
 ///     const MdmActions<B> mdm{.denoiser = ..., .diffusion = GaussianDiffusion(CosineSchedule{.steps = 1000})};
-///     const auto motions = mdm.generate(actions, Philox{.seed = 7});            // frames of rotations and way, as ACTOR has them
+///     const auto motions = mdm.generate(actions, Philox{.seed = 7});            // frames of rotations and way, as
+///     ACTOR has them
 ///
 /// An unconstrained model (HumanAct12 without its classes) has one class, which it does not look at.
 /// Source  Tevet et al., "Human motion diffusion model" (ICLR 2023), section 4.2; spec mdm.md 3, 3.1
@@ -13,7 +14,7 @@
 #include <motionlang/diffusion/mdm.hpp>
 #include <motionlang/diffusion/sampler.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct MdmActionOptions {
   Index steps = 0;                   // evenly kept of the model's; 0: all
@@ -28,7 +29,8 @@ struct MdmActions {
   GaussianDiffusion diffusion;
   double guidance = 1;  // the published models were trained without empty actions, and have none
 
-  /// A motion of the denoiser's `crop_frames` for each action. The noise of a motion depends on the generator and on its place.
+  /// A motion of the denoiser's `crop_frames` for each action. The noise of a motion depends on the generator and on
+  /// its place.
   /// Throws  shape_error 203 for an action that is no class; config_error 102 for a denoiser of texts; `cancelled`
   Sequences<B> generate(std::span<const Index> actions, const Philox& rng, const MdmActionOptions& options = {}) const {
     using S = typename B::scalar;
@@ -52,7 +54,8 @@ struct MdmActions {
     const auto network = [&](const Tensor<B, 2>& x, Index t) {
       const std::vector<Index> at(static_cast<std::size_t>(n), process.network_t(t));
       const auto of = [&](const TextFeatures<B>& f) { return denoiser(Sequences<B>(x, offsets), at, f).rows; };
-      return weight == 1 ? of(wanted) : guide(of(wanted), of(nothing), weight);  // two calls: the GRU runs over its batch
+      // two calls: the GRU runs over its batch
+      return weight == 1 ? of(wanted) : guide(of(wanted), of(nothing), weight);
     };
     const auto noise = [&](Index draw) {
       return reshape<2>(sequence_noise<B>(rng, draw, {n, frames, c.nfeats}), {n * frames, c.nfeats});
@@ -67,4 +70,4 @@ struct MdmActions {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

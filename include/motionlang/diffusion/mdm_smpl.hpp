@@ -9,7 +9,7 @@
 #include <motionlang/nn/timestep_embedding.hpp>
 #include <motionlang/nn/transformer_encoder.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes (27 M parameters).
 struct MdmSmplConfig {
@@ -106,8 +106,8 @@ struct MdmSmplDenoiser {
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) const {
     return sequence(x, t, encode(text));
   }
-  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout: what they have in common is computed once. t: a
-  /// step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
+  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout: what they have in common is
+  /// computed once. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
   Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
                           const EncodedText& text) const {
     check_counts(uses.rows(), t, text);
@@ -149,4 +149,4 @@ struct MdmSmplDenoiser {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -6,7 +6,7 @@
 #include <motionlang/nn/linear_attention.hpp>
 #include <motionlang/nn/transformer_encoder.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sizes of the HumanML3D release.
 struct MotionDiffuseConfig {
@@ -212,7 +212,8 @@ struct MotionDiffuseDenoiser {
             static_cast<S>(std::sin(angle));
       }
     }
-    return time_out(time_in(Tensor<B, 2>::from(std::span<const S>(values), {static_cast<Index>(t.size()), 2 * half}), Activation::silu));
+    return time_out(time_in(Tensor<B, 2>::from(std::span<const S>(values), {static_cast<Index>(t.size()), 2 * half}),
+                            Activation::silu));
   }
   Sequences<B> embed_frames(const Sequences<B>& x) const {
     PoolVector<Index> position;
@@ -239,4 +240,4 @@ struct MotionDiffuseDenoiser {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -14,7 +14,7 @@
 #include <motionlang/diffusion/gaussian.hpp>
 #include <motionlang/tensor/index.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct StepOptions {
   Prediction prediction = Prediction::x0;
@@ -29,8 +29,8 @@ inline GaussianDiffusion with_steps(const GaussianDiffusion& process, Index step
   return process.respaced(respace(process.steps(), std::vector<Index>{steps}));
 }
 
-/// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a batch it
-/// sees the same noise. draw: 0 for the initial tensor, 1, 2, ... for the steps.
+/// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a
+/// batch it sees the same noise. draw: 0 for the initial tensor, 1, 2, ... for the steps.
 template <Backend B>
 Tensor<B, 3> sequence_noise(const Philox& rng, Index draw, const Shape& shape) {
   using S = typename B::scalar;
@@ -222,4 +222,4 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
   return x;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

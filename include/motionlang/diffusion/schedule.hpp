@@ -9,7 +9,7 @@
 
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A forward process q(x_t | x_{t-1}) = N(sqrt(1 - beta_t) x_{t-1}, beta_t I), t = 0 ... steps-1.
 /// Minimum   steps, beta(t)
@@ -91,4 +91,4 @@ struct BetaList {
 static_assert(Schedule<LinearSchedule> && Schedule<ScaledLinearSchedule> && Schedule<CosineSchedule> &&
               Schedule<ChenCosineSchedule> && Schedule<BetaList>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -10,7 +10,7 @@
 
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 inline constexpr std::string_view humanact12_actions[] = {
     "warm_up", "walk",   "run",  "jump", "drink", "lift_dumbbell", "sit", "eat", "turn steering wheel",
@@ -22,4 +22,4 @@ inline std::vector<std::string> action_labels(std::string_view dataset, Index cl
   return {std::begin(humanact12_actions), std::end(humanact12_actions)};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -10,7 +10,7 @@
 #include <motionlang/kinematics/body_model.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class ActorPoints : int { vertices, smpl, a2m, a2mpl, vibe };
 inline constexpr std::array<std::string_view, 5> actor_point_names{"vertices", "smpl", "a2m", "a2mpl", "vibe"};
@@ -23,8 +23,8 @@ inline ActorPoints parse_actor_points(std::string_view name) {
   raise<config_error>(103, "parse_actor_points: '", name, "' is not vertices, smpl, a2m, a2mpl or vibe");
 }
 
-/// Numbers of the points among 54: 24 joints of SMPL, the 21 vertices of `body_points`, 9 that a regressor takes from the surface.
-/// None for vertices.
+/// Numbers of the points among 54: 24 joints of SMPL, the 21 vertices of `body_points`, 9 that a regressor takes from
+/// the surface. None for vertices.
 inline std::span<const Index> actor_point_numbers(ActorPoints points) {
   static constexpr Index smpl[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11,
                                    12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
@@ -73,9 +73,11 @@ Tensor<B, 3> actor_54_points(const PosedBody<B>& posed, const Tensor<B, 2>* J_re
 
 }  // namespace detail
 
-/// x: frames of `actor_frame_features`, (frames, rows numbers) -> (frames, 3 points). All points but vertices are relative to the
-/// root of their frame. J_regressor_extra (9, vertices) may be null for vertices and smpl. Differentiable.
-/// Throws  shape_error 204 if motion, body and point set do not fit, config_error 101 for a second coefficient that the body lacks
+/// x: frames of `actor_frame_features`, (frames, rows numbers) -> (frames, 3 points). All points but vertices are
+/// relative to the root of their frame. J_regressor_extra (9, vertices) may be null for vertices and smpl.
+/// Differentiable.
+/// Throws  shape_error 204 if motion, body and point set do not fit, config_error 101 for a second coefficient that the
+///         body lacks
 template <Backend B>
 Sequences<B> actor_points(const Sequences<B>& x, const BodyModel<B>& body, const Tensor<B, 2>* J_regressor_extra,
                           ActorPoints points, const ActorPointOptions& o = {}) {
@@ -126,4 +128,4 @@ Sequences<B> actor_points(const Sequences<B>& x, const BodyModel<B>& body, const
   return x.with(reshape<2>(out, {frames, 3 * out.size(1)}));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -2,7 +2,8 @@
 /// What is known to be wrong in the files of AMASS, and to have another name from one release to the next.
 ///
 ///     sequence.fps = corrected_amass_fps(path, sequence.fps);
-///     for (const std::string& path : amass_paths(babel.feat_p)) ...      // the file of an annotation, of whatever release
+///     for (const std::string& path : amass_paths(babel.feat_p)) ...      // the file of an annotation, of whatever
+///     release
 ///
 /// No reader corrects a rate by itself: a file that was resampled lies below the same name and says what is true.
 /// Source  TEACH (Athanasiou et al., 3DV 2022), amass_files; specs teach.md 4.1, body-models.md 6
@@ -17,7 +18,7 @@
 
 #include <motionlang/version.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Frames per second of a sequence as it was released, whatever its file says.
 struct AmassRate {
@@ -50,7 +51,7 @@ inline constexpr std::array<AmassRename, 8> amass_renames{{{"BioMotionLab_NTroje
 
 /// The path of a sequence, then those with the names before and today where they differ from it.
 inline std::vector<std::string> amass_paths(std::string_view path) {
-  auto renamed = [&](std::string_view AmassRename::* from, std::string_view AmassRename::* to) {
+  auto renamed = [&](std::string_view AmassRename::*from, std::string_view AmassRename::*to) {
     std::string out;
     for (std::size_t at = 0; at <= path.size();) {
       const std::size_t end = std::min(path.find('/', at), path.size());
@@ -68,10 +69,11 @@ inline std::vector<std::string> amass_paths(std::string_view path) {
     return out;
   };
   std::vector<std::string> out{std::string(path)};
-  for (std::string other : {renamed(&AmassRename::today, &AmassRename::before), renamed(&AmassRename::before, &AmassRename::today)}) {
+  for (std::string other :
+       {renamed(&AmassRename::today, &AmassRename::before), renamed(&AmassRename::before, &AmassRename::today)}) {
     if (other != path) out.push_back(std::move(other));
   }
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

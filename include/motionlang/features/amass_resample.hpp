@@ -14,7 +14,7 @@
 #include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// SMPL poses as AMASS files have them.
 template <Scalar S>
@@ -92,4 +92,4 @@ AmassPoses<S> amass_mirror(std::span<const S> poses, std::span<const S> trans) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

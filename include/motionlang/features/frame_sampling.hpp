@@ -11,7 +11,7 @@
 #include <motionlang/core/concepts.hpp>
 #include <motionlang/core/python_random.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -126,8 +126,8 @@ inline std::vector<Index> actor_frames(Index available, const ActorFrameOptions&
   return out;
 }
 
-/// SINC: the frames of a training item. Of a longer clip consecutive ones from a random start on; the last possible start is
-/// never drawn, as published. In evaluation whole clips (`request` 0) of 15 to 800 frames.
+/// SINC: the frames of a training item. Of a longer clip consecutive ones from a random start on; the last possible
+/// start is never drawn, as published. In evaluation whole clips (`request` 0) of 15 to 800 frames.
 /// Source  SINC, spec sinc.md 5.3
 struct SincWindow {
   Index request = 300;  // frames to take; 0: all
@@ -145,4 +145,4 @@ struct SincWindow {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -11,7 +11,7 @@
 #include <motionlang/core/numpy_random.hpp>
 #include <motionlang/features/frame_sampling.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct GuoClipLimits {
   Index least = 40;   // frames; KIT: 24
@@ -44,4 +44,4 @@ inline FrameSlice guo_item(Index frames, NumpyRandom& coin, PythonRandom& start,
   return {static_cast<Index>(start.randint(0, frames - length)), length};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

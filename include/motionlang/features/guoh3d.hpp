@@ -15,7 +15,7 @@
 #include <motionlang/geometry/rotation6d.hpp>
 #include <motionlang/kinematics/chain_kinematics.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The path of the root. `turn` takes directions of the world to those seen from the body.
 template <Scalar S>
@@ -129,4 +129,4 @@ std::vector<Vec3<S>> guoh3d_joints_from_rotations(const ChainSkeleton& skeleton,
                                   offsets);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -22,7 +22,7 @@
 #include <motionlang/geometry/rotation6d.hpp>
 #include <motionlang/kinematics/uniform_skeleton.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// As published, unless something is said.
 struct Guoh3dOptions {
@@ -233,4 +233,4 @@ std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Ve
   return guoh3d_features(skeleton, joints, std::span<const S>(lengths), options);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// From raw AMASS to the joints that HumanML3D begins with: which frames a row of index.csv takes, and the axes. The body
-/// is the caller's: a function that poses frames, such as a BodyModel of SMPL-H on the user's own model file.
+/// From raw AMASS to the joints that HumanML3D begins with: which frames a row of index.csv takes, and the axes. The
+/// body is the caller's: a function that poses frames, such as a BodyModel of SMPL-H on the user's own model file.
 ///
 /// Source   Guo et al. (CVPR 2022), raw_pose_processing.ipynb; spec humanml3d-features.md 8
-/// World    in: Z up, metres (AMASS); out: Y up, (x, y, z) -> (-x, z, y). HumanAct12 clips come as joints that are Y up and
-///          stay as they are, and the index is not applied to them.
+/// World    in: Z up, metres (AMASS); out: Y up, (x, y, z) -> (-x, z, y). HumanAct12 clips come as joints that are Y up
+///          and stay as they are, and the index is not applied to them.
 ///
 ///     const auto joints = humanml3d_source_joints<double>(row, frames, fps, [&](std::span<const Index> numbers) {
 ///       return posed_joints(model, sequence, numbers);      // (numbers.size(), J), J >= 22
@@ -20,7 +20,7 @@
 #include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/kinematics/body_model.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A row of index.csv: a clip is a part of a sequence.
 struct HumanMl3dSource {
@@ -32,7 +32,8 @@ struct HumanMl3dSource {
 };
 
 struct HumanMl3dSourceOptions {
-  /// The published program slices [start:-1], which leaves the last frame out where "to the end" is meant. true: it is kept.
+  /// The published program slices [start:-1], which leaves the last frame out where "to the end" is meant. true: it is
+  /// kept.
   bool keep_last_frame = false;
 };
 
@@ -58,8 +59,8 @@ inline Index humanml3d_lead(std::string_view source_path) {
   return frames;
 }
 
-/// The frames of a sequence that a row of the index takes: every floor(fps / 20)-th, behind the lead, from start to end.
-/// An end behind the last frame is the last frame, as Python slices are. Empty if the sequence is too short.
+/// The frames of a sequence that a row of the index takes: every floor(fps / 20)-th, behind the lead, from start to
+/// end. An end behind the last frame is the last frame, as Python slices are. Empty if the sequence is too short.
 /// Throws config_error 101 for a rate below 20 frames per second and for frames that are negative (but for end -1).
 inline std::vector<Index> humanml3d_source_frames(const HumanMl3dSource& row, Index frames, double fps,
                                                   const HumanMl3dSourceOptions& options = {}) {
@@ -138,4 +139,4 @@ std::vector<Vec3<typename B::scalar>> posed_joints(const BodyModel<B>& model, co
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

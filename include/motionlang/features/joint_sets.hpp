@@ -15,7 +15,7 @@
 
 #include <motionlang/geometry/vec.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// MMM's joints among the 73 points; 59 and 62 are the heels.
 inline constexpr std::array<std::size_t, 21> mmm_of_smplh{0, 3, 9, 12, 15, 16, 18, 20, 17, 19, 21,
@@ -50,4 +50,4 @@ std::vector<Vec3<S>> select_joints(std::string_view name, std::span<const Vec3<S
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -15,7 +15,7 @@
 
 #include <motionlang/kinematics/body_parts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Half-open range of positions.
 struct IndexRange {
@@ -160,7 +160,8 @@ constexpr std::array<FeatureRange, 7> guoh3dfeats_ranges_of(const Guoh3dSlots& s
       {rotations,
        "rotation of the bone that ends here relative to the one before it in its chain, of the first to the root: "
        "the first two columns of the matrix",
-       "1", {1, slots.joints}},
+       "1",
+       {1, slots.joints}},
       {velocities, "velocity to the next frame, seen from the body: x, y, z", speed, {0, slots.joints}},
       {feet, contacts, "1"},
   }};
@@ -174,8 +175,8 @@ inline constexpr auto guoh3dfeats_ranges = detail::guoh3dfeats_ranges_of(
 inline constexpr auto kit_ranges =
     detail::guoh3dfeats_ranges_of({21}, "m/640", "m/640/frame", "RMrot, RF, LMrot, LF: 1 if it stands, else 0");
 
-/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67 for SMPL's 22
-/// joints and with `kit_part_of_joint` TEMOS's 64.
+/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67
+/// for SMPL's 22 joints and with `kit_part_of_joint` TEMOS's 64.
 inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
   const Index joints = std::ssize(part_of_joint);
   if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
@@ -199,4 +200,4 @@ inline constexpr std::array<FeatureRange, 4> rifke64_ranges{{
     {{62, 64}, "velocity of the root since the frame before, seen from the body: x, z", "m/640/frame"},
 }};
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,22 +1,26 @@
 // SPDX-License-Identifier: MIT
-/// The feature vectors that systems are trained on, by name: from a clip to rows of numbers, and from these to joints and
-/// clips.
+/// The feature vectors that systems are trained on, by name: from a clip to rows of numbers, and from these to joints
+/// and clips.
 ///
 ///     const MotionFeatures& f = motion_features("guoh3d");
 ///     const auto rows = f.from_motion(resample(retarget(clip), f.fps));
 ///     const Motion back = motion_of_rows(f, rows);
 ///
 ///     guoh3d              263   20    HumanML3D's, of TMR   a row less than the clip has frames; positions alone
-///     kit                 251   12.5  KIT's, 21 joints of MMM, reflected, 640 units per metre, bones as long as the clip's; else as guoh3d
+///     kit                 251   12.5  KIT's, 21 joints of MMM, reflected, 640 units per metre, bones as long as the
+///                         clip's; else as guoh3d
 ///     rifke                67   12.5  TMR's canonical view, 22 joints; positions alone
-///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot); positions alone
+///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot);
+///                          positions alone
 ///     smplvelp            135   12.5  TEMOS on SMPL         with the exact heading, so that it is there and back
-///     smplvelp-published  135   12.5  TEMOS on SMPL         with the turn of its repository, which is no heading: see SmplVelpOptions
+///     smplvelp-published  135   12.5  TEMOS on SMPL         with the turn of its repository, which is no heading: see
+///                         SmplVelpOptions
 ///     smplrifke           205   20    STMC
-///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a camera
+///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a
+///                         camera
 /// Positions alone: the clip that comes back has rotations that fit them (motion_from_joints.hpp).
-/// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM: specs humanml3d-features.md
-///         1.2 and 10, temos.md 4.1 and 4.3
+/// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM: specs
+///         humanml3d-features.md 1.2 and 10, temos.md 4.1 and 4.3
 #pragma once
 
 #include <algorithm>  // find_if
@@ -30,7 +34,7 @@
 #include <motionlang/kinematics/motion_from_joints.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct MotionFeatures {
   std::string_view name;
@@ -40,8 +44,8 @@ struct MotionFeatures {
   const Skeleton& (*skeleton)();
   FeatureLayout (*layout)();             // which numbers belong to which body part
   std::span<const FeatureRange> ranges;  // what the numbers mean
-  /// The rows of a clip on SMPL's 24 joints, or on the joints of `skeleton`, that has the rate already. Throws config_error 103 if the
-  /// joints are others, shape_error 205 if it is too short.
+  /// The rows of a clip on SMPL's 24 joints, or on the joints of `skeleton`, that has the rate already. Throws
+  /// config_error 103 if the joints are others, shape_error 205 if it is too short.
   std::vector<double> (*from_motion)(const Motion& motion);
   /// (frames, joints), Y up, from the origin on. Throws shape_error 205.
   std::vector<Vec3<double>> (*joints_of)(std::span<const double> rows);
@@ -64,8 +68,8 @@ Motion motion_of_smplvelp(const SmplVelpMotion<S>& from, double fps) {
   return out;
 }
 
-/// Rotations and the way of the root as ACTOR and MDM have them of videos, as a clip on SMPL's 24 joints, on the floor. In the world of
-/// the camera the figure stands on its head: it is turned by 180 degrees about x.
+/// Rotations and the way of the root as ACTOR and MDM have them of videos, as a clip on SMPL's 24 joints, on the floor.
+/// In the world of the camera the figure stands on its head: it is turned by 180 degrees about x.
 template <Scalar S>
 Motion motion_of_actor(const ActorMotion<S>& from, double fps) {
   const auto upright = axis_rotation(0, std::numbers::pi);
@@ -122,7 +126,8 @@ inline constexpr double mmm_units_per_metre = 640;
 
 /// MMM's joints of every frame as KIT has them and TEMOS makes them: reflected, Y up.
 inline std::vector<Vec3<double>> mmm_joints_of(const Motion& motion) {
-  const bool own = motion.skeleton.names == kit21_skeleton().names && motion.skeleton.parents == kit21_skeleton().parents;
+  const bool own =
+      motion.skeleton.names == kit21_skeleton().names && motion.skeleton.parents == kit21_skeleton().parents;
   if (!own) require_smpl24(motion);
   auto joints = (own ? motion : retarget(motion, kit21_skeleton())).positions();
   for (Vec3<double>& p : joints) p = mmm_units_per_metre * Vec3<double>{-p.x, p.y, p.z};
@@ -148,7 +153,8 @@ inline std::vector<Vec3<double>> mmm_in_metres(std::vector<Vec3<double>> joints)
 inline std::vector<double> kit_rows_of(const Motion& motion) {
   const auto joints = mmm_joints_of(motion);
   const std::span<const Vec3<double>> all(joints);
-  const auto lengths = joints.empty() ? std::vector<double>(mmm_joints) : bone_lengths(kit_chains(), all.first(mmm_joints));
+  const auto lengths =
+      joints.empty() ? std::vector<double>(mmm_joints) : bone_lengths(kit_chains(), all.first(mmm_joints));
   return guoh3d_features(kit_chains(), all, std::span<const double>(lengths));
 }
 inline std::vector<Vec3<double>> joints_of_kit(std::span<const double> rows) {
@@ -209,7 +215,9 @@ inline std::vector<double> actor_rows_of_motion(const Motion& motion, const Acto
 namespace detail {
 
 inline std::vector<double> actor_rows_of(const Motion& motion) { return actor_rows_of_motion(motion); }
-inline Motion actor_motion(std::span<const double> rows, double fps) { return motion_of_actor(actor_inverse(rows), fps); }
+inline Motion actor_motion(std::span<const double> rows, double fps) {
+  return motion_of_actor(actor_inverse(rows), fps);
+}
 inline std::vector<Vec3<double>> joints_of_actor(std::span<const double> rows) {
   return first_joints(actor_motion(rows, 20), 22);
 }
@@ -251,7 +259,8 @@ inline Motion motion_of_rows(const MotionFeatures& features, std::span<const dou
   const auto odd = std::find_if(rows.begin(), rows.end(), [](double x) { return !std::isfinite(x); });
   if (odd != rows.end()) {
     const Index at = odd - rows.begin();
-    raise<numeric_error>(301, "motion_of_rows: number ", at % features.width, " of frame ", at / features.width, " is not finite");
+    raise<numeric_error>(301, "motion_of_rows: number ", at % features.width, " of frame ", at / features.width,
+                         " is not finite");
   }
   if (features.to_motion != nullptr) {
     Motion out = features.to_motion(rows, rate);
@@ -270,4 +279,4 @@ inline const MotionFeatures& motion_features(std::string_view name) {
                       join_text(all_motion_features, ", ", [](const MotionFeatures& f) { return f.name; }));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -5,7 +5,7 @@
 #include <motionlang/tensor/module.hpp>
 #include <motionlang/tensor/ops.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
 /// Statistics are saved with a model but not trained. eps matters only where std is 0.
@@ -33,4 +33,4 @@ struct Normalizer {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

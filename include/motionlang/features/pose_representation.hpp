@@ -20,7 +20,7 @@
 #include <motionlang/features/layout.hpp>
 #include <motionlang/geometry/pytorch3d.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class PoseRepresentation : int { rotvec, rotquat, rotmat, rot6d };
 inline constexpr std::array<std::string_view, 4> pose_representation_names{"rotvec", "rotquat", "rotmat", "rot6d"};
@@ -100,7 +100,8 @@ struct ActorFeatureOptions {
 /// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
 inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
 
-/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the legs: 150.
+/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the
+/// legs: 150.
 inline FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
                                   const ActorFeatureOptions& options = {}) {
   const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
@@ -201,4 +202,4 @@ std::vector<S> actor_joint_features(std::span<const Vec3<S>> positions, Index jo
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -23,7 +23,7 @@
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/kinematics/smoothing.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One of the published variants, or one of one's own.
 struct RifkeVariant {
@@ -202,4 +202,4 @@ std::vector<Vec3<S>> rifke_joints(const RifkeVariant& variant, std::span<const S
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

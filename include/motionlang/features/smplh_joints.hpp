@@ -5,7 +5,7 @@
 #include <motionlang/features/joint_sets.hpp>
 #include <motionlang/kinematics/body.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One sequence on a body of shape 0. name: a set of joint_sets.hpp, or "vertices".
 /// rotations    (frames, 22 or 52, 9), row by row; 22 leave the hands in their mean pose
@@ -33,4 +33,4 @@ Tensor<B, 3> smplh_joints(std::string_view name, const Body<B>& body, const Tens
   return Tensor<B, 3>::from(out, {frames, std::ssize(joints) / std::max<Index>(frames, 1), 3});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -22,7 +22,7 @@
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/kinematics/standard.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 inline constexpr Index smplrifke_size = 205, smplrifke_rotations = 22, smplrifke_joints = 24;
 
@@ -224,4 +224,4 @@ Motion smplrifke_to_motion(std::span<const S> features, const SmplRifkeOptions& 
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

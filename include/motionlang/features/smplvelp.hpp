@@ -13,7 +13,7 @@
 #include <motionlang/features/pose_representation.hpp>
 #include <motionlang/features/smplrifke.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct SmplVelpOptions {
   PoseRepresentation rotations = PoseRepresentation::rot6d;
@@ -32,8 +32,9 @@ struct SmplVelpMotion {
 };
 
 /// smplvelp: the root's height and velocity, then a rotation of each joint as above: 135 for 22 joints in 6D.
-inline FeatureLayout smplvelp_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
-                                     PoseRepresentation rotations = PoseRepresentation::rot6d) {
+inline FeatureLayout smplvelp_layout(
+    std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
+    PoseRepresentation rotations = PoseRepresentation::rot6d) {
   const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(rotations);
   if (joints < 1) raise<config_error>(101, "smplvelp_layout: no joints");
   return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, [=](Index i) {
@@ -104,4 +105,4 @@ SmplVelpMotion<S> smplvelp_inverse(std::span<const S> features, Index joints = 2
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -20,7 +20,7 @@
 
 #include <motionlang/features/layout.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class FeatureStatistics {
  public:
@@ -88,4 +88,4 @@ inline std::vector<double> group_means(std::vector<double> values, std::span<con
   return values;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

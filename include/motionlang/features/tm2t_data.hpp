@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What TM2T's tokenizer is trained on: its statistics, the windows of the clips, the frames that become tokens. And how
-/// often its decoder is shown the truth.
+/// What TM2T's tokenizer is trained on: its statistics, the windows of the clips, the frames that become tokens. And
+/// how often its decoder is shown the truth.
 ///
 /// Source  TM2T (Guo et al., ECCV 2022), data/dataset.py, networks/trainers.py; spec tm2t.md 1, 2, 5.1
 #pragma once
@@ -12,7 +12,7 @@
 #include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/features/layout.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The deviations by which features are divided: those of turn, velocity and height of the root and of the contacts are
 /// made smaller, so that these count more.
@@ -41,8 +41,9 @@ struct ClipWindow {
   Index clip = 0, start = 0;
   bool operator==(const ClipWindow&) const = default;
 };
-/// As published item 0 is the beginning of the first clip that is as long as a window, and item i > 0 is start i - c - 1 of
-/// the clip with c < i <= c + n, where c counts the windows before it: the last start of each clip is missing. Throws config_error 101 for a window below 1.
+/// As published item 0 is the beginning of the first clip that is as long as a window, and item i > 0 is start i - c -
+/// 1 of the clip with c < i <= c + n, where c counts the windows before it: the last start of each clip is missing.
+/// Throws config_error 101 for a window below 1.
 inline std::vector<ClipWindow> tm2t_windows(std::span<const Index> lengths, Index window = 64) {
   if (window < 1) raise<config_error>(101, "tm2t_windows: windows of ", window);
   std::vector<ClipWindow> out;
@@ -75,4 +76,4 @@ struct TeacherForcing {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

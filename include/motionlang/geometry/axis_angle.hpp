@@ -4,7 +4,7 @@
 
 #include <motionlang/geometry/quaternion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <class S>
 struct AxisAngle {
@@ -56,4 +56,4 @@ auto to_axis_angle(const R& r) {
 }
 static_assert(Rotation<AxisAngle<double>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

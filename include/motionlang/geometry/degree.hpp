@@ -6,8 +6,8 @@
 
 #include <motionlang/version.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 inline constexpr double degree = std::numbers::pi / 180;
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

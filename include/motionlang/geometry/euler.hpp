@@ -11,7 +11,7 @@
 
 #include <motionlang/geometry/matrix.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Three axes, 0 = x, 1 = y, 2 = z; neighbours differ.
 struct EulerOrder {
@@ -90,4 +90,4 @@ auto to_euler(const R& rotation, EulerOrder order, double last = 0.0) {
 }
 static_assert(Rotation<EulerAngles<double>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

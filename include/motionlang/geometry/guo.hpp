@@ -7,14 +7,15 @@
 /// Source  Guo et al. (CVPR 2022), common/quaternion.py; spec humanml3d-features.md 11b
 #pragma once
 
-#include <span>     // rotations
-#include <vector>   // continuous
+#include <span>    // rotations
+#include <vector>  // continuous
 
 #include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/geometry/degree.hpp>
 #include <motionlang/geometry/euler.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::guo {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace guo {
 
 /// The shortest rotation from a to b, of any length:  q ~ (|a||b| + a . b, a x b).  NaN for opposite vectors.
 /// lengths = |a||b|, where it is known.
@@ -73,4 +74,5 @@ Quaternion<S> from_euler_degrees(const Vec3<S>& angles, EulerOrder order) {
   return (order.axis[1] - order.axis[0] + 3) % 3 == 1 ? -q : q;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::guo
+}  // namespace guo
+MOTIONLANG_NAMESPACE_END

@@ -8,7 +8,7 @@
 
 #include <motionlang/geometry/vec.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Three by three numbers, row by row: m[3 * row + column].
 template <class S>
@@ -69,4 +69,4 @@ concept Rotation = requires(const R& r) {
   to_matrix(r).m;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -10,7 +10,8 @@
 #include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/geometry/rotation6d.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::pytorch3d {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace pytorch3d {
 
 /// w = sqrt(max(0, 1 + m00 + m11 + m22)) / 2, ...; signs of x, y, z are those of the antisymmetric part (0 counts as
 /// +).
@@ -49,4 +50,5 @@ Matrix3<S> rodrigues(const Vec3<S>& v) {
   return r;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::pytorch3d
+}  // namespace pytorch3d
+MOTIONLANG_NAMESPACE_END

@@ -4,7 +4,7 @@
 
 #include <motionlang/geometry/matrix.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <class S>
 struct Quaternion {
@@ -91,4 +91,4 @@ auto to_quaternion(const R& r) {
 }
 static_assert(Rotation<Quaternion<double>> && Rotation<Matrix3<float>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

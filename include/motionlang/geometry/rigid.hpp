@@ -4,7 +4,7 @@
 
 #include <motionlang/geometry/matrix.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// x -> R x + t.
 template <class S>
@@ -24,4 +24,4 @@ Rigid<S> inverse(const Rigid<S>& a) {
   return {r, -(r * a.translation)};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -8,7 +8,7 @@
 
 #include <motionlang/geometry/matrix.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <class S>
 struct Rotation6dRows {
@@ -45,4 +45,4 @@ auto to_rotation6d_columns(const R& r) {
 }
 static_assert(Rotation<Rotation6dRows<double>> && Rotation<Rotation6dColumns<double>>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

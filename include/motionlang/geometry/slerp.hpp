@@ -4,7 +4,7 @@
 
 #include <motionlang/geometry/so3.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Spherical linear interpolation: a at t = 0, b at t = 1, constant angular velocity in between.
 ///     slerp = (sin((1-t) h) a + sin(t h) b) / sin h,   h = angle between the quaternions (shorter arc)
@@ -21,4 +21,4 @@ Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& other, const S&
   return normalized(wa * a + wb * b);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

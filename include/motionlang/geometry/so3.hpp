@@ -4,7 +4,7 @@
 
 #include <motionlang/geometry/axis_angle.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// a after b: the matrix A B.
 template <Rotation A, Rotation B>
@@ -63,4 +63,4 @@ Quaternion<S> rotation_between(const Vec3<S>& from, const Vec3<S>& to) {
                                   where_less(w, tiny, any.y, c.y), where_less(w, tiny, any.z, c.z)});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

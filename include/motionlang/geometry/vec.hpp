@@ -4,7 +4,7 @@
 
 #include <motionlang/core/concepts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <class S>
 struct Vec3 {
@@ -61,4 +61,4 @@ Vec3<S> vec_cast(const Vec3<T>& a) {
   return {S(a.x), S(a.y), S(a.z)};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The kernels of the Eigen and xtensor backends in float, and the search that uses them, compiled once for motionlang::instantiated.
+// The kernels of the Eigen and xtensor backends in float, and the search that uses them, compiled once for
+// motionlang::instantiated.
 #include <motionlang/backend/detail/kernel_ops_impl.hpp>
 #include <motionlang/search/detail/row_scan_impl.hpp>
 

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT
 /// ACTOR and the classifiers that judge it from their published checkpoints: sizes come from the shapes of the tensors.
 ///
-///     const auto actor = load_actor<B>(open_weights(run.weights), run);     // run = find_run("exps/humanact12"); or io/vae_run.hpp
-///     const auto gru = load_gru_classifier<B>(open_weights("models/actionrecognition/humanact12_gru.tar"));
-///     const auto stgcn = load_stgcn<B>(open_weights("models/actionrecognition/uestc_rot6d_stgcn.tar"));
+///     const auto actor = load_actor<B>(open_weights(run.weights), run);     // run = find_run("exps/humanact12"); or
+///     io/vae_run.hpp const auto gru =
+///     load_gru_classifier<B>(open_weights("models/actionrecognition/humanact12_gru.tar")); const auto stgcn =
+///     load_stgcn<B>(open_weights("models/actionrecognition/uestc_rot6d_stgcn.tar"));
 ///
-/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames, max_len,
-///          sampling, sampling_step, jointstype. Without it the published values: 6D rotations, GELU, 4 heads, none, 60
-///          consecutive frames, vertices
+/// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames,
+///          max_len, sampling, sampling_step, jointstype. Without it the published values: 6D rotations, GELU, 4 heads,
+///          none, 60 consecutive frames, vertices
 /// Ignored  tables of positions (*.pe), SMPL
-/// Throws   io_error 404 for variants that are not known, 406, 407 if names or shapes do not match; config_error 102 where options and
-///          tensors differ, 101, 103, 107 for options that mean nothing; numeric_error 301 for a number that is none
+/// Throws   io_error 404 for variants that are not known, 406, 407 if names or shapes do not match; config_error 102
+///          where options and tensors differ, 101, 103, 107 for options that mean nothing; numeric_error 301 for a
+///          number that is none
 /// Source   spec actor.md 2.8, 3.1, 3.2, 6.3, 7.2, 7.3
 #pragma once
 
@@ -19,7 +21,7 @@
 #include <motionlang/metrics/stgcn.hpp>
 #include <motionlang/systems/actor.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -120,8 +122,9 @@ inline void check_actor_room(const TensorSet& file, const ActorConfig& c) {
 
 }  // namespace detail
 
-/// Frames of the longest motions that a run learned from: num_frames. Where that is -1 (whole clips) or -2 (windows of any length)
-/// it is max_len, and where this is -1 as well what the table of positions has room for, beside two tokens. Spec actor.md 6.3
+/// Frames of the longest motions that a run learned from: num_frames. Where that is -1 (whole clips) or -2 (windows of
+/// any length) it is max_len, and where this is -1 as well what the table of positions has room for, beside two tokens.
+/// Spec actor.md 6.3
 inline Index actor_longest(const RunFolder& run, const TensorSet& weights, const ActorConfig& config) {
   const detail::RunReader r(run, weights, "");
   const auto frames = [&r](const char* key, Index otherwise, Index least) {
@@ -214,4 +217,4 @@ StGcn<B> load_stgcn(const TensorSet& file) {
   return model;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

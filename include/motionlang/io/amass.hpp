@@ -14,7 +14,7 @@
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/kinematics/standard.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Y up (this library) to Z up (AMASS) and back: a quarter turn about x.
 inline Vec3<double> y_up_to_z_up(const Vec3<double>& v) { return {v.x, -v.z, v.y}; }
@@ -98,8 +98,9 @@ inline Quaternion<double> amass_rotation(const AmassSequence& sequence, Index fr
 
 }  // namespace detail
 
-/// The body joints of a sequence: SMPL (72 columns), SMPL-H (156) or SMPL-X (165); fingers and face are dropped, the two hand
-/// joints stay at rest. Bones are those of smpl24_skeleton(), whatever betas say. Throws numeric_error 301 if a value is not finite
+/// The body joints of a sequence: SMPL (72 columns), SMPL-H (156) or SMPL-X (165); fingers and face are dropped, the
+/// two hand joints stay at rest. Bones are those of smpl24_skeleton(), whatever betas say. Throws numeric_error 301 if
+/// a value is not finite
 inline Motion amass_motion(const AmassSequence& sequence, std::string name, const Vec3<double>& rest_pelvis = {}) {
   Motion motion{smpl24_skeleton(), sequence.fps, {}, {}, std::move(name)};
   const Index joints = motion.skeleton.size();
@@ -118,8 +119,8 @@ inline Motion amass_motion(const AmassSequence& sequence, std::string name, cons
   return motion;
 }
 
-/// Reads the body joints of an AMASS file. fps: as for read_amass_sequence. Throws as that does, and numeric_error 301 if
-/// a value is not finite.
+/// Reads the body joints of an AMASS file. fps: as for read_amass_sequence. Throws as that does, and numeric_error 301
+/// if a value is not finite.
 inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}, double fps = 0) {
   AmassSequence sequence = read_amass_sequence(path, fps);
   AmassClip clip{amass_motion(sequence, path.stem(), rest_pelvis), {}};
@@ -128,8 +129,9 @@ inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvi
   return clip;
 }
 
-/// Joint positions as (frames, joints, 3) in float32, Z up: what STMC saves and its evaluation reads. Joints stand in the order of the
-/// skeleton; readers take 22 or 24 for SMPL's. Throws io_error 401, numeric_error 301 for a position that float32 cannot hold.
+/// Joint positions as (frames, joints, 3) in float32, Z up: what STMC saves and its evaluation reads. Joints stand in
+/// the order of the skeleton; readers take 22 or 24 for SMPL's. Throws io_error 401, numeric_error 301 for a position
+/// that float32 cannot hold.
 inline void write_joints_npy(const FilePath& path, const Motion& motion) {
   motion.validate();
   std::vector<float> values;
@@ -162,4 +164,4 @@ inline JointPositions read_joints_npy(const FilePath& path) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

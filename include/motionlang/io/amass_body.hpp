@@ -10,14 +10,15 @@
 #include <motionlang/io/amass.hpp>
 #include <motionlang/kinematics/body_motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct AmassOnBody {
-  Motion motion;                           // on the body's joints, turned to Y up
-  std::vector<typename B::scalar> betas;   // the file's, as many as the body has, if it has these shapes; the others are 0
-  std::vector<std::string> parts{};        // that move in the file besides the 22 body joints: "left hand", ...
-  std::vector<std::string> left_out{};     // those of them that the body does not have
+  Motion motion;  // on the body's joints, turned to Y up
+  std::vector<typename B::scalar>
+      betas;                            // the file's, as many as the body has, if it has these shapes; the others are 0
+  std::vector<std::string> parts{};     // that move in the file besides the 22 body joints: "left hand", ...
+  std::vector<std::string> left_out{};  // those of them that the body does not have
 };
 
 namespace detail {
@@ -54,22 +55,26 @@ inline bool has_shapes_of(const AmassSequence& sequence, BodyKind body) {
   return (body_kind_of(sequence.columns / 3) == BodyKind::smplx) == (body == BodyKind::smplx);
 }
 
-/// A part whose numbers are all 0 in the file is not in it: hands then have the mean pose of the body's, as in motion_on_body.
+/// A part whose numbers are all 0 in the file is not in it: hands then have the mean pose of the body's, as in
+/// motion_on_body.
 /// Throws  config_error 106 for a body of another kind, numeric_error 301 if a value is not finite
 template <Backend B>
 AmassOnBody<B> amass_on_body(const AmassSequence& sequence, const std::string& name, const Body<B>& body) {
   using S = typename B::scalar;
   if (body.kind == BodyKind::other)
-    raise<config_error>(106, "amass_on_body: a body of ", body.model.joints(), " joints is none of SMPL, SMPL-H and SMPL-X");
+    raise<config_error>(106, "amass_on_body: a body of ", body.model.joints(),
+                        " joints is none of SMPL, SMPL-H and SMPL-X");
   const Index coefficients = body.model.shapedirs.size(1);
   std::vector<S> betas(static_cast<std::size_t>(coefficients), S(0));
   const Index common =
       has_shapes_of(sequence, body.kind) ? std::min(std::ssize(sequence.betas), coefficients - body.expressions) : 0;
-  std::transform(sequence.betas.begin(), sequence.betas.begin() + common, betas.begin(), [](double b) { return static_cast<S>(b); });
+  std::transform(sequence.betas.begin(), sequence.betas.begin() + common, betas.begin(),
+                 [](double b) { return static_cast<S>(b); });
 
   const Skeleton skeleton = body_skeleton(body, std::span<const S>(betas));
   Motion motion = amass_motion(sequence, name, skeleton.offset(0));
-  std::copy_n(skeleton.offsets.begin(), detail::amass_joints, motion.skeleton.offsets.begin());  // its legs: the path is not scaled
+  // its legs: the path is not scaled
+  std::copy_n(skeleton.offsets.begin(), detail::amass_joints, motion.skeleton.offsets.begin());
   AmassOnBody<B> out{motion_on_body(body, motion, std::span<const S>(betas)), betas};
   const auto names = body_joint_names(body_kind_of(sequence.columns / 3), sequence.columns / 3);
   for (const detail::AmassPart& part : detail::amass_parts(sequence.columns)) {
@@ -78,11 +83,12 @@ AmassOnBody<B> amass_on_body(const AmassSequence& sequence, const std::string& n
     (own >= 0 ? out.parts : out.left_out).emplace_back(part.name);
     for (Index frame = 0; own >= 0 && frame < sequence.frames; ++frame) {
       for (Index j = 0; j < part.count; ++j)
-        out.motion.rotations(frame)[static_cast<std::size_t>(own + j)] = detail::amass_rotation(sequence, frame, part.first + j);
+        out.motion.rotations(frame)[static_cast<std::size_t>(own + j)] =
+            detail::amass_rotation(sequence, frame, part.first + j);
     }
   }
   out.motion.validate();
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// AMASS files as they stand, for a body model: all rotation vectors, shape and gender, world Z up. As a Motion on SMPL's
-/// bones: amass.hpp.
+/// AMASS files as they stand, for a body model: all rotation vectors, shape and gender, world Z up. As a Motion on
+/// SMPL's bones: amass.hpp.
 ///
 /// Source  Mahmood et al. (ICCV 2019); spec body-models.md 6
 #pragma once
@@ -15,7 +15,7 @@
 #include <motionlang/io/npz.hpp>
 #include <motionlang/io/pickle.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -58,8 +58,8 @@ void join_pose_parts(const NpzArchive& npz, const PosePartNames& names, const Ma
   }
 }
 
-/// The gender of a file that has one: a text, or an array of one, or either as an object of Python, which is read and not
-/// run. Throws io_error 402 to 407 for anything else.
+/// The gender of a file that has one: a text, or an array of one, or either as an object of Python, which is read and
+/// not run. Throws io_error 402 to 407 for anything else.
 inline std::string amass_gender(const ZipArchive& zip) {
   const std::vector<std::byte> bytes = zip.read(*zip.find("gender.npy"));
   const std::string where = concat_text(zip.name(), "/gender");
@@ -78,8 +78,8 @@ inline void require_finite_betas(const std::string& file, std::span<const double
 
 }  // namespace detail
 
-/// The array that the poses of a sequence begin with: "poses", or "root_orient" or "global_orient" where they are stored
-/// in parts. "" where the archive holds no sequence, as the shape.npz files beside them.
+/// The array that the poses of a sequence begin with: "poses", or "root_orient" or "global_orient" where they are
+/// stored in parts. "" where the archive holds no sequence, as the shape.npz files beside them.
 inline std::string_view amass_poses(const NpzArchive& npz) {
   if (npz.has("poses")) return "poses";
   for (const detail::PosePartNames& names : detail::pose_part_names) {
@@ -98,12 +98,12 @@ inline std::optional<double> amass_rate(const NpzArchive& npz) {
 
 /// A sequence of SMPL (72 columns), SMPL-H (156, mocap_framerate) or SMPL-X (165, mocap_frame_rate), whose poses
 /// may be stored in parts (root_orient, pose_body, ...), also by the names that smplx has for them (global_orient,
-/// body_pose, transl, ...). The gender may be a text or an array of one, as in SSM_synced, or that as an object of Python.
-/// Of betas for each frame, the first are taken.
+/// body_pose, transl, ...). The gender may be a text or an array of one, as in SSM_synced, or that as an object of
+/// Python. Of betas for each frame, the first are taken.
 /// fps     frames per second of a file that does not say them; 0: it is refused
-/// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are no
-///         motion), 407 if one has another shape, 403 for an impossible frame rate; config_error 102 if the file says
-///         another rate; numeric_error 301 if a number of betas is not finite
+/// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are
+///         no motion), 407 if one has another shape, 403 for an impossible frame rate; config_error 102 if the file
+///         says another rate; numeric_error 301 if a number of betas is not finite
 inline AmassSequence read_amass_sequence(const FilePath& path, double fps = 0) {
   const ZipArchive zip = ZipArchive::open(path);
   const NpzArchive npz(zip);
@@ -152,4 +152,4 @@ inline AmassSequence read_amass_sequence(const FilePath& path, double fps = 0) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -14,7 +14,7 @@
 #include <motionlang/io/file.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct AmcReadOptions {
   double fps = 120;  // the format does not say it
@@ -132,8 +132,8 @@ class AmcParser {
 
   TextScanner scan_;
   const AsfSkeleton& asf_;
-  std::size_t limit_;  // of rotations
-  double unit_;        // radians per unit of the angles
+  std::size_t limit_;               // of rotations
+  double unit_;                     // radians per unit of the angles
   std::uint64_t number_ = 0;        // of the frame
   std::vector<std::size_t> named_;  // frames that there were when a bone was named last
   Motion motion_;
@@ -141,10 +141,10 @@ class AmcParser {
 
 }  // namespace detail
 
-/// Reads the text of an AMC file that belongs to the skeleton. Bones that no frame names rest; translations count for the
-/// root only. Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after the
-/// other, bones that a frame names twice or, unlike others, not at all), 405 (far more bones than numbers), config_error 101 (fps),
-/// numeric_error 301 (numbers so large that they overflow).
+/// Reads the text of an AMC file that belongs to the skeleton. Bones that no frame names rest; translations count for
+/// the root only. Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after
+/// the other, bones that a frame names twice or, unlike others, not at all), 405 (far more bones than numbers),
+/// config_error 101 (fps), numeric_error 301 (numbers so large that they overflow).
 inline Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options = {},
                         std::string_view name = "AMC text") {
   return detail::AmcParser(text, name, asf).parse(options.fps);
@@ -154,4 +154,4 @@ inline Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcRe
   return parse_amc(read_file(path), asf, options, path.string());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

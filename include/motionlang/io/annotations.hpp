@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The annotation JSON of TMR and STMC: which texts describe which seconds of which AMASS sequence. Read entry by entry,
-/// written in the published layout.
+/// The annotation JSON of TMR and STMC: which texts describe which seconds of which AMASS sequence. Read entry by
+/// entry, written in the published layout.
 ///
 ///     {"000000": {"path": "KIT/3/kick_high_left02_poses", "duration": 5.82, "annotations": [
 ///         {"seg_id": "000000_0", "text": "a man kicks.", "start": 0.0, "end": 5.82}, ...]}, ...}
@@ -24,7 +24,7 @@
 #include <motionlang/io/json_members.hpp>
 #include <motionlang/text/mirror_caption.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct Annotation {
   std::string seg_id;  // "<id>_<number>"
@@ -151,4 +151,4 @@ inline void write_annotations(const FilePath& path, std::span<const AnnotatedMot
   write_file(path, annotations_json(motions));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -24,7 +24,7 @@
 #include <motionlang/io/json_members.hpp>
 #include <motionlang/text/unicode.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct BabelLabel {
   std::string raw_label, proc_label, seg_id;
@@ -51,7 +51,8 @@ struct BabelSequence {
   bool operator==(const BabelSequence&) const = default;
 };
 
-/// A file that is being read: train, val, test (no labels), extra_train, extra_val (several annotations for a sequence).
+/// A file that is being read: train, val, test (no labels), extra_train, extra_val (several annotations for a
+/// sequence).
 class BabelFile {
  public:
   /// What is open already.
@@ -133,8 +134,8 @@ class BabelFile {
 /// What a word of a label is replaced by: "foward" by "forward", or by several words, or by none.
 using SpellingTable = std::unordered_map<std::string, std::string>;
 
-/// The label word by word through the table, joined by single blanks, which also surround words that are replaced by nothing. The
-/// published table is the user's to supply.
+/// The label word by word through the table, joined by single blanks, which also surround words that are replaced by
+/// nothing. The published table is the user's to supply.
 inline std::string clean_babel_label(std::string_view label, const SpellingTable& spelling = {}) {
   std::string out;
   const char* blank = "";
@@ -147,8 +148,8 @@ inline std::string clean_babel_label(std::string_view label, const SpellingTable
 }
 
 /// The stretches of an annotation in a motion of `frames` frames, in the order of the file and nothing left out:
-/// int(start fps) up to int(end fps), cut at the end of the motion, perhaps empty. Throws config_error 101 for a rate that is
-/// none.
+/// int(start fps) up to int(end fps), cut at the end of the motion, perhaps empty. Throws config_error 101 for a rate
+/// that is none.
 inline std::vector<BabelSegment> babel_intervals(std::span<const BabelLabel> labels, double fps, Index frames,
                                                  const SpellingTable& spelling = {}) {
   if (!(fps > 0 && std::isfinite(fps))) raise<config_error>(101, "babel_intervals: ", fps, " frames per second");
@@ -193,7 +194,9 @@ inline AnnotatedMotion annotated_motion(const BabelSequence& sequence, const Spe
     raise<io_error>(403, "BABEL: ", id, ": ", sequence.feat_p.empty() ? "no feat_p" : "no dur");
   const bool number = id.find_first_not_of("0123456789") == id.npos;
   AnnotatedMotion out{number && id.size() < 5 ? std::string(5 - id.size(), '0') + id : id,
-                      sequence.feat_p.substr(sequence.feat_p.find('/') + 1), sequence.dur, {}};
+                      sequence.feat_p.substr(sequence.feat_p.find('/') + 1),
+                      sequence.dur,
+                      {}};
   if (out.path.ends_with(".npz")) out.path.resize(out.path.size() - 4);
   for (const auto* annotations : {&sequence.sequence_annotations, &sequence.frame_annotations}) {
     for (const BabelAnnotation& a : *annotations) {
@@ -208,4 +211,4 @@ inline AnnotatedMotion annotated_motion(const BabelSequence& sequence, const Spe
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The user's own SMPL, SMPL-H and SMPL-X files, .npz or .pkl, as body models. The form of a file is told by its content,
-/// the kind of body by its number of joints; a body of any other number of joints is read, too. No file of these is or may be
-/// part of this library.
+/// The user's own SMPL, SMPL-H and SMPL-X files, .npz or .pkl, as body models. The form of a file is told by its
+/// content, the kind of body by its number of joints; a body of any other number of joints is read, too. No file of
+/// these is or may be part of this library.
 ///
 ///     auto file = find_body_file("models", BodyKind::smplh);
 ///     auto body = read_body<EigenBackend<float>>(file, {.betas = 16});
@@ -18,14 +18,15 @@
 #include <motionlang/io/pickle_arrays.hpp>
 #include <motionlang/kinematics/body.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct BodyFileOptions {
-  Index betas = 10;       // coefficients of shape, which the file must have
-  Index most_betas = 0;   // so many of a file that has more of them than `betas`
+  Index betas = 10;      // coefficients of shape, which the file must have
+  Index most_betas = 0;  // so many of a file that has more of them than `betas`
   /// SMPL-X: coefficients of expression, which follow those of shape. -1: those that the file has, up to 10.
   Index expressions = -1;
-  /// SMPL-X: directions of shape in the file. 0: known of files with 400 directions (300) and 20 (10), in others all of them.
+  /// SMPL-X: directions of shape in the file. 0: known of files with 400 directions (300) and 20 (10), in others all of
+  /// them.
   Index shape_directions = 0;
   bool extra_points =
       true;  // nose, eyes, ears, feet, finger tips (kinematics/body.hpp), if the vertices are those of the kind
@@ -47,14 +48,16 @@ class BodyArrays {
     if (const auto* npz = std::get_if<NpzArchive>(&source_)) return npz->read(name);
     return to_array(std::get<Pickle>(source_).root()[name]);
   }
-  /// An array of this shape; a size below 0 may be any. Throws io_error 407, numeric_error 301 if a number is not finite.
+  /// An array of this shape; a size below 0 may be any. Throws io_error 407, numeric_error 301 if a number is not
+  /// finite.
   template <class T>
   std::vector<T> read(const char* name, std::vector<Index> wanted, std::vector<Index>* found = nullptr) const {
     const NpyArray array = read(name);
     bool fits = array.shape.size() == wanted.size();
     for (std::size_t i = 0; fits && i < wanted.size(); ++i) fits = wanted[i] < 0 || array.shape[i] == wanted[i];
-    if (!fits) raise<io_error>(407, file_, ": '", name, "' is ", detail::shape_text(array.shape), ", expected ",
-                               detail::shape_text(wanted));
+    if (!fits)
+      raise<io_error>(407, file_, ": '", name, "' is ", detail::shape_text(array.shape), ", expected ",
+                      detail::shape_text(wanted));
     if (found != nullptr) *found = array.shape;
     std::vector<T> values = array.to<T>();
     for (const T x : values) {
@@ -140,7 +143,8 @@ std::optional<HandPoses<B>> hand_poses(const BodyArrays& arrays, const char* com
   return HandPoses<B>{Tensor<B, 2>::from(rows, {shape[0], 45}), Tensor<B, 1>::from(arrays.read<S>(mean, {45}), {45})};
 }
 
-/// Where the directions of expression begin: 300 shape and 100 expression directions in new files, 10 and 10 in old ones.
+/// Where the directions of expression begin: 300 shape and 100 expression directions in new files, 10 and 10 in old
+/// ones.
 inline Index first_expression(BodyKind kind, Index directions, Index told) {
   if (kind != BodyKind::smplx) return directions;
   if (told > 0) return std::min(told, directions);
@@ -174,8 +178,8 @@ inline bool readable(const FilePath& path) { return ::access(path.c_str(), R_OK)
 
 }  // namespace detail
 
-/// Throws  io_error 401 to 407 for files that cannot be read or are not a body, numeric_error 301 for numbers that are not finite,
-///         config_error 101 if the file has fewer coefficients than asked for
+/// Throws  io_error 401 to 407 for files that cannot be read or are not a body, numeric_error 301 for numbers that are
+///         not finite, config_error 101 if the file has fewer coefficients than asked for
 template <Backend B>
 Body<B> read_body(const FilePath& path, const BodyFileOptions& options = {}) {
   using S = typename B::scalar;
@@ -246,7 +250,8 @@ HandPoses<B> read_hand(const FilePath& path) {
 
 /// The file of a body below a folder, under one of its usual names: smpl/SMPL_NEUTRAL.pkl, smplh/SMPLH_MALE.npz,
 /// smplh/female/model.npz, smplx/SMPLX_NEUTRAL.npz, and the names of the downloads.
-/// Throws  io_error 401, which says where the file can be had, if there is none; config_error 101 for a body of kind `other`
+/// Throws  io_error 401, which says where the file can be had, if there is none; config_error 101 for a body of kind
+///         `other`
 inline FilePath find_body_file(const FilePath& root, BodyKind kind, BodyGender gender = BodyGender::neutral) {
   if (kind == BodyKind::other) raise<config_error>(101, "find_body_file: a body of kind 'other' has no usual name");
   struct Names {
@@ -273,4 +278,4 @@ inline FilePath find_body_file(const FilePath& root, BodyKind kind, BodyGender g
                   ": register at ", info.site, " to download it (free for research, no redistribution)");
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// The user's body in motion: as a GLB file with its skin, and as one OBJ file for each frame.
 ///
-///     write_body_glb("walk.glb", body, motion);                 // moves in every viewer; pose blend shapes are left out
+///     write_body_glb("walk.glb", body, motion);                 // moves in every viewer; pose blend shapes are left
+///     out
 ///     write_body_objs("walk.obj", body, motion);                // walk_0000.obj, ...: exactly the model's vertices
 ///
 /// A vertex in a GLB file follows at most four joints: the four largest weights, which is all that SMPL has.
@@ -11,7 +12,7 @@
 #include <motionlang/io/glb_writer.hpp>
 #include <motionlang/io/obj.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// motions  as motion_on_body takes them
 /// Throws   what glb_bytes and motion_on_body throw; config_error 101 for a body without faces
@@ -61,4 +62,4 @@ Index write_body_objs(const FilePath& path, const Body<B>& body, const Motion& m
   return own.frames();
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

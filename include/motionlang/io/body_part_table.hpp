@@ -9,7 +9,7 @@
 #include <motionlang/compose/body_part_answers.hpp>
 #include <motionlang/io/json_members.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Throws io_error 401, 403 (JsonMembers), config_error 107 if there is no such answer, 103 if it names no part.
 inline BodyPartTable read_body_part_table(const JsonMembers& file, Index answer = 2) {
@@ -24,4 +24,4 @@ inline BodyPartTable open_body_part_table(const FilePath& path, Index answer = 2
   return read_body_part_table(JsonMembers::open(path), answer);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

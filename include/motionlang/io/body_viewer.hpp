@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// A page that shows motions on the user's own body instead of the figure of cones (which a browser without WebGL still shows).
-/// The page contains the surface at rest: whoever may not pass the body on may not pass the page on.
+/// A page that shows motions on the user's own body instead of the figure of cones (which a browser without WebGL still
+/// shows). The page contains the surface at rest: whoever may not pass the body on may not pass the page on.
 #pragma once
 
 #include <motionlang/io/detail/body_mesh.hpp>
 #include <motionlang/io/viewer.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// motions  as motion_on_body takes them
 /// Throws   what viewer_html and motion_on_body throw; config_error 101 for a body without faces
@@ -35,4 +35,4 @@ void write_body_viewer(const FilePath& path, const Body<B>& body, std::span<cons
   write_file(path, body_viewer_html(body, motions, betas, options));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -17,7 +17,7 @@
 #include <motionlang/io/bvh_text.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct BvhReadOptions {
   double scale = 0.01;  // metres per unit of the file; 0.01: the file is in centimetres
@@ -27,8 +27,9 @@ struct BvhReadOptions {
 struct BvhWriteOptions {
   double scale = 100;              // units per metre; 100: centimetres (Blender: import with scale 0.01)
   std::string_view order = "ZXY";  // of the rotation channels: three different axes
-  double end_length = 0.1;         // of the bones after leaf joints where the skeleton has none, metres, but no longer than the bone
-                                   // before; of length 0, Blender invents its own
+  // Metres, of the bones after leaf joints where the skeleton has none, but no longer than the bone before: for bones of
+  // length 0, Blender invents a length of its own.
+  double end_length = 0.1;
 };
 
 namespace detail {
@@ -161,7 +162,8 @@ inline Vec3<double> constant_offset(const BvhJoint& joint, const BvhTable& table
 inline std::vector<Vec3<double>> bvh_ends(const Bvh& file, std::span<const BvhJoint> joints, double scale) {
   std::vector<Vec3<double>> ends;
   std::vector<int> joint_of(file.nodes.size(), -1);  // that has no end yet
-  for (std::size_t j = 0; j < joints.size(); ++j) joint_of[static_cast<std::size_t>(joints[j].number)] = static_cast<int>(j);
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    joint_of[static_cast<std::size_t>(joints[j].number)] = static_cast<int>(j);
   for (const BvhNode& node : file.nodes) {
     if (!node.end_site || node.parent < 0) continue;
     const int joint = std::exchange(joint_of[static_cast<std::size_t>(node.parent)], -1);
@@ -174,9 +176,9 @@ inline std::vector<Vec3<double>> bvh_ends(const Bvh& file, std::span<const BvhJo
 
 }  // namespace detail
 
-/// What the file means. End sites are the ends of bones, no joints; joints of one name get numbers ("Hand", "Hand_2"). Below the root,
-/// positions that change (stretching bones) are replaced by their mean. A root that merely carries another moving root
-/// is joined with it, so that the root of the motion is the one that moves.
+/// What the file means. End sites are the ends of bones, no joints; joints of one name get numbers ("Hand", "Hand_2").
+/// Below the root, positions that change (stretching bones) are replaced by their mean. A root that merely carries
+/// another moving root is joined with it, so that the root of the motion is the one that moves.
 /// Throws  config_error 101 (scale, number of the root), io_error 405 (far more joints than channels),
 ///         numeric_error 301 (numbers so large that they overflow)
 inline Motion to_motion(const Bvh& file, const BvhReadOptions& options = {}) {
@@ -220,9 +222,7 @@ inline Motion to_motion(const Bvh& file, const BvhReadOptions& options = {}) {
   return motion;
 }
 /// How many ROOTs the file has: each is a motion of its own.
-inline int bvh_roots(const Bvh& file) {
-  return static_cast<int>(std::ranges::count(file.nodes, -1, &BvhNode::parent));
-}
+inline int bvh_roots(const Bvh& file) { return static_cast<int>(std::ranges::count(file.nodes, -1, &BvhNode::parent)); }
 /// Names of the joints below a root that move through positions of their own, as bones that stretch do: to_motion
 /// leaves this out. Throws config_error 101 (number of the root).
 inline std::vector<std::string> stretched_joints(const Bvh& file, int root = 0) {
@@ -282,7 +282,8 @@ inline std::vector<int> depth_first_order(const Skeleton& skeleton) {
   return order;
 }
 
-/// Where a leaf's bone ends: as the skeleton says, else `length` metres along the bone before it, upwards if there is none.
+/// Where a leaf's bone ends: as the skeleton says, else `length` metres along the bone before it, upwards if there is
+/// none.
 inline Vec3<double> end_offset(const Skeleton& skeleton, int joint, double length) {
   if (!skeleton.ends.empty() && norm(skeleton.ends[static_cast<std::size_t>(joint)]) > 0)
     return skeleton.ends[static_cast<std::size_t>(joint)];
@@ -345,4 +346,4 @@ inline void write_bvh(const FilePath& path, const Motion& motion, const BvhWrite
   write_bvh(path, to_bvh(motion, options));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -3,9 +3,9 @@
 /// they mean as a `Motion` is in bvh.hpp.
 #pragma once
 
-#include <cmath>       // isfinite
-#include <cstdint>     // BvhChannel
-#include <vector>      // nodes, values
+#include <cmath>    // isfinite
+#include <cstdint>  // BvhChannel
+#include <vector>   // nodes, values
 
 #include <motionlang/core/shape.hpp>
 #include <motionlang/geometry/vec.hpp>
@@ -13,7 +13,7 @@
 #include <motionlang/io/detail/text_scanner.hpp>
 #include <motionlang/io/file.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One column of the motion table. The axis is value % 3.
 enum class BvhChannel : std::uint8_t { x_position, y_position, z_position, x_rotation, y_rotation, z_rotation };
@@ -249,4 +249,4 @@ inline std::string format_bvh(const Bvh& file) {
 /// Throws io_error 401, and what format_bvh throws.
 inline void write_bvh(const FilePath& path, const Bvh& file) { write_file(path, format_bvh(file)); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

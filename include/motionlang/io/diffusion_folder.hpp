@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
-/// A published diffusion model as a model folder of ours: one file of weights with the statistics, its sizes, its licence.
+/// A published diffusion model as a model folder of ours: one file of weights with the statistics, its sizes, its
+/// licence.
 ///
-///     pack_diffusion_run<B>(find_run("mdm/humanml_trans_enc_512"), "mdm", {.license = "MIT", .provenance = "github.com/..."});
-///     const auto stmc = load_diffusion_run<B>("mdm");
+///     pack_diffusion_run<B>(find_run("mdm/humanml_trans_enc_512"), "mdm", {.license = "MIT", .provenance =
+///     "github.com/..."}); const auto stmc = load_diffusion_run<B>("mdm");
 #pragma once
 
 #include <motionlang/io/diffusion_run.hpp>
 #include <motionlang/io/model_folder.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct PackOptions {
   std::string license, provenance;
@@ -26,13 +27,18 @@ inline nlohmann::ordered_json diffusion_options(const DiffusionRun& run) {
     const MdmSmplConfig& c = run.mdm_smpl;
     out["data"]["motion_loader"] = {{"fps", run.fps}, {"nfeats", c.nfeats}};
     out["diffusion"] = {{"timesteps", run.steps}, {"prediction", "x"}};
-    out["diffusion"]["denoiser"] = {{"latent_dim", c.latent_dim},     {"ff_size", c.ff_size},
-                                    {"num_layers", c.num_layers},     {"num_heads", c.num_heads},
-                                    {"nb_registers", c.nb_registers}, {"tx_dim", c.tx_dim},
+    out["diffusion"]["denoiser"] = {{"latent_dim", c.latent_dim},
+                                    {"ff_size", c.ff_size},
+                                    {"num_layers", c.num_layers},
+                                    {"num_heads", c.num_heads},
+                                    {"nb_registers", c.nb_registers},
+                                    {"tx_dim", c.tx_dim},
                                     {"activation", std::string(to_string(c.activation))}};
   } else if (run.system == "mdm") {
     const MdmConfig& c = run.mdm;
-    out = {{"arch", c.arch == MdmArch::gru ? "gru" : c.arch == MdmArch::trans_dec ? "trans_dec" : "trans_enc"},
+    out = {{"arch", c.arch == MdmArch::gru         ? "gru"
+                    : c.arch == MdmArch::trans_dec ? "trans_dec"
+                                                   : "trans_enc"},
            {"latent_dim", c.latent_dim},
            {"layers", c.num_layers},
            {"emb_trans_dec", c.class_token != MdmClassToken::none},
@@ -62,8 +68,8 @@ inline std::vector<std::filesystem::path> text_encoder_files(const std::filesyst
   const bool is_folder = std::filesystem::is_directory(path, ignored);
   const auto folder = is_folder ? path : path.parent_path();
   std::vector<std::filesystem::path> out;
-  for (const char* name : {"config.json", "tokenizer.json", "tokenizer_config.json", "vocab.txt", "vocab.json", "merges.txt",
-                           clip_vocabularies[0], clip_vocabularies[1]}) {
+  for (const char* name : {"config.json", "tokenizer.json", "tokenizer_config.json", "vocab.txt", "vocab.json",
+                           "merges.txt", clip_vocabularies[0], clip_vocabularies[1]}) {
     if (file_exists(folder / name)) out.push_back(folder / name);
   }
   if (!is_folder) {
@@ -112,7 +118,7 @@ void pack_diffusion_run(const RunFolder& given, const FilePath& path, const Pack
     files = {detail::clip_vocabulary_of(run.folder)};
   else if (options.text_encoder)
     files = detail::text_encoder_files(encoder.empty() ? detail::find_text_encoder(run.folder, about.text_encoder)
-                                                        : std::filesystem::path(encoder));
+                                                       : std::filesystem::path(encoder));
   ModelFolder model;
   model.system = about.system;
   model.license = options.license;
@@ -124,4 +130,4 @@ void pack_diffusion_run(const RunFolder& given, const FilePath& path, const Pack
   write_model_folder(path, model, tensors, files);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT
-/// The published diffusion models from the folders in which their repositories leave them: STMC's MDM-SMPL, MDM, MotionDiffuse. And
-/// from model folders of ours that were made of them (io/diffusion_folder.hpp).
+/// The published diffusion models from the folders in which their repositories leave them: STMC's MDM-SMPL, MDM,
+/// MotionDiffuse. And from model folders of ours that were made of them (io/diffusion_folder.hpp).
 ///
-///     const auto stmc = load_diffusion_run<B>("models/mdm-smpl_clip_smplrifke_humanml3d", {.text_encoder = "ViT-B-32.pt"});
+///     const auto stmc = load_diffusion_run<B>("models/mdm-smpl_clip_smplrifke_humanml3d", {.text_encoder =
+///     "ViT-B-32.pt"});
 ///     const auto features = stmc.generate(timeline, Philox{.seed = 7});        // (frames, stmc.layout.size)
 ///
-/// Sizes       from the shapes of the tensors; where options state them, too, both have to agree. Number of heads, steps, schedule and
-///             representation from the options, else as published
-/// Statistics  from the checkpoint (STMC), mean and std beside it (MDM: those of HumanML3D, which are not in its folder)
+/// Sizes       from the shapes of the tensors; where options state them, too, both have to agree. Number of heads,
+///             steps, schedule and representation from the options, else as published
+/// Statistics  from the checkpoint (STMC), mean and std beside it (MDM: those of HumanML3D, which are not in its
+///             folder)
 /// Source      spec mdm.md 2.1, 2.2, 3.5, 3.6, 4.4; stmc.md 6
-/// Throws      io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407 for tensors;
-///             config_error 102 where options and tensors differ, 101, 103, 107
+/// Throws      io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407
+///             for tensors; config_error 102 where options and tensors differ, 101, 103, 107
 #pragma once
 
 #include <motionlang/diffusion/any_denoiser.hpp>
@@ -18,7 +20,7 @@
 #include <motionlang/io/text_encoder_folder.hpp>
 #include <motionlang/systems/stmc.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What the files say about a model, before memory is taken for it. The member that `system` names counts.
 struct DiffusionRun {
@@ -30,7 +32,7 @@ struct DiffusionRun {
   Index steps = 1000;
   std::string schedule = "cosine";  // or linear
   double fps = 20;
-  std::string features;  // smplrifke, guoh3dfeats
+  std::string features;               // smplrifke, guoh3dfeats
   std::string text_encoder = "clip";  // or bert, none
 
   Index width() const {
@@ -61,15 +63,17 @@ namespace detail {
 
 inline void read_stmc(DiffusionRun& out, const RunReader& r) {
   const std::string layer = "seqTransEncoder.layers.";
-  out.mdm_smpl = {.nfeats = r.size("skel_embedding.weight", 1, {"diffusion/denoiser/nfeats", "data/motion_loader/nfeats"}),
-                  .tx_dim = r.size("tx_embedding.0.weight", 1, {"diffusion/denoiser/tx_dim"}),
-                  .latent_dim = r.size("skel_embedding.weight", 0, {"diffusion/denoiser/latent_dim"}),
-                  .ff_size = r.size(layer + "0.linear1.weight", 0, {"diffusion/denoiser/ff_size"}),
-                  .num_layers = r.count(layer, ".linear1.weight", {"diffusion/denoiser/num_layers"}),
-                  .num_heads = r.number({"diffusion/denoiser/num_heads"}, 8, 1024),
-                  .nb_registers = r.size("registers", 0, {"diffusion/denoiser/nb_registers"}),
-                  .activation = parse_activation(r.one_of("diffusion/denoiser/activation", "gelu", {"gelu", "relu"}))};
-  out.steps = r.number({"diffusion/timesteps", "diffusion/schedule/timesteps", "diffusion/schedule/steps"}, 100, 10'000);
+  out.mdm_smpl = {
+      .nfeats = r.size("skel_embedding.weight", 1, {"diffusion/denoiser/nfeats", "data/motion_loader/nfeats"}),
+      .tx_dim = r.size("tx_embedding.0.weight", 1, {"diffusion/denoiser/tx_dim"}),
+      .latent_dim = r.size("skel_embedding.weight", 0, {"diffusion/denoiser/latent_dim"}),
+      .ff_size = r.size(layer + "0.linear1.weight", 0, {"diffusion/denoiser/ff_size"}),
+      .num_layers = r.count(layer, ".linear1.weight", {"diffusion/denoiser/num_layers"}),
+      .num_heads = r.number({"diffusion/denoiser/num_heads"}, 8, 1024),
+      .nb_registers = r.size("registers", 0, {"diffusion/denoiser/nb_registers"}),
+      .activation = parse_activation(r.one_of("diffusion/denoiser/activation", "gelu", {"gelu", "relu"}))};
+  out.steps =
+      r.number({"diffusion/timesteps", "diffusion/schedule/timesteps", "diffusion/schedule/steps"}, 100, 10'000);
   r.one_of("diffusion/prediction", "x", {"x"});
   out.mdm_smpl.max_len = std::max(out.mdm_smpl.max_len, out.steps);
   out.fps = r.real("data/motion_loader/fps", 20);
@@ -86,7 +90,9 @@ inline void read_mdm(DiffusionRun& out, const RunReader& r) {
     raise<config_error>(102, r.place("arch"), " is '", stated, "', the tensors are those of ", found);
   if (r.number({"context_len"}, 0, 100'000, 0) > 0)
     raise<io_error>(404, r.place("context_len"), ": models that continue a motion (DiP) are not supported");
-  const std::string layers = recurrent ? "gru.weight_ih_l" : decoder ? "seqTransDecoder.layers." : "seqTransEncoder.layers.";
+  const std::string layers = recurrent ? "gru.weight_ih_l"
+                             : decoder ? "seqTransDecoder.layers."
+                                       : "seqTransEncoder.layers.";
   c.nfeats = r.size("output_process.poseFinal.weight", 0);
   c.latent_dim = r.size("input_process.poseEmbedding.weight", 0, {"latent_dim"});
   c.num_layers = r.count(layers, recurrent ? "" : ".linear1.weight", {"layers"});
@@ -128,8 +134,8 @@ inline void read_motiondiffuse(DiffusionRun& out, const RunReader& r) {
 inline void read_representation(DiffusionRun& out, const std::string& where) {
   const Index kit = Guoh3dSlots{21}.size(), human = Guoh3dSlots{22}.size();
   if (out.width() != kit && out.width() != human)
-    raise<io_error>(404, where, ": motions of ", out.width(), " numbers a frame, known are ", human, " (HumanML3D) and ",
-                    kit, " (KIT-ML)");
+    raise<io_error>(404, where, ": motions of ", out.width(), " numbers a frame, known are ", human,
+                    " (HumanML3D) and ", kit, " (KIT-ML)");
   out.features = "guoh3dfeats";
   out.fps = out.width() == kit ? 12.5 : 20;
 }
@@ -184,7 +190,8 @@ inline std::filesystem::path clip_vocabulary_of(const std::filesystem::path& mod
       if (file_exists(folder / name)) return folder / name;
     }
   }
-  raise<io_error>(401, model.string(), ": CLIP is in the checkpoint, its vocabulary is not: put "
+  raise<io_error>(401, model.string(),
+                  ": CLIP is in the checkpoint, its vocabulary is not: put "
                   "bpe_simple_vocab_16e6.txt.gz (of github.com/openai/CLIP) there, or name a text encoder");
 }
 
@@ -193,7 +200,8 @@ inline WeightFile run_weights(const RunFolder& run) {
   if (run.weights.extension() == ".safetensors") return open_weights(run.weights);  // of ours
   if (run.system == "motiondiffuse") return open_weights(run.weights, {.path = "encoder"});
   const FileValue* average = run.option("use_ema");
-  if (run.system == "mdm" && average != nullptr && std::get_if<bool>(&average->value) && std::get<bool>(average->value)) {
+  if (run.system == "mdm" && average != nullptr && std::get_if<bool>(&average->value) &&
+      std::get<bool>(average->value)) {
     const WeightFile plain = open_weights(run.weights, {.path = ""});
     for (const TensorView& t : plain.tensors()) {
       if (t.name.starts_with("model_avg.")) return open_weights(run.weights, {.path = "model_avg"});
@@ -224,10 +232,12 @@ inline RunFolder published_run(const RunFolder& run) {
     out.options = options_of_config(run);
   }
   if (out.system != "stmc" && out.system != "mdm" && out.system != "motiondiffuse")
-    raise<io_error>(404, run.folder.string(), ": ", out.system.empty() ? "of no system that is known" : "of " + out.system,
+    raise<io_error>(404, run.folder.string(), ": ",
+                    out.system.empty() ? "of no system that is known" : "of " + out.system,
                     "; diffusion models are those of stmc, mdm and motiondiffuse");
   if (run.weights.empty())
-    raise<io_error>(401, run.folder.string(), ": no checkpoint of ", out.system, " (see io/run_folder.hpp for its name)");
+    raise<io_error>(401, run.folder.string(), ": no checkpoint of ", out.system,
+                    " (see io/run_folder.hpp for its name)");
   return out;
 }
 
@@ -244,7 +254,8 @@ Normalizer<B> motion_normalizer(const RunFolder& run, const TensorSet& weights, 
 
 /// Of STMC; the others have none.
 template <Backend B>
-std::optional<Normalizer<B>> text_normalizer(const RunFolder& run, const TensorSet& weights, const DiffusionRun& about) {
+std::optional<Normalizer<B>> text_normalizer(const RunFolder& run, const TensorSet& weights,
+                                             const DiffusionRun& about) {
   if (about.system != "stmc") return std::nullopt;
   if (auto packed = find_normalizer<B>(weights, about.text_width(), {"text_normalizer."})) return packed;
   return folder_normalizer<B>(run, about.text_width(), {"text_stats."},
@@ -255,7 +266,8 @@ template <Backend B>
 AnyTextEncoder<B> encoder_of(const RunFolder& run, const TensorSet& weights, const DiffusionRun& about,
                              const DiffusionRunOptions& options) {
   if (about.text_encoder == "none")
-    raise<io_error>(404, run.folder.string(), ": a model without texts: actions and unconditional motions are not supported");
+    raise<io_error>(404, run.folder.string(),
+                    ": a model without texts: actions and unconditional motions are not supported");
   if (about.text_encoder == "bert" && !about.mdm.text_sequence)
     raise<io_error>(404, run.folder.string(), ": texts of DistilBERT without a decoder (trans_dec)");
   const bool motiondiffuse = about.system == "motiondiffuse";
@@ -266,8 +278,8 @@ AnyTextEncoder<B> encoder_of(const RunFolder& run, const TensorSet& weights, con
   const std::string named = options.text_encoder.string();
   if (named.empty() && motiondiffuse && weights.find("clip.token_embedding.weight") != nullptr)
     return load_clip_encoder<B>(weights, clip_vocabulary_of(run.folder).parent_path(), wanted);
-  auto encoder = load_text_encoder<B>(named.empty() ? FilePath(find_text_encoder(run.folder, about.text_encoder)) : options.text_encoder,
-                                      wanted);
+  auto encoder = load_text_encoder<B>(
+      named.empty() ? FilePath(find_text_encoder(run.folder, about.text_encoder)) : options.text_encoder, wanted);
   if (const bool clip = encoder.network.is_clip(); clip != (about.text_encoder == "clip"))
     raise<config_error>(102, run.folder.string(), ": needs ", about.text_encoder == "clip" ? "CLIP" : "DistilBERT",
                         " as its text encoder, ", named, " is ", clip ? "CLIP" : "of the BERT family");
@@ -322,4 +334,4 @@ PublishedStmc<B> load_diffusion_run(const FilePath& folder, const DiffusionRunOp
   return load_diffusion_run<B>(find_run(folder), options);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

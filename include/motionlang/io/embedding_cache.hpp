@@ -2,16 +2,17 @@
 /// Embeddings of texts on disk, in the layout of TMR and STMC.
 ///
 ///     folder/<model>.npy          all rows of all texts, (rows, width), F32
-///     folder/<model>_slice.npy    int64 (texts, 2): first row and one past the last; absent where every text has one row and no
-///                                 slices are wanted (TMR's sent_embeddings)
+///     folder/<model>_slice.npy    int64 (texts, 2): first row and one past the last; absent where every text has one
+///                                 row and no slices are wanted (TMR's sent_embeddings)
 ///     folder/<model>_index.json   text -> its number
 ///
 /// Folders    TMR: token_embeddings, sent_embeddings; STMC: text_embeddings, with slices
 /// Model      "distilbert-base-uncased"; a slash makes a sub-folder ("ViT-B/32")
 /// Texts      UTF-8, found by their exact characters; "" is a text like any other
 /// Memory     rows are read where they lie in the file
-/// Atomicity  every file is replaced as a whole, the index last, and none before all of them are made. Files of two caches (a reader came
-///            in between, or the disk is full) are refused where their numbers of rows or texts differ, and only there
+/// Atomicity  every file is replaced as a whole, the index last, and none before all of them are made. Files of two
+///            caches (a reader came in between, or the disk is full) are refused where their numbers of rows or texts
+///            differ, and only there
 /// Source     spec text-encoders.md, section 11
 #pragma once
 
@@ -25,7 +26,7 @@
 #include <motionlang/io/npy.hpp>
 #include <motionlang/text/text_encoder.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -50,7 +51,8 @@ class EmbeddingCache {
   /// Without texts.
   explicit EmbeddingCache(Index width) : width_(width) {}
 
-  /// Throws io_error 401 if a file is missing, 403 if they do not fit each other, and what read_npy and read_json throw.
+  /// Throws io_error 401 if a file is missing, 403 if they do not fit each other, and what read_npy and read_json
+  /// throw.
   static EmbeddingCache read(const FilePath& folder, const std::string& model) {
     const std::string base = folder.inside(model);
     const auto rows = MappedFile::open(base + ".npy"), index = MappedFile::open(base + "_index.json");
@@ -61,10 +63,11 @@ class EmbeddingCache {
     return from_bytes(rows->bytes(), slices == nullptr ? std::nullopt : std::optional(slices->bytes()),
                       detail::as_text(index->bytes()), base, rows);
   }
-  /// The same of files in memory; `base` stands in messages. The bytes of the rows have to outlive the cache unless `owner` keeps them.
-  static EmbeddingCache from_bytes(std::span<const std::byte> row_file, std::optional<std::span<const std::byte>> slice_file,
-                                   std::string_view index_text, const std::string& base,
-                                   std::shared_ptr<const void> owner = nullptr) {
+  /// The same of files in memory; `base` stands in messages. The bytes of the rows have to outlive the cache unless
+  /// `owner` keeps them.
+  static EmbeddingCache from_bytes(std::span<const std::byte> row_file,
+                                   std::optional<std::span<const std::byte>> slice_file, std::string_view index_text,
+                                   const std::string& base, std::shared_ptr<const void> owner = nullptr) {
     const std::string slices = base + "_slice.npy", index = base + "_index.json";
     EmbeddingCache cache(0);
     cache.read_rows(row_file, base + ".npy", std::move(owner));
@@ -96,8 +99,8 @@ class EmbeddingCache {
     return cache;
   }
 
-  /// Makes the folder and those inside it that the name of the model asks for. Throws io_error 401; 403 if a text has not one row but
-  /// slices are not wanted.
+  /// Makes the folder and those inside it that the name of the model asks for. Throws io_error 401; 403 if a text has
+  /// not one row but slices are not wanted.
   void write(const FilePath& folder, const std::string& model, bool with_slices = true) const {
     const std::string base = folder.inside(model);
     if (!folder.string().empty()) make_folder(folder.string());
@@ -132,8 +135,9 @@ class EmbeddingCache {
     const auto [begin, end] = slices_[found->second];
     return rows().subspan(static_cast<std::size_t>(begin * width_), static_cast<std::size_t>((end - begin) * width_));
   }
-  /// Adds a text; `values` are no rows of this cache itself. Throws shape_error 204 unless they are whole rows, config_error 102 for a
-  /// text that is here already, io_error 403 for one that is not UTF-8: the index could not be written.
+  /// Adds a text; `values` are no rows of this cache itself. Throws shape_error 204 unless they are whole rows,
+  /// config_error 102 for a text that is here already, io_error 403 for one that is not UTF-8: the index could not be
+  /// written.
   void add(const std::string& text, std::span<const float> values) {
     if (width_ == 0 || values.size() % static_cast<std::size_t>(width_) != 0)
       raise<shape_error>(204, "embedding cache: ", values.size(), " numbers for rows of ", width_);
@@ -149,8 +153,8 @@ class EmbeddingCache {
     number_.emplace(text, slices_.size());
     slices_.push_back({begin, row_count()});
   }
-  /// Adds those of the texts that are not here yet. Throws shape_error 204 if the encoder gives rows of another width, io_error 403 for a
-  /// text that is not UTF-8, before anything is encoded.
+  /// Adds those of the texts that are not here yet. Throws shape_error 204 if the encoder gives rows of another width,
+  /// io_error 403 for a text that is not UTF-8, before anything is encoded.
   template <Backend B, TextEncoder<B> E>
   void add(const E& encoder, std::span<const std::string> texts) {
     std::vector<std::string> missing;
@@ -233,4 +237,4 @@ struct CachedEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

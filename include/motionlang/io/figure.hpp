@@ -10,7 +10,7 @@
 #include <motionlang/kinematics/joint_sides.hpp>
 #include <motionlang/kinematics/skeleton.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The hull of two spheres that move with one joint. All in the frame of the joint, metres.
 struct RoundCone {
@@ -102,7 +102,8 @@ inline std::optional<RoundCone> sole(const Anatomy& anatomy, const RoundCone& bo
   const Vec3<double> forward{bone.to.x, 0, bone.to.z};
   if (start - floor > 0.15 * unit || reach > 0.12 * unit || bone.side == Side::middle) return std::nullopt;
   if (norm(forward) < 0.05 * unit) return std::nullopt;
-  return RoundCone{bone.joint, bone.to - 1.25 * forward, bone.to + 0.3 * forward, 0.034 * unit, 0.026 * unit, bone.side};
+  return RoundCone{bone.joint, bone.to - 1.25 * forward, bone.to + 0.3 * forward, 0.034 * unit, 0.026 * unit,
+                   bone.side};
 }
 
 }  // namespace detail
@@ -151,4 +152,4 @@ inline Figure make_figure(const Skeleton& skeleton) {
   return figure;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

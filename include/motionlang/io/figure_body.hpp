@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// A free body: the figure of any skeleton (io/figure.hpp, the round cones that GLB files and pages show) as a body model, so that
-/// every motion has vertices and faces without a licensed file. A vertex follows one joint; there are no blend shapes.
+/// A free body: the figure of any skeleton (io/figure.hpp, the round cones that GLB files and pages show) as a body
+/// model, so that every motion has vertices and faces without a licensed file. A vertex follows one joint; there are no
+/// blend shapes.
 ///
 ///     auto body = figure_body<EigenBackend<float>>(motion.skeleton);
 ///     auto posed = pose_body(body.model, motion);                       // vertices (frames, V, 3)
@@ -9,12 +10,12 @@
 #include <motionlang/io/detail/figure_mesh.hpp>
 #include <motionlang/kinematics/body.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Weights that give each joint's rest position as an affine combination of the vertices, (joints, vertices); of all such weights
-/// the smallest:
+/// Weights that give each joint's rest position as an affine combination of the vertices, (joints, vertices); of all
+/// such weights the smallest:
 ///     w_i = 1 / V + (x_i - c) C^-1 (p - c),   c = mean of x,   C = sum (x_i - c) (x_i - c)^T
 template <class S>
 std::vector<S> rest_regressor(const std::vector<Vec3<float>>& vertices, const std::vector<Vec3<double>>& joints) {
@@ -67,4 +68,4 @@ Body<B> figure_body(const Skeleton& skeleton) {
   return body;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -20,7 +20,7 @@
 #include <motionlang/io/detail/system_file.hpp>
 #include <motionlang/io/file_path.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -67,8 +67,8 @@ class MappedFile {
   static std::shared_ptr<const MappedFile> open(const FilePath& path) {
     return std::shared_ptr<const MappedFile>(new MappedFile(path));
   }
-  /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read again. Null if
-  /// there is no place for it.
+  /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read
+  /// again. Null if there is no place for it.
   static std::shared_ptr<const MappedFile> put_aside(std::span<const std::byte> bytes) {
     const detail::Descriptor file(bytes.empty() ? -1 : detail::system::create_nameless());
     if (file.get() < 0 || !file.write(bytes)) return nullptr;
@@ -103,7 +103,8 @@ class MappedFile {
   void forget(std::span<const std::byte> part) const {
     constexpr std::uintptr_t block = std::uintptr_t{2} << 20;
     const std::uintptr_t begin = std::max(address(part) / block * block, address(bytes())),
-                         end = std::min((address(part) + part.size() + block - 1) / block * block, address(bytes()) + size_);
+                         end = std::min((address(part) + part.size() + block - 1) / block * block,
+                                        address(bytes()) + size_);
     if (begin < end) detail::system::forget(reinterpret_cast<void*>(begin), end - begin);
   }
   /// The same of bytes that lie in a mapped file or elsewhere.
@@ -145,8 +146,9 @@ inline std::string read_file(const FilePath& path) {
   return std::string(reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size());
 }
 
-/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is, which has its permissions. Of a
-/// symbolic link, the file that it leads to is written. Throws io_error 401, also for devices and pipes.
+/// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is, which has its
+/// permissions. Of a symbolic link, the file that it leads to is written. Throws io_error 401, also for devices and
+/// pipes.
 inline void write_file(const FilePath& path, std::span<const std::byte> contents) {
   static std::atomic<unsigned> writers{0};
   std::error_code problem;
@@ -196,4 +198,4 @@ inline void make_folder(const FilePath& path) {
   raise<io_error>(401, "cannot make the folder ", path.string());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

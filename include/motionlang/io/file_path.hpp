@@ -7,9 +7,10 @@
 
 #include <motionlang/core/error.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// The name of a file: a string, or a std::filesystem::path, whose header takes longer to compile than this library's io.
+/// The name of a file: a string, or a std::filesystem::path, whose header takes longer to compile than this library's
+/// io.
 class FilePath {
  public:
   FilePath(const char* text) : text_(text) {}
@@ -38,4 +39,4 @@ class FilePath {
   std::string text_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

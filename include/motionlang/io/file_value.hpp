@@ -9,7 +9,7 @@
 
 #include <motionlang/core/error.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A truth value, a number or a text, and the keys from the root of the file to it: "hyper_parameters/layers/0".
 struct FileValue {
@@ -27,4 +27,4 @@ inline const FileValue* find_value(const std::vector<FileValue>& values, std::st
   return nullptr;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

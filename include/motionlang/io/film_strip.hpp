@@ -15,7 +15,7 @@
 #include <motionlang/io/track.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct FilmStripOptions {
   int poses = 0;          // 0: as many as fit, from 5 to 12
@@ -285,8 +285,8 @@ inline FilmStrip film_strip(const Motion& motion, std::span<const Track> tracks,
 
 /// The picture as SVG text.
 /// tracks   shown below the poses, one row each; times in seconds from the start of the motion
-/// Throws   shape_error 205, numeric_error 301 if the motion is not valid or too far away for single precision; config_error 101
-///          without any frame, for a width below 100 or above a million, or times that are not finite
+/// Throws   shape_error 205, numeric_error 301 if the motion is not valid or too far away for single precision;
+///          config_error 101 without any frame, for a width below 100 or above a million, or times that are not finite
 inline std::string film_strip_svg(const Motion& motion, std::span<const Track> tracks = {},
                                   const FilmStripOptions& options = {}) {
   const detail::FilmStrip strip = detail::film_strip(motion, tracks, options);
@@ -295,8 +295,8 @@ inline std::string film_strip_svg(const Motion& motion, std::span<const Track> t
   return surface.finish();
 }
 
-/// The picture in pixels. Throws as film_strip_svg, and config_error 101 for a resolution that is none or a picture of more than 20,000
-/// pixels a side.
+/// The picture in pixels. Throws as film_strip_svg, and config_error 101 for a resolution that is none or a picture of
+/// more than 20,000 pixels a side.
 inline Picture film_strip_picture(const Motion& motion, std::span<const Track> tracks = {},
                                   const FilmStripOptions& options = {}) {
   const detail::FilmStrip strip = detail::film_strip(motion, tracks, options);
@@ -316,4 +316,4 @@ inline void write_film_strip(const FilePath& path, const Motion& motion, std::sp
   write_file(path, film_strip_svg(motion, tracks, options));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
-/// GLB files, and .gltf files with their data in base64, as motions: skins and animations of glTF 2.0. Meshes, materials
-/// and morph targets are left out. The bones of a VRM avatar (.vrm, .vrma) have the names of VRM's humanoid.
+/// GLB files, and .gltf files with their data in base64, as motions: skins and animations of glTF 2.0. Meshes,
+/// materials and morph targets are left out. The bones of a VRM avatar (.vrm, .vrma) have the names of VRM's humanoid.
 ///
 /// The skeleton's rest pose is that of the file, with all rotations the identity as everywhere in this library: with B
 /// the world rotation of a node at rest and r its local rotation, L_j = B_parent r_j B_j^-1, and the offset of a joint
 /// is its rest translation turned by B_parent. Bones keep their length: only the root moves; animated scales and
 /// translations of other joints are dropped (stretched_joints names these).
 ///
-/// Two keys of a small file can be years apart. What is sampled has at most 10 million rotations (frames x joints; nearly four hours at
-/// 30 per second with 24 joints), or 16 for each key of a channel in the file, which is enough for any recording with keys at its
-/// frames. motions() counts all animations together.
+/// Two keys of a small file can be years apart. What is sampled has at most 10 million rotations (frames x joints;
+/// nearly four hours at 30 per second with 24 joints), or 16 for each key of a channel in the file, which is enough for
+/// any recording with keys at its frames. motions() counts all animations together.
 #pragma once
 
 #include <algorithm>  // max
@@ -20,7 +20,7 @@
 #include <motionlang/io/detail/gltf_skeleton.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A GLB file in memory, from which several motions can be taken.
 class GlbFile {
@@ -59,8 +59,8 @@ class GlbFile {
     return names;
   }
 
-  /// Frames per second at which motion() takes an animation: those of its keys, where all are at whole frames of one rate of
-  /// 10 to 1000; 30 for others. Throws config_error 103 if there is no such animation.
+  /// Frames per second at which motion() takes an animation: those of its keys, where all are at whole frames of one
+  /// rate of 10 to 1000; 30 for others. Throws config_error 103 if there is no such animation.
   double rate(Index animation) const {
     const double own = at(animation).rate().value_or(0);
     return own >= 10 && own <= 1000 ? own : 30;
@@ -169,7 +169,7 @@ class GlbFile {
 };
 
 struct GlbReadOptions {
-  std::string animation{};  // by name; "": the first
+  std::string animation{};      // by name; "": the first
   std::optional<double> fps{};  // none: GlbFile::rate
   Index skin = 0;
 };
@@ -180,4 +180,4 @@ inline Motion read_glb(const FilePath& path, const GlbReadOptions& options = {})
   return options.animation.empty() ? file.motion(0, options.fps) : file.motion(options.animation, options.fps);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

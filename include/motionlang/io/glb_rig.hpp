@@ -16,7 +16,7 @@
 #include <motionlang/io/glb_writer.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct GlbRigOptions {
   bool keep_animations = true;  // of the character's file; without them their data go, as far as they are the last
@@ -27,10 +27,10 @@ class GlbRig {
   /// Says which joint of a skeleton is which: one of the known tables, or read_skeleton_table.
   using FindTable = std::function<SkeletonTable(const Skeleton&)>;
 
-  /// Of several skins, the first for which there is a table; of very many (thousands in a file of thousands of nodes), only the
-  /// first are tried.
-  /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits, for every skin if there
-  ///         are several
+  /// Of several skins, the first for which there is a table; of very many (thousands in a file of thousands of nodes),
+  /// only the first are tried.
+  /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits, for every skin if
+  ///         there are several
   static GlbRig open(const FilePath& path, const FindTable& find_table = detect_skeleton_table) {
     return GlbRig(MappedFile::open(path)->bytes(), path.string(), find_table);
   }
@@ -176,4 +176,4 @@ inline void write_glb(const FilePath& path, const GlbRig& rig, std::span<const M
   write_file(path, rig.with(motions, options));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

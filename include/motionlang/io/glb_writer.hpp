@@ -12,7 +12,7 @@
 #include <motionlang/io/detail/skinned_mesh.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct GlbWriteOptions {
   Vec3<double> colour{0.62, 0.66, 0.72};  // of the body: red, green, blue, linear, 0 to 1
@@ -232,8 +232,8 @@ std::vector<std::byte> skinned_glb(std::span<const Motion> motions, F mesh_of, c
 
 }  // namespace detail
 
-/// The bytes of a GLB file with one animation for every motion; all on the same skeleton. The user's own body instead of the figure:
-/// body_glb.hpp.
+/// The bytes of a GLB file with one animation for every motion; all on the same skeleton. The user's own body instead
+/// of the figure: body_glb.hpp.
 /// Throws  config_error 101 without any motion or frame, or for an impossible frame rate; 102 if skeletons differ; what
 ///         Motion::validate throws
 inline std::vector<std::byte> glb_bytes(std::span<const Motion> motions, const GlbWriteOptions& options = {}) {
@@ -248,4 +248,4 @@ inline void write_glb(const FilePath& path, const Motion& motion, const GlbWrite
   write_glb(path, std::span(&motion, 1), options);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -11,7 +11,7 @@
 #include <motionlang/io/pickle.hpp>
 #include <motionlang/text/glove.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Throws io_error 401 to 407; 403 if the files do not fit each other.
 inline GloVe read_glove(const FilePath& stem) {
@@ -74,4 +74,4 @@ inline void write_glove(const FilePath& stem, const GloVe& glove) {
   write_file(base + "_idx.pkl", std::string_view(detail::pickled_words(words, true)));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

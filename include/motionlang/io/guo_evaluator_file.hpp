@@ -9,7 +9,7 @@
 #include <motionlang/io/detail/run_reader.hpp>
 #include <motionlang/metrics/guo_evaluator.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sizes of the networks in a file, from the shapes of its tensors. Throws io_error 406, 407.
 inline GuoEvaluatorConfig guo_evaluator_config(const TensorSet& file) {
@@ -26,7 +26,8 @@ inline GuoEvaluatorConfig guo_evaluator_config(const TensorSet& file) {
           .embedding = t.size(text + "output_net.3.weight", 0)};
 }
 
-/// The networks, ready to run. States of optimisers beside them are passed over. Throws io_error 406, 407, numeric_error 301.
+/// The networks, ready to run. States of optimisers beside them are passed over. Throws io_error 406, 407,
+/// numeric_error 301.
 template <Backend B>
 GuoEvaluator<B> load_guo_evaluator(const TensorSet& file) {
   NoInit zeros;
@@ -36,4 +37,4 @@ GuoEvaluator<B> load_guo_evaluator(const TensorSet& file) {
   return networks;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

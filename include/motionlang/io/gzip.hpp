@@ -5,15 +5,15 @@
 #include <motionlang/io/detail/inflate.hpp>
 #include <motionlang/io/file.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 inline bool is_gzip(std::span<const std::byte> bytes) {
   return bytes.size() >= 2 && bytes[0] == std::byte{0x1F} && bytes[1] == std::byte{0x8B};
 }
 
 /// The unpacked contents. Allocates no more than deflate can pack into the bytes that are there.
-/// Throws  io_error 402 if the stream ends too early, 403 if it is malformed or its checksum is wrong, 404 for an unknown method,
-///         405 if it unpacks to more than it declares or declares more than it can hold
+/// Throws  io_error 402 if the stream ends too early, 403 if it is malformed or its checksum is wrong, 404 for an
+///         unknown method, 405 if it unpacks to more than it declares or declares more than it can hold
 inline std::vector<std::byte> gunzip_bytes(std::span<const std::byte> bytes, std::string_view name = "gzip") {
   constexpr std::uint8_t has_checksum = 2, has_extra = 4, has_name = 8, has_comment = 16, reserved = 0xE0;
   if (!is_gzip(bytes)) raise<io_error>(403, name, ": does not begin as a gzip file");
@@ -55,4 +55,4 @@ inline std::string read_text(const FilePath& path) {
   return is_gzip(file->bytes()) ? gunzip(file->bytes(), path.string()) : std::string(detail::as_text(file->bytes()));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -15,7 +15,7 @@
 #include <motionlang/io/humanml3d_texts.hpp>
 #include <motionlang/io/npy.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What tells the data sets apart. Captions are cut at 20 frames per second in both, as published.
 struct HumanMl3dForm {
@@ -106,15 +106,15 @@ class HumanMl3dFolder {
   HumanMl3dForm form_;
 };
 
-/// What the published loaders make of a clip: one item of the whole clip with the captions of all of it, and one for each
-/// caption with times of its own.
+/// What the published loaders make of a clip: one item of the whole clip with the captions of all of it, and one for
+/// each caption with times of its own.
 struct HumanMl3dItem {
   FrameSlice frames;
   std::vector<std::size_t> captions;  // numbers among those of the clip
   bool operator==(const HumanMl3dItem&) const = default;
 };
-/// Items of a length that the loaders keep; none if the clip itself is too short or too long. Seconds count at 20 frames
-/// per second, for KIT-ML too, as published.
+/// Items of a length that the loaders keep; none if the clip itself is too short or too long. Seconds count at 20
+/// frames per second, for KIT-ML too, as published.
 inline std::vector<HumanMl3dItem> humanml3d_items(std::span<const MotionCaption> captions, Index frames,
                                                   const HumanMl3dForm& form = {}) {
   auto kept = [&](Index length) { return length >= form.shortest && length <= form.longest; };
@@ -133,8 +133,8 @@ inline std::vector<HumanMl3dItem> humanml3d_items(std::span<const MotionCaption>
   return items;
 }
 
-/// Writes the files of a clip, captions last, and makes the folders that are missing. Write the lists of ids (write_ids)
-/// when all clips are there: a list then names no clip that is not whole.
+/// Writes the files of a clip, captions last, and makes the folders that are missing. Write the lists of ids
+/// (write_ids) when all clips are there: a list then names no clip that is not whole.
 /// Throws io_error 401, 403 for an id that leads out of the folder, shape_error 205 if the values do not fit the form,
 /// timeline_error 510 as format_captions
 inline void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, const HumanMl3dForm& form = {}) {
@@ -162,4 +162,4 @@ inline void write_humanml3d_statistics(const FilePath& folder, std::span<const f
   write_npy(detail::below(folder, "Std.npy"), s);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

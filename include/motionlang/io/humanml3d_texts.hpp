@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The captions of a clip of HumanML3D or KIT-ML (texts/<id>.txt), and index.csv, which says what the clips were cut from.
+/// The captions of a clip of HumanML3D or KIT-ML (texts/<id>.txt), and index.csv, which says what the clips were cut
+/// from.
 ///
 ///     caption#word/POS word/POS ...#start#end          seconds; 0.0 and 0.0: the whole clip; "nan" is 0
 ///
@@ -15,7 +16,7 @@
 #include <motionlang/text/mirror_caption.hpp>
 #include <motionlang/text/tagged_word.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct MotionCaption {
   std::string text;
@@ -165,4 +166,4 @@ inline std::vector<HumanMl3dSource> read_humanml3d_index(const FilePath& path) {
   return parse_humanml3d_index(detail::as_text(MappedFile::open(path)->bytes()), path.string());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

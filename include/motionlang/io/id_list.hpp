@@ -11,7 +11,7 @@
 #include <motionlang/io/detail/bytes.hpp>
 #include <motionlang/io/file.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -58,4 +58,4 @@ inline void write_ids(const FilePath& path, std::span<const std::string> ids) {
 /// Mirrored clips have an M in front of their ids.
 inline std::string mirrored_id(std::string_view id) { return concat_text("M", id); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// The findings of a folder of motions as one HTML page: a table of what was found how often, then every motion with its
-/// findings and, for some of each kind, a film strip. Nothing comes from outside the file.
+/// The findings of a folder of motions as one HTML page: a table of what was found how often, then every motion with
+/// its findings and, for some of each kind, a film strip. Nothing comes from outside the file.
 #pragma once
 
 #include <motionlang/io/detail/markup.hpp>
 #include <motionlang/io/film_strip.hpp>
 #include <motionlang/metrics/inspect_motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A motion of the page, or a file that could not be read.
 struct InspectedMotion {
@@ -72,4 +72,4 @@ inline std::string inspection_html(std::span<const InspectedMotion> motions, std
   return out + "</body>\n</html>\n";
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

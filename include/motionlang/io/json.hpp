@@ -22,7 +22,7 @@
 #include <motionlang/core/shape.hpp>
 #include <motionlang/io/file.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Deepest nesting that is read: what works on documents later recurses.
 inline constexpr int max_json_depth = 256;
@@ -108,15 +108,14 @@ inline nlohmann::json parse_json_part(std::string_view text, std::size_t begin, 
 
 }  // namespace detail
 
-/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column, also where a name stands twice in an object.
+/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column, also where a name stands
+/// twice in an object.
 inline nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON") {
   return detail::parse_json_part(text, 0, text.size(), name);
 }
 
 /// Reads a file. Throws io_error 401, 403.
-inline nlohmann::json read_json(const FilePath& path) {
-  return parse_json(read_file(path), path.string());
-}
+inline nlohmann::json read_json(const FilePath& path) { return parse_json(read_file(path), path.string()); }
 
 /// A value inside a document that lives elsewhere, together with the way to it: "config.json: model.layers[2].width".
 /// Every access to a value of the wrong kind throws config_error 107 with that way.
@@ -230,4 +229,4 @@ class JsonView {
   bool is_root_ = true;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -12,7 +12,7 @@
 #include <motionlang/io/detail/bytes.hpp>
 #include <motionlang/io/json.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class JsonMembers {
  public:
@@ -121,4 +121,4 @@ class JsonMembers {
   std::unordered_map<std::string, Part> parts_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

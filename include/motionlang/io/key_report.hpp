@@ -11,14 +11,15 @@
 
 #include <motionlang/core/error.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Names that a file lacks, and names that nobody asked for.
 struct KeyReport {
   std::vector<std::string> missing, unexpected;
 };
 
-/// How many characters have to be inserted, removed or exchanged to make b of a (Levenshtein), or `limit` if it is that many.
+/// How many characters have to be inserted, removed or exchanged to make b of a (Levenshtein), or `limit` if it is that
+/// many.
 inline std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
   if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
   std::vector<std::size_t> row(b.size() + 1);
@@ -34,7 +35,8 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b, std::si
   return std::min(row.back(), limit);
 }
 
-/// The name that is most like `name`; empty if none has half of it. Of a long list only the first 2,000 names are looked at.
+/// The name that is most like `name`; empty if none has half of it. Of a long list only the first 2,000 names are
+/// looked at.
 inline std::string nearest_name(std::string_view name, const std::vector<std::string>& among) {
   constexpr std::size_t longest = 256;
   std::string_view best;
@@ -74,4 +76,4 @@ namespace detail {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

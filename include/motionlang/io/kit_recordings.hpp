@@ -19,7 +19,7 @@
 #include <motionlang/io/id_list.hpp>
 #include <motionlang/io/json.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct KitRecording {
   static constexpr double fps = 100;
@@ -31,8 +31,8 @@ struct KitRecording {
   Index frames() const { return static_cast<Index>(joints.size() / joint_count); }
 };
 
-/// The positions in a text of _fke.csv. Throws io_error 403, with the line, for a line that has not 64 numbers (the first
-/// is an index and only looked at).
+/// The positions in a text of _fke.csv. Throws io_error 403, with the line, for a line that has not 64 numbers (the
+/// first is an index and only looked at).
 inline std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::string_view name = "fke.csv") {
   constexpr std::size_t columns = 1 + 3 * KitRecording::joint_count;
   std::vector<Vec3<double>> joints;
@@ -107,4 +107,4 @@ class KitRecordings {
   FilePath folder_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

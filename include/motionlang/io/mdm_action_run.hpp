@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// MDM's models of actions (HumanAct12, UESTC), and of HumanAct12 without its actions (--unconstrained), from the folders in
-/// which their repository leaves them.
+/// MDM's models of actions (HumanAct12, UESTC), and of HumanAct12 without its actions (--unconstrained), from the
+/// folders in which their repository leaves them.
 ///
-///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));      // args.json, model000750000.pt
-///     const auto motions = run.model.generate(actions, Philox{.seed = 7});
+///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));      // args.json,
+///     model000750000.pt const auto motions = run.model.generate(actions, Philox{.seed = 7});
 ///
-/// Differs   from models of texts: motions are rotations in 6D and the way of the root, not normalised, of 60 frames; a model that was
-///           trained without empty actions (cond_mask_prob 0, as the published command has it) is not guided
+/// Differs   from models of texts: motions are rotations in 6D and the way of the root, not normalised, of 60 frames; a
+///           model that was trained without empty actions (cond_mask_prob 0, as the published command has it) is not
+///           guided
 /// Source    spec mdm.md 3, 3.1, 3.5
 /// Throws    as io/diffusion_run.hpp
 #pragma once
@@ -16,7 +17,7 @@
 #include <motionlang/features/actor_points.hpp>
 #include <motionlang/io/diffusion_run.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct MdmActionRun {
@@ -68,4 +69,4 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -5,8 +5,8 @@
 ///
 ///     {'motion': (n, joints, 3, frames), 'text': n texts, 'lengths': (n)}
 /// This is an object of Python, which is read and not run. Joints are HumanML3D's 22, SMPL's 24 or KIT's 21; Y is up
-/// unless the options say Z. A motion ends at its length. Its name is its number, or the first 160 bytes of its text, so
-/// that the name fits into a file's name.
+/// unless the options say Z. A motion ends at its length. Its name is its number, or the first 160 bytes of its text,
+/// so that the name fits into a file's name.
 /// Source  Tevet et al., "Human Motion Diffusion Model" (ICLR 2023); GuyTevet/motion-diffusion-model sample/generate.py
 #pragma once
 
@@ -15,7 +15,7 @@
 #include <motionlang/io/motion_npy.hpp>
 #include <motionlang/io/pickle_arrays.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -111,4 +111,4 @@ inline std::vector<Motion> read_motions_npy(const FilePath& path, const MotionAr
   return {motion_from_array(array, options, path.string())};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -4,12 +4,13 @@
 ///     merge_smplh("smplh/male/model.npz", "MANO_LEFT.pkl", "MANO_RIGHT.pkl", "smplh/SMPLH_MALE.npz");
 ///
 /// Source   spec weights.md 8.1: hands_components, hands_mean, hands_coeffs of MANO, with l and r behind them
-/// Differs  from TEMOS' script: the members of the archive are stored, not deflated; what forward passes do not read is left out
+/// Differs  from TEMOS' script: the members of the archive are stored, not deflated; what forward passes do not read is
+///          left out
 #pragma once
 
 #include <motionlang/io/body_file.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Throws  io_error 401 to 407 for files that cannot be read, are no body of 52 joints or no hand; numeric_error 301
 inline void merge_smplh(const FilePath& body, const FilePath& left, const FilePath& right, const FilePath& out) {
@@ -33,4 +34,4 @@ inline void merge_smplh(const FilePath& body, const FilePath& left, const FilePa
   write_npz(out, merged);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

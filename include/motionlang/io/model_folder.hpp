@@ -2,15 +2,18 @@
 /// Model folders of ours.
 ///
 ///     FOLDER/config.json            what the model is (below)
-///     FOLDER/weights.safetensors    its tensors under their published names, and motion_normalizer.mean, motion_normalizer.std
-///     FOLDER/text_encoder/          if it has one of its own: as Hugging Face or OpenAI publish it (io/text_encoder_folder.hpp)
+///     FOLDER/weights.safetensors    its tensors under their published names, and motion_normalizer.mean,
+///                                   motion_normalizer.std
+///     FOLDER/text_encoder/          if it has one of its own: as Hugging Face or OpenAI publish it
+///                                   (io/text_encoder_folder.hpp)
 ///
 ///     {"format": "motionlang", "version": 1, "system": "stmc",
 ///      "license": "MIT", "provenance": "trained on ...",
 ///      "features": "smplrifke", "fps": 20, "text_encoder": "clip",
 ///      "config": {...}}            hyperparameters under the names of the system's own options
 ///
-/// Whoever writes a folder says what the weights may be used for and where they come from. Other members are kept as they are.
+/// Whoever writes a folder says what the weights may be used for and where they come from. Other members are kept as
+/// they are.
 /// Atomicity  the folder appears under its name when all of it is written
 #pragma once
 
@@ -20,13 +23,14 @@
 #include <motionlang/io/json.hpp>
 #include <motionlang/io/safetensors.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct ModelFolder {
   std::string system, license, provenance, features, text_encoder;
   double fps = 20;
   nlohmann::ordered_json config = nlohmann::ordered_json::object();
-  nlohmann::ordered_json others = nlohmann::ordered_json::object();  // members of config.json that are none of the above
+  // members of config.json that are none of the above
+  nlohmann::ordered_json others = nlohmann::ordered_json::object();
 };
 
 namespace detail {
@@ -43,8 +47,8 @@ inline bool is_model_member(std::string_view name) {
 }  // namespace detail
 
 /// What a config.json says. `name` stands in messages.
-/// Throws  io_error 403 if it is malformed, 404 for a newer version; config_error 103 for another format, 107 for a member that is
-///         missing or of another kind, 101 for a frame rate that is none, always with both values
+/// Throws  io_error 403 if it is malformed, 404 for a newer version; config_error 103 for another format, 107 for a
+///         member that is missing or of another kind, 101 for a frame rate that is none, always with both values
 inline ModelFolder parse_model_config(std::string_view text, const std::string& name) {
   const auto document = parse_json(text, name);
   const JsonView view(document, name);
@@ -74,11 +78,12 @@ inline ModelFolder read_model_folder(const FilePath& folder) {
   return parse_model_config(read_file(path), path);
 }
 
-/// The text of config.json. Throws config_error 101 without a system, a licence or a provenance, 102 for `others` that are none; io_error
-/// 403 for texts that are not UTF-8.
+/// The text of config.json. Throws config_error 101 without a system, a licence or a provenance, 102 for `others` that
+/// are none; io_error 403 for texts that are not UTF-8.
 inline std::string model_config_text(const ModelFolder& m, const std::string& name = detail::model_config_file) {
-  for (const auto& [key, text] :
-       {std::pair<const char*, const std::string&>{"system", m.system}, {"license", m.license}, {"provenance", m.provenance}}) {
+  for (const auto& [key, text] : {std::pair<const char*, const std::string&>{"system", m.system},
+                                  {"license", m.license},
+                                  {"provenance", m.provenance}}) {
     if (text.empty()) raise<config_error>(101, name, ": ", key, " is empty: who gets the model has to know it");
     if (!is_utf8(text)) raise<io_error>(403, name, ": ", key, " is not UTF-8");
   }
@@ -92,7 +97,8 @@ inline std::string model_config_text(const ModelFolder& m, const std::string& na
                              {"text_encoder", m.text_encoder},
                              {"config", m.config}};
   for (const auto& [key, value] : m.others.items()) {
-    if (detail::is_model_member(key)) raise<config_error>(102, name, ": '", key, "' says what the model is, not something else");
+    if (detail::is_model_member(key))
+      raise<config_error>(102, name, ": '", key, "' says what the model is, not something else");
     out[key] = value;
   }
   return out.dump(2) + "\n";
@@ -138,4 +144,4 @@ inline void write_model_folder(const FilePath& path, const ModelFolder& model, s
   check("rename to");
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Parameters of modules in files of weights: paths of fields are the names of tensors. Any TensorSet will do: SafetensorsFile,
-/// WeightFile.
+/// Parameters of modules in files of weights: paths of fields are the names of tensors. Any TensorSet will do:
+/// SafetensorsFile, WeightFile.
 #pragma once
 
 #include <algorithm>  // find_if
@@ -18,7 +18,7 @@
 #include <motionlang/tensor/gradient.hpp>
 #include <motionlang/tensor/module.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The name under which a tensor of the module is filed: its path, unless the module translates (`official_key`).
 template <Module M>
@@ -69,8 +69,8 @@ void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shar
   }
 }
 
-/// What a module is loaded for. For inference it is made ready as by prepare_loaded, in the same pass over the file: all its matrices are
-/// weights, and it is neither trained nor changed afterwards.
+/// What a module is loaded for. For inference it is made ready as by prepare_loaded, in the same pass over the file:
+/// all its matrices are weights, and it is neither trained nor changed afterwards.
 enum class LoadFor { any_use, inference };
 
 namespace detail {
@@ -126,8 +126,8 @@ bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, 
 /// Tensors on their way into a file, with their own memory.
 class TensorStore {
  public:
-  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error 301
-  /// for a number that would become infinite; F16 holds no NaN and infinity either.
+  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error
+  /// 301 for a number that would become infinite; F16 holds no NaN and infinity either.
   template <Scalar S>
   void add(std::string name, const FileShape& shape, std::span<const S> values, DType dtype) {
     switch (dtype) {
@@ -191,8 +191,8 @@ class TensorStore {
 };
 
 namespace detail {
-/// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the file again.
-/// Whether all its numbers are finite.
+/// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the
+/// file again. Whether all its numbers are finite.
 template <PackingBackend B, int R>
 bool pack_loaded(const Tensor<B, R>& weight) {
   const bool finite = pack_weight(weight);
@@ -200,7 +200,8 @@ bool pack_loaded(const Tensor<B, R>& weight) {
   return finite;
 }
 
-/// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a place for it.
+/// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a
+/// place for it.
 template <PackingBackend B, int R>
 void put_aside(Tensor<B, R>& weight) {
   const auto bytes = std::as_bytes(weight.span());
@@ -244,7 +245,8 @@ struct PrepareLoaded {
     copy_small(t);
   }
 };
-/// For large networks: a weight that had to be converted is put aside, so that it is not there twice. If it cannot be, it is not packed.
+/// For large networks: a weight that had to be converted is put aside, so that it is not there twice. If it cannot be,
+/// it is not packed.
 struct PrepareLoadedOnce {
   template <Backend B, int R>
   void operator()(const std::string&, Tensor<B, R>& t) const {
@@ -268,18 +270,18 @@ void prepare_in_shares(M& model, std::atomic<bool>* finite) {
 }
 }  // namespace detail
 
-/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given back as soon as
-/// a weight is packed, so that none is there twice, and small tensors become copies. Whoever still reads the file gets it from the disk.
-/// Weights that had to be converted are packed beside their numbers.
+/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given
+/// back as soon as a weight is packed, so that none is there twice, and small tensors become copies. Whoever still
+/// reads the file gets it from the disk. Weights that had to be converted are packed beside their numbers.
 template <Module M>
 void prepare_loaded(M& model) {
   detail::prepare_in_shares(model, nullptr);
 }
 
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
-/// Returns what did not match (then the module is not made ready); throws io_error 407 for a tensor of another shape, numeric_error 301
-/// for NaN and infinity. A module may say (`copy_of`) which further names repeat a tensor of its own; io_error 407 if such a tensor is
-/// another one.
+/// Returns what did not match (then the module is not made ready); throws io_error 407 for a tensor of another shape,
+/// numeric_error 301 for NaN and infinity. A module may say (`copy_of`) which further names repeat a tensor of its own;
+/// io_error 407 if such a tensor is another one.
 template <Module M>
 KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "",
                              LoadFor use = LoadFor::any_use) {
@@ -310,4 +312,4 @@ void load_module(M& module, const TensorSet& file, const std::string& prefix = "
   detail::raise_key_mismatch(file.name(), report);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -21,7 +21,7 @@
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/search/motion_index.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What else an index file may have: bytes by the name of their tensor ("graph_clips").
 using IndexExtras = std::map<std::string, std::vector<std::byte>>;
@@ -106,8 +106,8 @@ inline VectorTable index_rows(const SafetensorsFile& file, const std::string& na
 /// An index file that is open.
 class MotionIndexFile {
  public:
-  /// Throws io_error 401, 402 (ends too early), 403 (no index, or damaged), 404 (another version), 405, 406, 407; config_error 107;
-  /// numeric_error 302
+  /// Throws io_error 401, 402 (ends too early), 403 (no index, or damaged), 404 (another version), 405, 406, 407;
+  /// config_error 107; numeric_error 302
   static MotionIndexFile open(const FilePath& path) {
     const auto file = MappedFile::open(path);
     return from_bytes(file->bytes(), path.string(), file);
@@ -194,4 +194,4 @@ inline void write_motion_index(const FilePath& path, const MotionIndex& index, c
   write_file(path, motion_index_bytes(index, extras));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -6,8 +6,9 @@
 ///     (frames, numbers) of the features that motion_features.hpp names, known by the width of a row: not normalised
 ///     (frames, 24 or 22, 3) joints of SMPL, (frames, 21, 3) of MMM
 /// Several motions in one file: mdm_results.hpp.
-/// Positions become rotations by motion_from_joints.hpp. MMM's joints are in metres or, if they are large, in KIT's units; with Y
-/// up they are reflected, as KIT has them and TEMOS makes them, and are reflected back, so that "L" is the left.
+/// Positions become rotations by motion_from_joints.hpp. MMM's joints are in metres or, if they are large, in KIT's
+/// units; with Y up they are reflected, as KIT has them and TEMOS makes them, and are reflected back, so that "L" is
+/// the left.
 /// Source  specs humanml3d-features.md 1.2 and 10, temos.md 4.3
 #pragma once
 
@@ -17,7 +18,7 @@
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/io/npy.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class UpAxis { found, y, z };
 
@@ -51,8 +52,8 @@ inline Motion motion_from_rows(std::span<const double> rows, Index width, double
 
 }  // namespace detail
 
-/// Throws io_error 407 if the array is none of these; shape_error 205, numeric_error 301 for values that are not finite;
-/// config_error 101 for a rate that is none.
+/// Throws io_error 407 if the array is none of these; shape_error 205, numeric_error 301 for values that are not
+/// finite; config_error 101 for a rate that is none.
 inline Motion motion_from_array(const NpyArray& array, const MotionArrayOptions& options = {},
                                 std::string_view name = "array") {
   if (options.fps != 0 && !(options.fps > 0 && std::isfinite(options.fps)))
@@ -80,4 +81,4 @@ inline Motion read_motion_npy(const FilePath& path, const MotionArrayOptions& op
   return motion_from_array(read_npy(path), options, path.string());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

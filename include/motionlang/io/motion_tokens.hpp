@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// Motion tokens in files, and the pairs of tokens and words that TM2T is trained on.
 ///
-///     <tokenizer>/<id>.txt     a line for each pass over the clip (five), ids of codes with blanks between them, no marks
+///     <tokenizer>/<id>.txt     a line for each pass over the clip (five), ids of codes with blanks between them, no
+///                              marks
 ///
-/// Source  TM2T (Guo et al., ECCV 2022), tokenize_script.py, data/dataset.py; spec tm2t.md 2, 3. TM2T's script appends to a file that is
-///         there already; here it is replaced.
+/// Source  TM2T (Guo et al., ECCV 2022), tokenize_script.py, data/dataset.py; spec tm2t.md 2, 3. TM2T's script appends
+///         to a file that is there already; here it is replaced.
 #pragma once
 
 #include <charconv>  // ids
@@ -16,7 +17,7 @@
 #include <motionlang/text/glove.hpp>
 #include <motionlang/vae/motion_tokenizer.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The tokens of a clip: one list for each pass, from other frames on.
 using TokenLines = std::vector<std::vector<Index>>;
@@ -63,11 +64,13 @@ struct TokenEntry {
 
 struct TokenEntryOptions {
   double tokens_per_second = 5;
-  /// As published a part is cut out of what the part before has left, and the clip is trained with what the last one has left.
+  /// As published a part is cut out of what the part before has left, and the clip is trained with what the last one
+  /// has left.
   bool cut_again = false;
 };
 
-/// The entries of a clip, the whole one last, if it has a caption. Parts without tokens are left out (as published only those of no length).
+/// The entries of a clip, the whole one last, if it has a caption. Parts without tokens are left out (as published only
+/// those of no length).
 inline std::vector<TokenEntry> token_entries(const std::string& id, std::span<const MotionCaption> captions,
                                              TokenLines lines, const TokenEntryOptions& options = {}) {
   std::vector<TokenEntry> out;
@@ -109,7 +112,8 @@ inline TokenDrop token_drop(NumpyRandom& random) {
   return random.randint(0, 2) == 0 ? TokenDrop::last : TokenDrop::first;
 }
 
-/// The mark of the beginning, tokens, the mark of the end. Throws shape_error 207 if a token is to be dropped and none is there.
+/// The mark of the beginning, tokens, the mark of the end. Throws shape_error 207 if a token is to be dropped and none
+/// is there.
 inline std::vector<Index> marked_tokens(std::span<const Index> tokens, const MotionVocabulary& vocabulary,
                                         TokenDrop drop = TokenDrop::none) {
   if (drop != TokenDrop::none && tokens.empty()) raise<shape_error>(207, "marked_tokens: no token to drop");
@@ -127,4 +131,4 @@ inline std::vector<Index> marked_words(const GloVe& glove, std::span<const Tagge
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -14,7 +14,7 @@
 #include <motionlang/io/detail/npy_header.hpp>
 #include <motionlang/io/file.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -197,7 +197,8 @@ inline std::vector<std::byte> from_fortran_order(std::span<const std::byte> in, 
   return out;
 }
 
-/// Bytes of an array of this shape. Throws io_error 405 if they cannot be counted in 63 bits, 404 for elements of no size.
+/// Bytes of an array of this shape. Throws io_error 405 if they cannot be counted in 63 bits, 404 for elements of no
+/// size.
 inline std::size_t checked_size(std::span<const Index> shape, std::size_t item_size, std::string_view where) {
   if (std::find(shape.begin(), shape.end(), 0) != shape.end()) return 0;
   std::uint64_t size = item_size;
@@ -262,7 +263,8 @@ struct NpyParts {
   std::span<const std::byte> raw;
   std::string where;  // for messages
 };
-/// Throws io_error 402 if the file is too short, 403 if the header is malformed, 404 for other versions, 405 for a long header.
+/// Throws io_error 402 if the file is too short, 403 if the header is malformed, 404 for other versions, 405 for a long
+/// header.
 inline NpyParts npy_parts(std::span<const std::byte> bytes, std::string_view file) {
   constexpr std::string_view magic = "\x93NUMPY";
   if (!as_text(bytes).starts_with(magic)) raise<io_error>(403, file, ": not a .npy file (byte 0)");
@@ -293,7 +295,8 @@ inline void check_npy_size(std::span<const std::byte> head, std::uint64_t size, 
 ///         types and versions, 405 for impossible sizes
 inline NpyArray parse_npy(std::span<const std::byte> bytes, std::string_view file) {
   detail::NpyParts npy = detail::npy_parts(bytes, file);
-  return detail::stored_array(npy.header.descr, npy.header.fortran_order, std::move(npy.header.shape), npy.raw, npy.where);
+  return detail::stored_array(npy.header.descr, npy.header.fortran_order, std::move(npy.header.shape), npy.raw,
+                              npy.where);
 }
 
 /// The bytes of a .npy file, version 1.0, data at a multiple of 64: exactly what numpy.save writes.
@@ -312,10 +315,8 @@ inline std::vector<std::byte> npy_bytes(const NpyArray& array) {
 }
 
 /// Throws io_error 401 to 405.
-inline NpyArray read_npy(const FilePath& path) {
-  return parse_npy(MappedFile::open(path)->bytes(), path.string());
-}
+inline NpyArray read_npy(const FilePath& path) { return parse_npy(MappedFile::open(path)->bytes(), path.string()); }
 /// Throws io_error 401.
 inline void write_npy(const FilePath& path, const NpyArray& array) { write_file(path, npy_bytes(array)); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -5,7 +5,7 @@
 #include <motionlang/io/npy.hpp>
 #include <motionlang/io/zip.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// An archive that is being read. Arrays are read when they are asked for: members that we cannot read (objects) do not
 /// disturb the others.
@@ -53,8 +53,6 @@ inline std::vector<std::byte> npz_bytes(std::span<const NamedArray> arrays) {
   return zip.finish();
 }
 /// Throws io_error 401 if the file cannot be written, 405 above 4 GiB.
-inline void write_npz(const FilePath& path, std::span<const NamedArray> arrays) {
-  write_file(path, npz_bytes(arrays));
-}
+inline void write_npz(const FilePath& path, std::span<const NamedArray> arrays) { write_file(path, npz_bytes(arrays)); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -8,7 +8,7 @@
 #include <motionlang/core/shape.hpp>
 #include <motionlang/io/file.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// vertices (V, 3), one after the other; faces: three vertices each, counted from 0.
 /// Throws shape_error 205 if vertices are not triples or a face has a vertex that is none, numeric_error 301
@@ -38,4 +38,4 @@ void write_obj(const FilePath& path, std::span<const S> vertices, std::span<cons
   write_file(path, obj_text(vertices, faces));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

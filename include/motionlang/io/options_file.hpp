@@ -4,8 +4,8 @@
 ///     const auto options = read_options("run/opt.yaml");
 ///     const FileValue* width = find_value(options, "model/latent_dim");
 ///
-/// Of YAML the part that programs write: nested mappings and lists by indentation, plain and quoted texts, numbers, flat lists and
-/// mappings in brackets, tags (which are ignored). No texts of several lines, no anchors.
+/// Of YAML the part that programs write: nested mappings and lists by indentation, plain and quoted texts, numbers,
+/// flat lists and mappings in brackets, tags (which are ignored). No texts of several lines, no anchors.
 /// opt.txt is what text-to-motion, TM2T and MotionDiffuse write: a banner of dashes, lines of "key: value", a banner.
 /// A whole number of more than 64 bits is a text, its digits. A name that stands twice is refused.
 /// OmegaConf's references "${model.latent_dim}" are texts; `find_option` follows them.
@@ -20,7 +20,7 @@
 #include <motionlang/io/file_value.hpp>
 #include <motionlang/io/json.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -28,11 +28,13 @@ inline std::string below(const std::string& path, std::string_view key) {
   return path.empty() ? std::string(key) : concat_text(path, "/", key);
 }
 
-/// Values as they are found. A text of options is small: a large one, or one whose paths or values take much memory, is refused.
+/// Values as they are found. A text of options is small: a large one, or one whose paths or values take much memory, is
+/// refused.
 class OptionValues {
  public:
   OptionValues(std::string_view text, std::string_view file) : file_(file) {
-    if (text.size() > most_text) raise<io_error>(405, file_, ": ", text.size(), " bytes of options, at most ", most_text);
+    if (text.size() > most_text)
+      raise<io_error>(405, file_, ": ", text.size(), " bytes of options, at most ", most_text);
   }
   template <class T>
   void add(const std::string& path, T value) {
@@ -69,7 +71,8 @@ class OptionValues {
 inline bool is_quoted(std::string_view text) {
   return text.size() >= 2 && text.front() == text.back() && (text.front() == '"' || text.front() == '\'');
 }
-/// What stands between the quotes: '' is one quote in the single kind, a backslash takes the next character in the double kind.
+/// What stands between the quotes: '' is one quote in the single kind, a backslash takes the next character in the
+/// double kind.
 inline std::string unquoted(std::string_view text) {
   const char quote = text.front();
   text = text.substr(1, text.size() - 2);
@@ -350,4 +353,4 @@ inline const FileValue* find_option(const std::vector<FileValue>& values, std::s
   return nullptr;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

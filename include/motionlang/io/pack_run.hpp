@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
-/// The run folder of any published system as a model folder of ours: one file of weights with the statistics, licence, provenance.
+/// The run folder of any published system as a model folder of ours: one file of weights with the statistics, licence,
+/// provenance.
 ///
 ///     pack_run<B>(find_run("pretrained/temos"), "temos", {.license = "...", .provenance = "github.com/Mathux/TEMOS",
 ///                                                         .sources = {.statistics = "deps/.../kit-amass-xyz"}});
 ///     const auto temos = load_temos_run<B>("temos");            // as from the run itself
 ///
-/// STMC, MDM and MotionDiffuse for texts as io/diffusion_folder.hpp does it. ACTOR, TEMOS, TEACH, SINC, TMR, TM2T and MDM for actions
-/// with all their options, under a config.json that says "published"; find_run knows such a folder for one of the system.
+/// STMC, MDM and MotionDiffuse for texts as io/diffusion_folder.hpp does it. ACTOR, TEMOS, TEACH, SINC, TMR, TM2T and
+/// MDM for actions with all their options, under a config.json that says "published"; find_run knows such a folder for
+/// one of the system.
 /// Left out   what is not the model's: SMPL, losses, metrics, optimisers
 #pragma once
 
@@ -15,7 +17,7 @@
 #include <motionlang/io/tm2t_run.hpp>
 #include <motionlang/io/vae_run.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -29,8 +31,8 @@ struct PackedParts {
 };
 
 inline bool is_of_a_model(const std::string& name) {
-  return !begins_with_any(name, {"rotation2xyz.", "rot2xyz.", "clip_model.", "_losses.", "losses.", "metrics.", "eval_model.",
-                                 "opt_", "motion_normalizer."});
+  return !begins_with_any(name, {"rotation2xyz.", "rot2xyz.", "clip_model.", "_losses.", "losses.", "metrics.",
+                                 "eval_model.", "opt_", "motion_normalizer."});
 }
 
 template <Backend B>
@@ -97,7 +99,8 @@ void pack_run(const RunFolder& run, const FilePath& path, const PackOptions& opt
   parts.model.others["published"] = true;
   for (const FileValue& v : run.options) {  // "model/latent_dim": the reader makes the same path of it
     const auto* text = std::get_if<std::string>(&v.value);
-    if (is_utf8(v.path) && (text == nullptr || is_utf8(*text))) std::visit([&](const auto& x) { parts.model.config[v.path] = x; }, v.value);
+    if (is_utf8(v.path) && (text == nullptr || is_utf8(*text)))
+      std::visit([&](const auto& x) { parts.model.config[v.path] = x; }, v.value);
   }
   TensorStore statistics;
   if (parts.statistics) statistics.add_module(*parts.statistics, "motion_normalizer.");
@@ -110,4 +113,4 @@ void pack_run(const RunFolder& run, const FilePath& path, const PackOptions& opt
   write_model_folder(path, parts.model, tensors, parts.text_encoder);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT
 /// Python pickles, protocols 0 to 5, read without executing anything.
 ///
-/// A pickle is a program that builds objects. This reader runs the part that builds plain values (numbers, texts, lists,
-/// dictionaries) and turns every class and every call into an inert `object` that remembers what the file asked for: name,
-/// arguments, state, items. What such an object means is the business of the caller, who looks at the names that it knows:
-/// io/pickle_arrays.hpp does so for NumPy, SciPy and chumpy; tensors of PyTorch come as objects whose storages are `persistent`.
+/// A pickle is a program that builds objects. This reader runs the part that builds plain values (numbers, texts,
+/// lists, dictionaries) and turns every class and every call into an inert `object` that remembers what the file asked
+/// for: name, arguments, state, items. What such an object means is the business of the caller, who looks at the names
+/// that it knows: io/pickle_arrays.hpp does so for NumPy, SciPy and chumpy; tensors of PyTorch come as objects whose
+/// storages are `persistent`.
 ///
 ///     Pickle file = Pickle::open("model.pkl");
 ///     NpyArray weights = to_array(file.root()["weights"]);
 ///
-/// Refused are names that only a program that attacks its reader needs (os.system, eval), and whatever is malformed. Memory is
-/// bounded by the size of the file: lengths are checked before anything is allocated, texts and bytes are views into the file.
+/// Refused are names that only a program that attacks its reader needs (os.system, eval), and whatever is malformed.
+/// Memory is bounded by the size of the file: lengths are checked before anything is allocated, texts and bytes are
+/// views into the file.
 ///
 /// Source  CPython Lib/pickle.py and pickletools.py; spec weights.md, section 5
 #pragma once
@@ -20,7 +22,7 @@
 #include <motionlang/io/detail/pickle_machine.hpp>
 #include <motionlang/io/file.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class Pickle;
 
@@ -56,7 +58,8 @@ class PickleValue {
     return std::as_bytes(std::span(node().text.data(), node().text.size()));
   }
 
-  /// Number of elements of a list, a tuple or a set, or of entries of a dictionary; of objects, what was appended or set.
+  /// Number of elements of a list, a tuple or a set, or of entries of a dictionary; of objects, what was appended or
+  /// set.
   std::size_t size() const { return node().items.size() / (node().keyed ? 2 : 1); }
   /// Whether the elements are entries: of dictionaries, and of objects that behave like one.
   bool keyed() const { return node().keyed; }
@@ -176,4 +179,4 @@ class Pickle {
   detail::PickleRef root_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Arrays in pickles: NumPy's arrays and scalars, joblib's, which lie between the opcodes, SciPy's sparse matrices, chumpy's
-/// nodes (which SMPL's first files hold).
+/// Arrays in pickles: NumPy's arrays and scalars, joblib's, which lie between the opcodes, SciPy's sparse matrices,
+/// chumpy's nodes (which SMPL's first files hold).
 ///
 ///     Pickle dump = Pickle::open("grouped.pth.tar", {.inline_bytes = joblib_array_bytes});
 ///
@@ -10,7 +10,7 @@
 #include <motionlang/io/npy.hpp>
 #include <motionlang/io/pickle.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -78,13 +78,16 @@ inline NpyArray numpy_array(const PickleValue& v) {
   return stored_array(a.type, a.fortran_order, std::move(a.shape), a.raw, a.where);
 }
 
-/// A sparse matrix in full. Compressed by columns (csc) or rows (csr): entries indptr[c] ... indptr[c + 1] - 1 lie in column (row) c at
-/// row (column) indices[k]. As a list (coo): entry k at row[k], col[k], which newer files call coords.
+/// A sparse matrix in full. Compressed by columns (csc) or rows (csr): entries indptr[c] ... indptr[c + 1] - 1 lie in
+/// column (row) c at row (column) indices[k]. As a list (coo): entry k at row[k], col[k], which newer files call
+/// coords.
 inline NpyArray dense_matrix(const PickleValue& v) {
   const std::string name = v.name();
   const std::string_view kind = std::string_view(name).substr(name.rfind('.') + 1);
-  const bool by_column = kind == "csc_matrix" || kind == "csc_array", by_row = kind == "csr_matrix" || kind == "csr_array";
-  if (!by_column && !by_row && kind != "coo_matrix" && kind != "coo_array") v.fail(404, "a sparse matrix of class ", name);
+  const bool by_column = kind == "csc_matrix" || kind == "csc_array",
+             by_row = kind == "csr_matrix" || kind == "csr_array";
+  if (!by_column && !by_row && kind != "coo_matrix" && kind != "coo_array")
+    v.fail(404, "a sparse matrix of class ", name);
   const PickleValue state = v.state();
   const auto shape = shape_of(state.find("_shape") ? state["_shape"] : state["shape"]);
   constexpr Index most = 2'000'000;
@@ -98,8 +101,8 @@ inline NpyArray dense_matrix(const PickleValue& v) {
   std::vector<std::int64_t> row, column;
   if (by_column || by_row) {
     const auto starts = places(state["indptr"]);
-    if (std::ssize(starts) != (by_column ? columns : rows) + 1 || starts.front() != 0 || starts.back() != std::ssize(data) ||
-        !std::is_sorted(starts.begin(), starts.end())) {
+    if (std::ssize(starts) != (by_column ? columns : rows) + 1 || starts.front() != 0 ||
+        starts.back() != std::ssize(data) || !std::is_sorted(starts.begin(), starts.end())) {
       v.fail(403, "a sparse matrix whose arrays do not fit together");
     }
     (by_column ? row : column) = places(state["indices"]);
@@ -166,8 +169,8 @@ inline NpyArray to_array(const PickleValue& v, int depth) {
 
 }  // namespace detail
 
-/// Where the bytes of an array of joblib are: for PickleOptions. In front of them stands, in newer files, a number of bytes that
-/// fill up to an aligned address.
+/// Where the bytes of an array of joblib are: for PickleOptions. In front of them stands, in newer files, a number of
+/// bytes that fill up to an aligned address.
 /// Throws  io_error 403 if its description is damaged, 404 for arrays of objects
 inline InlineBytes joblib_array_bytes(const PickleValue& object, std::span<const std::byte> file,
                                       std::uint64_t position) {
@@ -182,10 +185,10 @@ inline InlineBytes joblib_array_bytes(const PickleValue& object, std::span<const
   return {position, detail::checked_size(described.shape, described.item_size, object.file())};
 }
 
-/// The array that a value of a pickle means: of NumPy or joblib, a single number, a sparse matrix of SciPy in full (csc, csr, coo; as
-/// real numbers), or the value of a chumpy node.
-/// Throws  io_error 402, 403 if it is damaged, 404 for elements and classes that are not read, 405 for impossible sizes, 407 if
-///         the value is no array
+/// The array that a value of a pickle means: of NumPy or joblib, a single number, a sparse matrix of SciPy in full
+/// (csc, csr, coo; as real numbers), or the value of a chumpy node.
+/// Throws  io_error 402, 403 if it is damaged, 404 for elements and classes that are not read, 405 for impossible
+///         sizes, 407 if the value is no array
 inline NpyArray to_array(const PickleValue& value) { return detail::to_array(value, 0); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -7,7 +7,7 @@
 #include <motionlang/io/detail/inflate.hpp>
 #include <motionlang/io/file.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Rows from top to bottom, red, green, blue.
 struct Picture {
@@ -31,8 +31,8 @@ inline std::string png_chunk(std::string_view type, std::string_view data) {
 
 }  // namespace detail
 
-/// Each row as differences to the row above. Throws shape_error 205 if the numbers are not width x height x 3, config_error
-/// 101 for a picture without pixels or with more than 2^31 of them in a row.
+/// Each row as differences to the row above. Throws shape_error 205 if the numbers are not width x height x 3,
+/// config_error 101 for a picture without pixels or with more than 2^31 of them in a row.
 inline std::string encode_png(const Picture& picture) {
   const auto fits = [](Index n) { return n > 0 && n <= 0x7fffffff / 3; };
   if (!fits(picture.width) || !fits(picture.height)) {
@@ -62,4 +62,4 @@ inline std::string encode_png(const Picture& picture) {
 /// Throws io_error 401, and as encode_png.
 inline void write_png(const FilePath& path, const Picture& picture) { write_file(path, encode_png(picture)); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The folders in which the published systems leave a model: which system it is, and where options, weights and statistics are.
-/// Nothing is opened but the options.
+/// The folders in which the published systems leave a model: which system it is, and where options, weights and
+/// statistics are. Nothing is opened but the options.
 ///
 ///     const RunFolder run = find_run("models/mdm-smpl_clip_smplrifke_humanml3d");   // run.system == "stmc"
 ///
@@ -8,16 +8,19 @@
 /// motionlang     config.json with "format": "motionlang"         weights.safetensors (io/model_folder.hpp)
 /// stmc           config.json with diffusion/...                  logs/checkpoints/last.ckpt, else the latest epoch
 /// tmr            config.json with model/motion_encoder/...       last_weights/*.pt, else as stmc
-/// hugging face   config.json with model_type                     model.safetensors, pytorch_model.bin, with an index where in shards
+/// hugging face   config.json with model_type                     model.safetensors, pytorch_model.bin, with an index
+///                where in shards
 /// mdm            args.json                                       model000475000.pt: the one with the largest number
 /// actor          opt.yaml, or a checkpoint_0100.pth.tar          the checkpoint with the largest number
 /// temos          .hydra/config.yaml (TEMOS, TEACH, SINC)         checkpoints/last.ckpt, else the latest epoch
 /// motiondiffuse  opt.txt with diffusion_steps                    model/latest.tar, else the latest epoch
 /// tm2t           any other opt.txt                               model/finest.tar, latest.tar, else the latest epoch
 ///
-/// Packed         a config.json of "format": "motionlang" that says "published": what io/pack_run.hpp made of the folder of a system; that
-///                system, with its options and weights.safetensors. One of tm2t is packed, whoever trained it
-/// Statistics     mean and std (TEMOS: jfeats_mean, rfeats_mean ...), .pt or .npy, in the folder itself or in stats, *_stats or meta
+/// Packed         a config.json of "format": "motionlang" that says "published": what io/pack_run.hpp made of the
+///                folder of a system; that system, with its options and weights.safetensors. One of tm2t is packed,
+///                whoever trained it
+/// Statistics     mean and std (TEMOS: jfeats_mean, rfeats_mean ...), .pt or .npy, in the folder itself or in stats,
+///                *_stats or meta
 /// Source         spec weights.md 9; actor.md 3.2, temos.md 3.2, tmr.md 3.2, mdm.md 2.2, 3.5, 4.4, tm2t.md 6
 #pragma once
 
@@ -27,7 +30,7 @@
 #include <motionlang/core/sort.hpp>
 #include <motionlang/io/options_file.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct RunFolder {
   std::filesystem::path folder;
@@ -72,12 +75,12 @@ inline std::vector<std::filesystem::path> listed(const std::filesystem::path& fo
   std::vector<std::filesystem::path> out;
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) out.push_back(entry.path());
-  detail::sort(out, [](const auto& a, const auto& b) {
-    return before_by_number(a.filename().string(), b.filename().string());
-  });
+  detail::sort(
+      out, [](const auto& a, const auto& b) { return before_by_number(a.filename().string(), b.filename().string()); });
   return out;
 }
-/// The file of a folder that comes first in `names`, else the last one whose name begins and ends so; empty if there is none.
+/// The file of a folder that comes first in `names`, else the last one whose name begins and ends so; empty if there is
+/// none.
 inline std::filesystem::path best_file(const std::filesystem::path& folder, std::initializer_list<const char*> names,
                                        std::string_view begin, std::string_view end) {
   std::error_code ignored;
@@ -145,7 +148,8 @@ inline void add_statistics(RunFolder& run) {
       const std::string name = p.filename().string();
       for (const char* what : {"mean", "std"}) {
         const std::string capital = std::string(1, static_cast<char>(what[0] - 'a' + 'A')) + (what + 1);
-        for (const std::string& stem : {std::string(what), capital, concat_text("jfeats_", what), concat_text("rfeats_", what)}) {
+        for (const std::string& stem :
+             {std::string(what), capital, concat_text("jfeats_", what), concat_text("rfeats_", what)}) {
           if (name == stem + ".pt" || name == stem + ".npy") run.parts.emplace(prefix + what, p);
         }
       }
@@ -164,7 +168,8 @@ inline void find_weights(RunFolder& run) {
   const auto lightning = [&](const fs::path& sub) {
     return best_file(folder / sub, {"last.ckpt"}, "latest-epoch=", ".ckpt");
   };
-  const fs::path whole = best_file(folder, {"weights.safetensors", "model.safetensors"}, "model", ".safetensors.index.json");
+  const fs::path whole =
+      best_file(folder, {"weights.safetensors", "model.safetensors"}, "model", ".safetensors.index.json");
   const fs::path checkpoint = best_file(folder, {}, "checkpoint_", ".pth.tar");
   const fs::path model = best_file(folder, {}, "model0", ".pt");
   fs::path split;  // a folder of one file for each module
@@ -218,7 +223,8 @@ inline RunFolder find_run(const FilePath& path) {
   if (problem) raise<io_error>(401, "cannot list ", path.string(), ": ", problem.message());
   std::error_code ignored;
   for (const char* name : {"config.json", "args.json", "opt.yaml", "opt.txt", ".hydra/config.yaml"}) {
-    if (run.options_file.empty() && fs::is_regular_file(run.folder / name, ignored)) run.options_file = run.folder / name;
+    if (run.options_file.empty() && fs::is_regular_file(run.folder / name, ignored))
+      run.options_file = run.folder / name;
   }
   if (!run.options_file.empty()) {
     run.options = read_options(run.options_file);
@@ -229,4 +235,4 @@ inline RunFolder find_run(const FilePath& path) {
   return run;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -21,7 +21,7 @@
 #include <motionlang/io/file.hpp>
 #include <motionlang/io/tensor_set.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class SafetensorsFile : public TensorSet {
  public:
@@ -56,7 +56,8 @@ class SafetensorsFile : public TensorSet {
       : TensorSet(std::move(name), std::move(owner)) {
     const auto length = detail::load<std::uint64_t>(bytes, 0, name_, "the header length");
     if (length > max_header)
-      raise<io_error>(405, name_, ": a header of ", length, " bytes; at most ", max_header, ". Is it a .safetensors file?");
+      raise<io_error>(405, name_, ": a header of ", length, " bytes; at most ", max_header,
+                      ". Is it a .safetensors file?");
     const auto header = detail::slice(bytes, prefix, length, name_, "the header");
     Cursor json(detail::as_text(header), name_, prefix);
     const auto data = bytes.subspan(prefix + static_cast<std::size_t>(length));
@@ -254,4 +255,4 @@ inline void write_safetensors(const FilePath& path, std::span<const TensorView> 
   write_file(path, safetensors_bytes(tensors, metadata));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

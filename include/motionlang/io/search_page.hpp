@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// What a search found, as one HTML page: for each clip or moment its score, where it is, what is said about it, and a film strip.
-/// Nothing comes from outside the file.
+/// What a search found, as one HTML page: for each clip or moment its score, where it is, what is said about it, and a
+/// film strip. Nothing comes from outside the file.
 #pragma once
 
 #include <motionlang/io/detail/markup.hpp>
 #include <motionlang/io/film_strip.hpp>
 #include <motionlang/search/motion_search.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A hit of the page.
 struct FoundMotion {
@@ -53,4 +53,4 @@ inline std::string search_html(std::span<const FoundMotion> found, std::string_v
   return out + "</body>\n</html>\n";
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

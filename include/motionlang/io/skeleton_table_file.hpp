@@ -16,7 +16,7 @@
 #include <motionlang/kinematics/skeleton_table.hpp>
 #include <motionlang/kinematics/standing_skeleton.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The table of a text for a skeleton.
 /// Throws  with the line: io_error 403 for a line that has not two or three fields, config_error 103 for a joint that
@@ -63,4 +63,4 @@ inline SkeletonTable read_skeleton_table(const FilePath& path, const Skeleton& s
   return parse_skeleton_table(detail::as_text(MappedFile::open(path)->bytes()), skeleton, path.string());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

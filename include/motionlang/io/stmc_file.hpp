@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 /// An STMC model in one safetensors file: weights under their names, sizes and vocabulary in the metadata.
 ///
-/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; how the model should be sampled: guidance and
-///             sampling ("ddpm 20": sampler and steps, all without a number); and, for people: license, provenance, data, command, commit.
-///             Nothing in the file is executed.
+/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; how the model should be
+///             sampled: guidance and sampling ("ddpm 20": sampler and steps, all without a number); and, for people:
+///             license, provenance, data, command, commit. Nothing in the file is executed.
 #pragma once
 
 #include <charconv>  // numbers in the metadata
@@ -11,7 +11,7 @@
 #include <motionlang/io/module_file.hpp>
 #include <motionlang/systems/stmc.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sizes of a bundled model: everything that its constructor needs.
 struct StmcModelConfig {
@@ -96,7 +96,8 @@ inline WordPiece metadata_vocabulary(const Metadata& metadata, const std::string
 
 }  // namespace detail
 
-/// The sizes as metadata. `vocabulary` of the tokenizer. Throws config_error 101 for more steps of sampling than there are.
+/// The sizes as metadata. `vocabulary` of the tokenizer. Throws config_error 101 for more steps of sampling than there
+/// are.
 inline std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c, const WordPiece& tokenizer) {
   detail::check_sampling_steps(c, "stmc_metadata");
   std::string vocabulary;
@@ -224,8 +225,8 @@ inline void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, I
   transformer("text_encoder.encoder", c.text.layers, c.text.width, c.text.d_ff);
 }
 
-/// Reads a model and makes it ready for inference. Throws io_error 401 ... 407, config_error 101, 103, 107, numeric_error
-/// 301.
+/// Reads a model and makes it ready for inference. Throws io_error 401 ... 407, config_error 101, 103, 107,
+/// numeric_error 301.
 template <Backend B>
 Stmc<B> load_stmc(const SafetensorsFile& file) {
   const StmcModelConfig c = stmc_config(file);
@@ -256,4 +257,4 @@ void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig
   write_safetensors(path, store.views(), metadata);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

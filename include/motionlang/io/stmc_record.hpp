@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// The record of an STMC run in one safetensors file, for edits in another process.
 ///
-/// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp), the generator and the
-///            options of the run
-/// Tensors    x0/000, x0/001, ... (timelines * rows, features), normalised; timeline/0, ... (texts, 3): first frame, end, body parts
-///            as bits; their texts are metadata text/0/0, ...
+/// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp), the
+///            generator and the options of the run
+/// Tensors    x0/000, x0/001, ... (timelines * rows, features), normalised; timeline/0, ... (texts, 3): first frame,
+///            end, body parts as bits; their texts are metadata text/0/0, ...
 #pragma once
 
 #include <motionlang/compose/timeline_text.hpp>
@@ -13,7 +13,7 @@
 #include <motionlang/io/stmc_file.hpp>
 #include <motionlang/systems/stmc_edit.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -75,7 +75,8 @@ void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const S
   }
   for (const auto& [key, value] : about) {
     if (!metadata.emplace(key, value).second)
-      raise<config_error>(102, path.string(), ": metadata '", key, "' belongs to the record, not to what is told about it");
+      raise<config_error>(102, path.string(), ": metadata '", key,
+                          "' belongs to the record, not to what is told about it");
   }
   std::vector<TensorView> views = store.views();
   for (std::size_t k = 0; k < record.x0.size(); ++k) {
@@ -105,15 +106,16 @@ inline Timeline record_timeline(const SafetensorsFile& file, std::size_t m, Inde
     const auto text = file.metadata().find(concat_text("text/", m, '/', i));
     if (text == file.metadata().end())
       raise<config_error>(107, file.name(), ": metadata 'text/", m, "/", i, "' is missing");
-    out.intervals.push_back({text->second, number(0, rows), number(1, rows), {static_cast<unsigned>(number(2, BodyParts::all().bits))}});
+    out.intervals.push_back(
+        {text->second, number(0, rows), number(1, rows), {static_cast<unsigned>(number(2, BodyParts::all().bits))}});
   }
   return out;
 }
 
 }  // namespace detail
 
-/// Reads a record and compares it with the model that is to go on with it. Throws io_error 401 ... 407, config_error 101, 102 (made
-/// with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
+/// Reads a record and compares it with the model that is to go on with it. Throws io_error 401 ... 407, config_error
+/// 101, 102 (made with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>& stmc) {
   const auto& m = file.metadata();
@@ -137,8 +139,8 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
                  .guidance = real("guidance"),
                  .steps = detail::metadata_size(m, "steps", stmc.diffusion.steps(), name),
                  .sampling = SamplingOptions{.sampler = parse_sampler(word("sampler"), name + ": metadata 'sampler':"),
-                                              .eta = real("eta"),
-                                              .clip = word("clip") == "1"},
+                                             .eta = real("eta"),
+                                             .clip = word("clip") == "1"},
                  .gaps = word("gaps") == "refuse" ? Gaps::refuse : Gaps::fill,
                  .hidden = word("hidden") == "ignore" ? HiddenTexts::ignore : HiddenTexts::refuse};
   if (word("noise_scale") == "posterior_std") out.options.sampling->noise_scale = NoiseScale::posterior_std;
@@ -149,10 +151,11 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
   const Shape shape{timelines * out.rows, stmc.layout.size};
   for (Index k = 0; k < *out.options.steps; ++k) {
     const TensorView& view = file.tensor(detail::numbered_name("x0", static_cast<std::size_t>(k)));
-    if (view.shape != shape) raise<io_error>(407, name, ": tensor '", view.name, "' is ", view.shape, ", expected ", shape);
+    if (view.shape != shape)
+      raise<io_error>(407, name, ": tensor '", view.name, "' is ", view.shape, ", expected ", shape);
     out.x0.push_back(Tensor<B, 2>::from(values_of<typename B::scalar>(view), shape));
   }
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -4,8 +4,8 @@
 ///     const auto teach = load_teach<B>(open_weights("last.ckpt"), find_run(folder));
 ///     const auto sinc = load_sinc<B>(open_weights("last.ckpt"));
 ///
-/// Heads    do not show in shapes: from the options of the run, else 4. The options ask for 6 under a misspelled name, which the code
-///          passes over
+/// Heads    do not show in shapes: from the options of the run, else 4. The options ask for 6 under a misspelled name,
+///          which the code passes over
 /// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses, metrics, SINC's eval_model.*
 /// Throws   as io/text_motion_file.hpp
 /// Source   spec teach.md 2.4, sinc.md 2.4
@@ -15,7 +15,7 @@
 #include <motionlang/systems/sinc.hpp>
 #include <motionlang/systems/teach.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -54,4 +54,4 @@ Sinc<B> load_sinc(const TensorSet& file, const RunFolder& run = {}, SincMode mod
   return model;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

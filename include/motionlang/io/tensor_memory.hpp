@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What keeps the bytes of tensors alive, and an account of what a file may cost: whoever reads weights asks here before it
-/// allocates.
+/// What keeps the bytes of tensors alive, and an account of what a file may cost: whoever reads weights asks here
+/// before it allocates.
 #pragma once
 
 #include <deque>   // unpacked bytes: views to them stay valid
@@ -9,7 +9,7 @@
 
 #include <motionlang/core/error.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The file in which most tensors lie, and the bytes of those that had to be unpacked or put into another order.
 class TensorMemory {
@@ -45,4 +45,4 @@ class TensorMemory {
   std::deque<std::shared_ptr<const void>> kept_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

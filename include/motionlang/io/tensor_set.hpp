@@ -8,7 +8,7 @@
 #include <motionlang/io/key_report.hpp>
 #include <motionlang/io/tensor_view.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class TensorSet {
  public:
@@ -47,4 +47,4 @@ class TensorSet {
   std::vector<TensorView> tensors_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

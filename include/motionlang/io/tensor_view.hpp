@@ -3,25 +3,25 @@
 /// takes them; nothing is converted until somebody asks for values.
 #pragma once
 
-#include <algorithm>    // find
-#include <array>        // table of element types
-#include <bit>          // bit_width
-#include <concepts>     // integral, floating_point
-#include <cstddef>      // byte
-#include <cstdint>      // element types
-#include <cstring>      // memcpy: elements may be unaligned
+#include <algorithm>         // find
+#include <array>             // table of element types
+#include <bit>               // bit_width
+#include <concepts>          // integral, floating_point
+#include <cstddef>           // byte
+#include <cstdint>           // element types
+#include <cstring>           // memcpy: elements may be unaligned
 #include <initializer_list>  // sizes
-#include <optional>     // unknown names, direct views
-#include <span>         // bytes
-#include <string>       // names
-#include <string_view>  // names of element types
-#include <utility>      // in_range
-#include <vector>       // converted values
+#include <optional>          // unknown names, direct views
+#include <span>              // bytes
+#include <string>            // names
+#include <string_view>       // names of element types
+#include <utility>           // in_range
+#include <vector>            // converted values
 
 #include <motionlang/core/half.hpp>
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 // clang-format off
 /// Element types of safetensors files. Values of those up to F64 can be read; of the others only the size is known.
@@ -63,8 +63,8 @@ consteval DType dtype_of() {
   return static_cast<DType>(static_cast<unsigned>(table[size]) + (std::signed_integral<T> ? 1u : 0u));
 }
 
-/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, of what is calculated with, has six
-/// at most.
+/// Sizes of an array in a file, slowest axis first: as many as NumPy and PyTorch allow. A Shape, of what is calculated
+/// with, has six at most.
 class FileShape {
  public:
   static constexpr int max_rank = 64;
@@ -86,7 +86,8 @@ class FileShape {
   std::span<const Index> sizes() const { return sizes_; }
   /// Number of elements.
   Index count() const {
-    if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;  // beside a 0 the others may be of any size
+    // beside a 0 the others may be of any size
+    if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;
     Index n = 1;
     for (const Index size : sizes_) n *= size;
     return n;
@@ -210,4 +211,4 @@ std::vector<T> values_of(const TensorView& view) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

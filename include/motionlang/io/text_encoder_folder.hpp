@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
 /// Text encoders from the folders and files in which they are published, whatever network is in them.
 ///
-///     const auto clip = load_text_encoder<B>("clip-vit-base-patch32", clip_sentences());       // Hugging Face: a folder
-///     const auto same = load_text_encoder<B>("ViT-B-32.pt", clip_sentences());                 // OpenAI: vocabulary beside it
-///     const auto words = load_text_encoder<B>("distilbert-base-uncased");                      // the states of all words
+///     const auto clip = load_text_encoder<B>("clip-vit-base-patch32", clip_sentences());       // Hugging Face: a
+///     folder
+///     const auto same = load_text_encoder<B>("ViT-B-32.pt", clip_sentences());                 // OpenAI: vocabulary
+///     beside it
+///     const auto words = load_text_encoder<B>("distilbert-base-uncased");                      // the states of all
+///     words
 ///
-/// Hugging Face  config.json with model_type clip, clip_text_model, distilbert, bert or mpnet; weights (io/run_folder.hpp); a
-///               tokenizer.json, vocab.txt, or vocab.json with merges.txt
-/// OpenAI        a file or a folder with the tensors of CLIP (ViT-B-32.pt), and bpe_simple_vocab_16e6.txt.gz in the same folder
+/// Hugging Face  config.json with model_type clip, clip_text_model, distilbert, bert or mpnet; weights
+///               (io/run_folder.hpp); a tokenizer.json, vocab.txt, or vocab.json with merges.txt
+/// OpenAI        a file or a folder with the tensors of CLIP (ViT-B-32.pt), and bpe_simple_vocab_16e6.txt.gz in the
+///               same folder
 #pragma once
 
 #include <motionlang/io/text_network_file.hpp>
@@ -15,7 +19,7 @@
 #include <motionlang/io/weight_file.hpp>
 #include <motionlang/text/tokenized_encoder.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One of the networks, where which one it is shows only when a file is read.
 template <Backend B>
@@ -45,10 +49,11 @@ struct TextEncoderOptions {
   TextOptions text{};
   TokenizerLimits limits{};
 };
-/// One vector of CLIP for each text: MDM-SMPL; MDM has its texts cut to 22 ids. Texts are cleaned as by OpenAI, whose CLIP these systems
-/// were trained with, wherever the vocabulary comes from.
+/// One vector of CLIP for each text: MDM-SMPL; MDM has its texts cut to 22 ids. Texts are cleaned as by OpenAI, whose
+/// CLIP these systems were trained with, wherever the vocabulary comes from.
 inline TextEncoderOptions clip_sentences(Index longest = 77) {
-  return {.text = {.pooling = Pooling::end}, .limits = {.longest = longest, .truncate = true, .cleaning = ClipCleaning::original}};
+  return {.text = {.pooling = Pooling::end},
+          .limits = {.longest = longest, .truncate = true, .cleaning = ClipCleaning::original}};
 }
 /// All 77 rows of CLIP: MotionDiffuse. Cleaned likewise.
 inline TextEncoderOptions clip_states() {
@@ -70,8 +75,9 @@ inline AnyTokenizer tokenizer_of(const std::filesystem::path& folder, const Toke
     if (clip && file_exists(folder / name)) return read_clip_tokenizer(folder / name, options);
   }
   raise<io_error>(401, folder.string(), ": no tokenizer of the text encoder: put ",
-                  clip ? "bpe_simple_vocab_16e6.txt.gz (of github.com/openai/CLIP), or tokenizer.json, " :
-                         "tokenizer.json, or vocab.txt, ", "there");
+                  clip ? "bpe_simple_vocab_16e6.txt.gz (of github.com/openai/CLIP), or tokenizer.json, "
+                       : "tokenizer.json, or vocab.txt, ",
+                  "there");
 }
 
 template <Backend B>
@@ -112,8 +118,8 @@ AnyTextEncoder<B> load_clip_encoder(const TensorSet& weights, const FilePath& to
 }
 
 /// path    a folder, or OpenAI's file
-/// Throws  io_error 401, naming the file that is missing; config_error 103 for another network, 102 if tokenizer and network do not
-///         fit, and what their readers throw
+/// Throws  io_error 401, naming the file that is missing; config_error 103 for another network, 102 if tokenizer and
+///         network do not fit, and what their readers throw
 template <Backend B>
 AnyTextEncoder<B> load_text_encoder(const FilePath& path, const TextEncoderOptions& options = {}) {
   const std::filesystem::path given = path.string();
@@ -129,4 +135,4 @@ AnyTextEncoder<B> load_text_encoder(const FilePath& path, const TextEncoderOptio
   return {std::move(tokenizer), std::move(network), options.text};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

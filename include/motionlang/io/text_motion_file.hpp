@@ -2,13 +2,15 @@
 /// TEMOS and TMR from their published checkpoints: sizes come from the shapes of the tensors.
 ///
 ///     const auto tmr = load_tmr<B>(open_weights(folder), find_run(folder));   // last_weights/*.pt, or a .ckpt
-///     const auto temos = load_temos<B>(open_weights("last.ckpt"));            // with statistics and texts: io/vae_run.hpp
+///     const auto temos = load_temos<B>(open_weights("last.ckpt"));            // with statistics and texts:
+///     io/vae_run.hpp
 ///
-/// Heads    do not show in shapes: from the options of the run, else 4, which is what both papers' models have. TEMOS' options ask for
-///          6 under a misspelled name, which its code passes over
+/// Heads    do not show in shapes: from the options of the run, else 4, which is what both papers' models have. TEMOS'
+///          options ask for 6 under a misspelled name, which its code passes over
 /// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses and metrics, statistics
-/// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for a number that is none; config_error 101 if the
-///          heads do not divide the width, 102 where options and tensors differ, or the file is too small for a network of its sizes
+/// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for a number that is none;
+///          config_error 101 if the heads do not divide the width, 102 where options and tensors differ, or the file is
+///          too small for a network of its sizes
 /// Source   spec temos.md 2, 3.1; tmr.md 3
 #pragma once
 
@@ -16,7 +18,7 @@
 #include <motionlang/systems/temos.hpp>
 #include <motionlang/systems/tmr.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -99,4 +101,4 @@ Tmr<B> load_tmr(const TensorSet& file, const RunFolder& run = {}) {
   return model;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -2,20 +2,23 @@
 /// Text networks from the files of Hugging Face and OpenAI.
 ///
 ///     const auto document = read_json("distilbert/config.json");
-///     const auto network = load_text_network<DistilBert<B>>(JsonView(document, "config.json"), open_weights("model.safetensors"));
-///     const auto clip = load_clip_text<B>(open_weights("ViT-B-32.pt"));
+///     const auto network = load_text_network<DistilBert<B>>(JsonView(document, "config.json"),
+///     open_weights("model.safetensors")); const auto clip = load_clip_text<B>(open_weights("ViT-B-32.pt"));
 ///
-/// Prefix   what stands before the name of the word embedding ("embeddings.word_embeddings.weight", "token_embedding.weight") stands
-///          before all names of the network, and whatever has other names is none of its business: "distilbert.", "bert.",
-///          "textencoder.text_model." (TEMOS, TEACH, SINC), "clip_model." (MDM) ...
-/// Ignored  position_ids, poolers, heads of the pre-training (vocab_*, cls.*, lm_head.*); CLIP: logit_scale and the image tower
-/// Aliases  LayerNorm.gamma and .beta for .weight and .bias; CLIP in the form of Hugging Face, whose projections of query, key and
-///          value are stacked and whose text_projection is transposed
-/// Memory   tensors of 32-bit numbers are views of the file. Weights of layers are packed for the kernels (prepare) and their memory in
-///          the file is given back, so that no weight is there twice; those that had to be converted or put together lie in temporary
-///          files for that. Where there is no place for such files, they are packed whenever they are used
-/// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes, 102 for sizes far
-///          above those of the file; io_error 406, 407 if names or shapes do not match
+/// Prefix   what stands before the name of the word embedding ("embeddings.word_embeddings.weight",
+///          "token_embedding.weight") stands before all names of the network, and whatever has other names is none of
+///          its business: "distilbert.", "bert.", "textencoder.text_model." (TEMOS, TEACH, SINC), "clip_model." (MDM)
+///          ...
+/// Ignored  position_ids, poolers, heads of the pre-training (vocab_*, cls.*, lm_head.*); CLIP: logit_scale and the
+///          image tower
+/// Aliases  LayerNorm.gamma and .beta for .weight and .bias; CLIP in the form of Hugging Face, whose projections of
+///          query, key and value are stacked and whose text_projection is transposed
+/// Memory   tensors of 32-bit numbers are views of the file. Weights of layers are packed for the kernels (prepare) and
+///          their memory in the file is given back, so that no weight is there twice; those that had to be converted or
+///          put together lie in temporary files for that. Where there is no place for such files, they are packed
+///          whenever they are used
+/// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes,
+///          102 for sizes far above those of the file; io_error 406, 407 if names or shapes do not match
 /// Source   spec text-encoders.md, sections 2 to 5
 #pragma once
 
@@ -26,7 +29,7 @@
 #include <motionlang/text/bert.hpp>
 #include <motionlang/text/clip_text.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -63,8 +66,8 @@ class RenamedTensors : public TensorSet {
   std::shared_ptr<Memory> memory_ = std::make_shared<Memory>();
 };
 
-/// What stands before `name` in the only tensor whose name ends so, at a dot. Nothing if there is none; throws io_error 406 if there
-/// are two.
+/// What stands before `name` in the only tensor whose name ends so, at a dot. Nothing if there is none; throws io_error
+/// 406 if there are two.
 inline std::optional<std::string> prefix_of(const TensorSet& file, std::string_view name) {
   std::optional<std::string> prefix;
   for (const TensorView& t : file.tensors()) {
@@ -200,16 +203,16 @@ void pack_layers(std::vector<Layer>& layers) {
   for (Layer& layer : layers) visit_tensors(layer, PrepareLoadedOnce{});
 }
 
-/// Memory is taken for a network only where the file justifies it: twice its numbers and 16 Mi. `rows` are those of all tables.
-/// Throws config_error 102.
+/// Memory is taken for a network only where the file justifies it: twice its numbers and 16 Mi. `rows` are those of all
+/// tables. Throws config_error 102.
 inline void check_room(const TensorSet& weights, Index rows, Index width, Index d_ff, Index layers) {
   const auto real = [](Index size) { return static_cast<double>(size); };  // a product may be beyond Index
   const double wanted = real(width) * (real(rows) + real(layers) * (4 * real(width) + 2 * real(d_ff)));
   Index found = 0;
   for (const TensorView& t : weights.tensors()) found += t.shape.count();
   if (wanted > 2 * real(found) + (1 << 24))
-    raise<config_error>(102, weights.name(), ": ", found, " numbers, a network of ", rows, " rows, width ", width, ", ", d_ff, " and ",
-                        layers, " layers has ", wanted);
+    raise<config_error>(102, weights.name(), ": ", found, " numbers, a network of ", rows, " rows, width ", width, ", ",
+                        d_ff, " and ", layers, " layers has ", wanted);
 }
 
 /// A size in a configuration file, 1 ... largest.
@@ -278,8 +281,8 @@ Network load_text_network(const JsonView& config, const TensorSet& weights) {
   return load_text_network<Network>(bert_config(config, Network::keys::model_type), weights);
 }
 
-/// The sizes of a DistilBERT from the shapes of its tensors, with 64 numbers a head: inside checkpoints of TEMOS, TEACH and SINC.
-/// Throws io_error 406, 407.
+/// The sizes of a DistilBERT from the shapes of its tensors, with 64 numbers a head: inside checkpoints of TEMOS, TEACH
+/// and SINC. Throws io_error 406, 407.
 inline BertConfig distilbert_config(const TensorSet& file) {
   const auto tensors = detail::bert_tensors(file);
   const auto matrix = [&](const std::string& name) {
@@ -299,8 +302,8 @@ inline BertConfig distilbert_config(const TensorSet& file) {
   return c;
 }
 
-/// The sizes in the config.json of a CLIP model, or of its text tower alone. What it leaves out, as newer files do with whatever is
-/// usual, is as in ViT-B/32.
+/// The sizes in the config.json of a CLIP model, or of its text tower alone. What it leaves out, as newer files do with
+/// whatever is usual, is as in ViT-B/32.
 inline ClipTextConfig clip_text_config(const JsonView& config) {
   using detail::config_size;
   const JsonView text =
@@ -350,7 +353,8 @@ inline ClipTextConfig clip_text_config(const TensorSet& file) {
 
 template <Backend B>
 ClipText<B> load_clip_text(const ClipTextConfig& config, const TensorSet& weights) {
-  detail::check_room(weights, config.vocabulary + config.context + config.out, config.width, config.d_ff, config.layers);
+  detail::check_room(weights, config.vocabulary + config.context + config.out, config.width, config.d_ff,
+                     config.layers);
   NoInit zeros;
   ClipText<B> network(config, zeros);
   load_module(network, detail::clip_tensors(weights));
@@ -367,4 +371,4 @@ ClipText<B> load_clip_text(const TensorSet& weights) {
   return load_clip_text<B>(clip_text_config(tensors), tensors);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

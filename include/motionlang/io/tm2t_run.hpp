@@ -6,22 +6,23 @@
 ///     const auto other = load_tm2t_describer<B>(find_run("checkpoints/t2m/M2T_EL4_DL4_NH8_PS"));
 ///     const auto texts = other.model.describe(features, other.words);
 ///
-/// Three places: the folder of the recurrent model or of the transformer (opt.txt, model/finest.tar); the one of the motion tokenizer,
-/// beside it (its checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one of the folders above.
+/// Three places: the folder of the recurrent model or of the transformer (opt.txt, model/finest.tar); the one of the
+/// motion tokenizer, beside it (its checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one
+/// of the folders above.
 ///
-/// Sizes    from the shapes of the tensors; early or late attention, too, which the options have to agree with. The number of heads from
-///          the options, 8 unless they say it
+/// Sizes    from the shapes of the tensors; early or late attention, too, which the options have to agree with. The
+///          number of heads from the options, 8 unless they say it
 /// Differs  from the published program: `model` has what is in the folder and the tokenizer; the rest of it is empty
 /// Source   spec tm2t.md 1, 2, 4.1, 5, 6
-/// Throws   io_error 401 for what is missing, saying where it was looked for; 404 for another model; 406, 407 for tensors;
-///          config_error 102 where the parts do not fit each other
+/// Throws   io_error 401 for what is missing, saying where it was looked for; 404 for another model; 406, 407 for
+///          tensors; config_error 102 where the parts do not fit each other
 #pragma once
 
 #include <motionlang/io/detail/run_reader.hpp>
 #include <motionlang/io/glove_file.hpp>
 #include <motionlang/systems/tm2t.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct Tm2tRun {
@@ -205,8 +206,8 @@ Tm2tRun<B> tm2t_around(const RunFolder& run, const WeightFile& weights, Index sy
   if (out.width() == 251) out.fps = 12.5;
   const MotionVocabulary vocabulary = out.model.vocabulary();
   if (symbols != vocabulary.size())
-    raise<config_error>(102, weights.name(), ": has ", symbols, " motion symbols, ", tokenizer_run.weights.string(), " has ",
-                        vocabulary.codes, " codes and three marks");
+    raise<config_error>(102, weights.name(), ": has ", symbols, " motion symbols, ", tokenizer_run.weights.string(),
+                        " has ", vocabulary.codes, " codes and three marks");
   return out;
 }
 
@@ -250,4 +251,4 @@ Tm2tRun<B> load_tm2t_describer(const RunFolder& run, const Tm2tRunOptions& optio
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Vocabularies of tokenizers as plain text: vocab.txt of BERT, merges.txt, bpe_simple_vocab_16e6.txt(.gz) of CLIP. The JSON files
-/// are another header, io/tokenizer_json.hpp.
+/// Vocabularies of tokenizers as plain text: vocab.txt of BERT, merges.txt, bpe_simple_vocab_16e6.txt(.gz) of CLIP. The
+/// JSON files are another header, io/tokenizer_json.hpp.
 ///
 /// Source  spec text-encoders.md 7, 9, 10
 #pragma once
@@ -12,7 +12,7 @@
 #include <motionlang/text/bert_tokenizer.hpp>
 #include <motionlang/text/clip_tokenizer.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One piece on each line; its id is the number of the line, from 0.
 /// Throws io_error 403, with the line, for a piece that is empty, stands twice or is not UTF-8
@@ -45,8 +45,8 @@ inline std::pair<std::string, std::string> parse_merge(std::string_view line, st
 
 }  // namespace detail
 
-/// Two symbols with a blank between on each line, in the order of their rank, up to the first empty line. A line that begins with
-/// "#version", or in a text of OpenAI's with "\"bpe_simple_vocab", is a comment.
+/// Two symbols with a blank between on each line, in the order of their rank, up to the first empty line. A line that
+/// begins with "#version", or in a text of OpenAI's with "\"bpe_simple_vocab", is a comment.
 /// most    further lines are not read
 /// Throws  io_error 403, with the line, for a line of another form or a pair that stands twice
 inline BytePairMerges parse_merges(std::string_view text, std::string_view name = "merges.txt",
@@ -80,4 +80,4 @@ inline BertTokenizer read_bert_tokenizer(const FilePath& path, BertTokenizerOpti
   return BertTokenizer(read_vocabulary(path), std::move(options), path.string());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

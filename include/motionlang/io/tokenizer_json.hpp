@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Tokenizers from the JSON files of Hugging Face: tokenizer.json, tokenizer_config.json, vocab.json. Only the kinds that BERT,
-/// MPNet and CLIP have; any other normaliser, splitter or frame is refused by its name, because without it ids would be wrong and
-/// look right.
+/// Tokenizers from the JSON files of Hugging Face: tokenizer.json, tokenizer_config.json, vocab.json. Only the kinds
+/// that BERT, MPNet and CLIP have; any other normaliser, splitter or frame is refused by its name, because without it
+/// ids would be wrong and look right.
 ///
 ///     const AnyTokenizer tokenizer = read_tokenizer("all-mpnet-base-v2");   // a folder
 ///
@@ -14,7 +14,7 @@
 #include <motionlang/io/json.hpp>
 #include <motionlang/io/tokenizer_files.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One of the tokenizers that files describe.
 class AnyTokenizer {
@@ -48,7 +48,8 @@ struct TokenizerLimits {
   std::optional<Index> longest = {};  // ids of a text with its frame; unless set 512 of BERT and MPNet, 77 of CLIP
   std::optional<bool> truncate = {};  // unless set: BERT and MPNet refuse, CLIP cuts
   bool stored = false;                // take both from the block "truncation" of the file, if it has one
-  ClipCleaning cleaning = ClipCleaning::hugging_face;  // of CLIP: as these files say; MDM and STMC were trained with the original
+  // of CLIP: as these files say; MDM and STMC were trained with the original
+  ClipCleaning cleaning = ClipCleaning::hugging_face;
 };
 
 namespace detail {
@@ -68,7 +69,8 @@ void require_value(const JsonView& view, const std::string& key, const T& value)
     raise<io_error>(404, view.path(), ": '", key, "' has a value that is not known here");
 }
 
-/// Pieces by id from an object of ids, and added tokens that it lacks. Throws io_error 403 unless every id from 0 on has one.
+/// Pieces by id from an object of ids, and added tokens that it lacks. Throws io_error 403 unless every id from 0 on
+/// has one.
 inline std::vector<std::string> pieces_by_id(const JsonView& vocabulary, std::span<const AddedToken> added = {}) {
   if (!vocabulary.is_object()) raise<config_error>(107, vocabulary.path(), ": expected an object of pieces and ids");
   std::size_t count = vocabulary.json().size();
@@ -263,8 +265,8 @@ inline ClipTokenizer clip_from_json(const JsonView& document, const TokenizerLim
 }  // namespace detail
 
 /// The tokenizer that a tokenizer.json describes.
-/// Throws  io_error 403 if it is malformed, 404, naming the type, if it asks for a kind that is not known here; config_error 107 for
-///         values of the wrong kind, missing pieces, merges of unknown ones
+/// Throws  io_error 403 if it is malformed, 404, naming the type, if it asks for a kind that is not known here;
+///         config_error 107 for values of the wrong kind, missing pieces, merges of unknown ones
 inline AnyTokenizer tokenizer_from_json(const JsonView& document, const TokenizerLimits& limits = {}) {
   const JsonView model = document["model"];
   if (detail::has_type(model, "WordPiece")) return detail::bert_from_json(document, limits);
@@ -318,8 +320,9 @@ inline BertTokenizer bert_from_folder(const std::string& folder, const Tokenizer
                                       const TokenizerLimits& limits) {
   std::vector<std::string> vocabulary = read_vocabulary(folder + "/vocab.txt");
   const std::vector<std::string> marks = mpnet_vocabulary({});  // the last one stands at the end
-  const bool mpnet = config.tokenizer_class.starts_with("MPNet") ||
-                     (vocabulary.size() >= marks.size() && std::equal(marks.begin(), marks.end() - 1, vocabulary.begin()));
+  const bool mpnet =
+      config.tokenizer_class.starts_with("MPNet") ||
+      (vocabulary.size() >= marks.size() && std::equal(marks.begin(), marks.end() - 1, vocabulary.begin()));
   BertTokenizerOptions o = mpnet ? BertTokenizerOptions::mpnet() : BertTokenizerOptions();
   o.lower_case = config.lower_case.value_or(o.lower_case);
   o.strip_accents = config.strip_accents;
@@ -351,9 +354,9 @@ inline ClipTokenizer clip_from_folder(const std::string& folder, const Tokenizer
 
 }  // namespace detail
 
-/// The tokenizer in the folder of a model: its tokenizer.json, else vocab.txt (BERT, MPNet) or vocab.json and merges.txt (CLIP), as
-/// its tokenizer_config.json says. model_max_length is not applied, as the published systems do not.
-/// Throws io_error 401 if there is none of these files, and as their readers
+/// The tokenizer in the folder of a model: its tokenizer.json, else vocab.txt (BERT, MPNet) or vocab.json and
+/// merges.txt (CLIP), as its tokenizer_config.json says. model_max_length is not applied, as the published systems do
+/// not. Throws io_error 401 if there is none of these files, and as their readers
 inline AnyTokenizer read_tokenizer(const FilePath& folder, const TokenizerLimits& limits = {}) {
   const std::string name = folder.string();
   if (detail::file_exists(name + "/tokenizer.json")) return read_tokenizer_json(name + "/tokenizer.json", limits);
@@ -367,4 +370,4 @@ inline AnyTokenizer read_tokenizer(const FilePath& folder, const TokenizerLimits
   raise<io_error>(401, name, ": neither tokenizer.json nor vocab.txt nor vocab.json");
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

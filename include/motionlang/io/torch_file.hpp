@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// PyTorch's files: zip archives (torch >= 1.6), TorchScript archives, and the older form of five pickles and raw storages.
+/// PyTorch's files: zip archives (torch >= 1.6), TorchScript archives, and the older form of five pickles and raw
+/// storages.
 ///
 ///     const TorchFile file = TorchFile::open("model.ckpt");
 ///     const TensorView bias = file.tensor(file.root()["state_dict"]["head.bias"]);
 ///
-/// The objects in the file are a pickle, which is read without executing anything (io/pickle.hpp); this class gives its tensors.
-/// Those that lie in order in the file are views of it, without a copy; others (transposed, expanded, big-endian) are gathered.
-/// io/weight_file.hpp finds all tensors of a file by their names.
+/// The objects in the file are a pickle, which is read without executing anything (io/pickle.hpp); this class gives its
+/// tensors. Those that lie in order in the file are views of it, without a copy; others (transposed, expanded,
+/// big-endian) are gathered. io/weight_file.hpp finds all tensors of a file by their names.
 ///
 /// Checked  sizes, strides and offsets against the storage, storages against the archive, the checksum of the pickle
 /// Source   spec weights.md, sections 3 and 4
@@ -20,7 +21,7 @@
 #include <motionlang/io/tensor_view.hpp>
 #include <motionlang/io/zip.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -122,7 +123,8 @@ inline std::vector<std::byte> gathered(const StridedTensor& t) {
   return out;
 }
 
-/// Pairs of a size and a stride are in range: every element lies in a storage of `count` elements. Gives back the reason if not.
+/// Pairs of a size and a stride are in range: every element lies in a storage of `count` elements. Gives back the
+/// reason if not.
 inline const char* out_of_range(const StridedTensor& t, std::uint64_t count) {
   constexpr std::uint64_t most_repeated = std::uint64_t{1}
                                           << 20;  // elements of a tensor that repeats those of its storage
@@ -237,7 +239,8 @@ class TorchTensors {
     t.shape = sizes(given[2]);
     t.strides = sizes(given[3]);
     t.swapped = swapped_ && bytes_of(t.dtype) > 1;
-    constexpr std::size_t metadata = 6;  // of _rebuild_tensor_v2, since PyTorch 2: elements are to be negated or conjugated on reading
+    // of _rebuild_tensor_v2, since PyTorch 2: elements are to be negated or conjugated on reading
+    constexpr std::size_t metadata = 6;
     if (function.ends_with("_v2") && given.size() > metadata && given[metadata].size() > 0)
       v.fail(404, "a tensor that is negated or conjugated when it is read");
     if (t.shape.rank() != t.strides.rank())
@@ -327,13 +330,14 @@ inline TorchTensors::Storage TorchTensors::nested_storage(const PickleValue& v) 
 
 class TorchFile {
  public:
-  /// Throws  io_error 401; 402, 403, 405 if the file is damaged; 404 for what is not supported, and for names that only code
-  ///         that attacks its reader needs
+  /// Throws  io_error 401; 402, 403, 405 if the file is damaged; 404 for what is not supported, and for names that only
+  ///         code that attacks its reader needs
   static TorchFile open(const FilePath& path) {
     const auto file = MappedFile::open(path);
     return from_bytes(file->bytes(), path.string(), file);
   }
-  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in messages.
+  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
+  /// messages.
   static TorchFile from_bytes(std::span<const std::byte> bytes, std::string name,
                               std::shared_ptr<const void> owner = {}) {
     const auto memory = std::make_shared<TensorMemory>(std::move(owner), bytes.size(), name);
@@ -352,7 +356,8 @@ class TorchFile {
     if (folder.empty()) raise<io_error>(403, zip.name(), ": no data.pkl in the archive: not a file of PyTorch");
     for (const ZipEntry& e : zip.entries()) {
       if (is_root_pickle(e.name) && !e.name.starts_with(folder))
-        raise<io_error>(403, zip.name(), ": both '", folder, "data.pkl' and '", e.name, "' at byte ", e.offset, ": which is meant?");
+        raise<io_error>(403, zip.name(), ": both '", folder, "data.pkl' and '", e.name, "' at byte ", e.offset,
+                        ": which is meant?");
     }
     detail::TorchTensors tensors(memory);
     const std::string data = folder + "data/";
@@ -361,7 +366,7 @@ class TorchFile {
       script = script || e.name == folder + "constants.pkl" || e.name.starts_with(folder + "code/");
       if (!e.name.starts_with(data)) continue;
       if (e.deflated) memory->spend(e.size);
-      tensors.add_storage(e.name.substr(data.size()), e.deflated   ? std::span<const std::byte>(memory->keep(zip.read(e)))
+      tensors.add_storage(e.name.substr(data.size()), e.deflated ? std::span<const std::byte>(memory->keep(zip.read(e)))
                                                       : checksums ? zip.checked(e)
                                                                   : zip.stored(e));
     }
@@ -402,8 +407,8 @@ class TorchFile {
   PickleValue root() const { return object_.root(); }
   static bool is_tensor(const PickleValue& v) { return detail::TorchTensors::is_tensor(v); }
   /// Not for several threads at once: what is allocated for tensors is counted.
-  /// Throws  io_error 403, 405 if the tensor does not fit its storage, 404 if its elements are of no type that is known, 407 if
-  ///         the value is no tensor
+  /// Throws  io_error 403, 405 if the tensor does not fit its storage, 404 if its elements are of no type that is
+  ///         known, 407 if the value is no tensor
   TensorView tensor(const PickleValue& v) const { return tensors_.tensor(v); }
   /// Keeps the bytes of all tensors alive.
   const std::shared_ptr<TensorMemory>& owner() const { return memory_; }
@@ -426,4 +431,4 @@ class TorchFile {
   std::uint64_t behind_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

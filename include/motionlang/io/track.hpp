@@ -9,7 +9,7 @@
 
 #include <motionlang/core/error.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct Track {
   std::string text;
@@ -28,4 +28,4 @@ inline void require_finite_times(const char* who, std::span<const Track> tracks)
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -5,13 +5,15 @@
 ///     const auto temos = load_temos_run<B>("kit-amass-xyz/5xp9647f", {.text_encoder = "distilbert-base-uncased",
 ///                                                                     .statistics = "deps/.../kit-amass-xyz"});
 ///
-/// Sizes    from the shapes of the tensors; options that state them have to agree. Heads and representation from the options
+/// Sizes    from the shapes of the tensors; options that state them have to agree. Heads and representation from the
+///          options
 /// ACTOR    all networks of its repository (io/actor_file.hpp)
-/// TEMOS, TEACH, SINC  with DistilBERT inside of the checkpoint; tokenizer and statistics are in no run folder. Their folders look alike:
+/// TEMOS, TEACH, SINC  with DistilBERT inside of the checkpoint; tokenizer and statistics are in no run folder. Their
+/// folders look alike:
 ///          `lightning_system` tells them apart by their tensors
 /// Source   spec actor.md 3, 8; temos.md 3, 4.4; teach.md 1, 2.4; sinc.md 1, 2.4
-/// Throws   io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407 for tensors;
-///          config_error 101, 102 where options and tensors differ, 103, 107
+/// Throws   io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407 for
+///          tensors; config_error 101, 102 where options and tensors differ, 103, 107
 #pragma once
 
 #include <motionlang/features/action_names.hpp>
@@ -19,7 +21,7 @@
 #include <motionlang/io/teach_sinc_file.hpp>
 #include <motionlang/io/text_encoder_folder.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct ActorRun {
@@ -27,9 +29,9 @@ struct ActorRun {
   ActorFeatureOptions features{};
   ActorPoints points = ActorPoints::vertices;  // that its loss compared
   ActorFrameOptions frames{};                  // of a clip that it learned from; how many: `longest`
-  bool camera = true;               // the figure stands on its head: Y down, as cameras have it
-  Index longest = 60;               // frames of motions that it learned from
-  std::vector<std::string> labels;  // of the classes; empty if they are numbers
+  bool camera = true;                          // the figure stands on its head: Y down, as cameras have it
+  Index longest = 60;                          // frames of motions that it learned from
+  std::vector<std::string> labels;             // of the classes; empty if they are numbers
 };
 
 /// A model from texts to motions, with all that it needs.
@@ -50,16 +52,17 @@ template <Backend B>
 using SincRun = TextMotionRun<B, Sinc<B>>;
 
 struct TemosRunOptions {
-  FilePath text_encoder = "";  // folder of distilbert-base-uncased, or one with its tokenizer; looked for beside the model unless given
-  FilePath statistics = "";    // folder with jfeats_mean.pt and jfeats_std.pt (rfeats_ of SMPL models)
+  // folder of distilbert-base-uncased, or one with its tokenizer; looked for beside the model unless given
+  FilePath text_encoder = "";
+  FilePath statistics = "";  // folder with jfeats_mean.pt and jfeats_std.pt (rfeats_ of SMPL models)
 };
 
 namespace detail {
 
 inline void require_checkpoint(const RunFolder& run, const char* system, const char* wanted) {
   if (run.system != system)
-    raise<io_error>(404, run.folder.string(), ": ", run.system.empty() ? "of no system that is known" : "of " + run.system,
-                    ", expected ", system);
+    raise<io_error>(404, run.folder.string(), ": ",
+                    run.system.empty() ? "of no system that is known" : "of " + run.system, ", expected ", system);
   if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no ", wanted);
 }
 
@@ -73,7 +76,8 @@ inline std::filesystem::path temos_text_folder(const RunFolder& run, const Temos
     }
   }
   if (folder.empty())
-    raise<io_error>(401, run.folder.string(), ": no tokenizer of DistilBERT: put vocab.txt or tokenizer.json of "
+    raise<io_error>(401, run.folder.string(),
+                    ": no tokenizer of DistilBERT: put vocab.txt or tokenizer.json of "
                     "distilbert-base-uncased there, or name its folder");
   return folder;
 }
@@ -142,8 +146,8 @@ Normalizer<B> temos_normalizer(const RunFolder& run, const TensorSet& weights, c
 
 /// The statistics and the text encoder that belong to a model. eps: of the normalisation, backwards.
 template <Backend B, class Model>
-TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& weights, Model model, double fps, double eps,
-                                        const TemosRunOptions& options) {
+TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& weights, Model model, double fps,
+                                        double eps, const TemosRunOptions& options) {
   const RunReader r(run, weights, "");
   auto normalizer = temos_normalizer<B>(run, weights, options);
   normalizer.eps = eps;
@@ -184,4 +188,4 @@ TemosRun<B> load_temos_run(const FilePath& folder, const TemosRunOptions& option
   return load_temos_run<B>(find_run(folder), options);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: MIT
-/// Approximate search over many vectors with hnswlib, where its header is installed (Debian: libhnswlib-dev). Most of the nearest are
-/// found, in time that grows with the logarithm of the gallery. Without hnswlib, which needs exceptions, every search is exact.
+/// Approximate search over many vectors with hnswlib, where its header is installed (Debian: libhnswlib-dev). Most of
+/// the nearest are found, in time that grows with the logarithm of the gallery. Without hnswlib, which needs
+/// exceptions, every search is exact.
 ///
 ///     auto graphs = motion_graphs(index, 100'000);                       // for galleries of so many vectors or more
 ///     write_motion_index("moves.index", index, graphs);
 ///     const MotionIndexFile file = MotionIndexFile::open("moves.index");
 ///     const MotionSearch search = open_motion_search(file);              // with the graphs that the file has
-///     graphs = motion_graphs(more, 100'000, {}, &file);                  // these again, with the vectors that were added
+///     graphs = motion_graphs(more, 100'000, {}, &file);                  // these again, with the vectors that were
+///     added
 ///
 /// The graph holds numbers of vectors, not the vectors: these are read where the index file has them.
 ///
-/// Source  Malkov and Yashunin, "Efficient and robust approximate nearest neighbor search using hierarchical navigable small world
-///         graphs" (TPAMI 2020)
+/// Source  Malkov and Yashunin, "Efficient and robust approximate nearest neighbor search using hierarchical navigable
+///         small world graphs" (TPAMI 2020)
 #pragma once
 
 #include <motionlang/core/progress.hpp>
@@ -23,14 +25,15 @@
 #if __has_include(<hnswlib/hnswlib.h>) && defined(__cpp_exceptions)
 #define MOTIONLANG_HAS_HNSWLIB 1
 #ifndef NO_MANUAL_VECTORIZATION
-#define NO_MANUAL_VECTORIZATION  // distances are ours; hnswlib's bring functions that must not stand in two translation units
+// Distances are ours: those of hnswlib bring functions that two translation units must not both define.
+#define NO_MANUAL_VECTORIZATION
 #endif
 #include <hnswlib/hnswlib.h>
 #else
 #define MOTIONLANG_HAS_HNSWLIB 0
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 #if MOTIONLANG_HAS_HNSWLIB
 
@@ -166,10 +169,11 @@ class VectorGraph : public VectorSearch {
   /// A graph that was built for these rows. Throws io_error 401, 402, 403, config_error 101.
   static VectorGraph from_bytes(std::span<const std::byte> bytes, std::span<const float> rows, Index width,
                                 const std::string& name = "graph", std::shared_ptr<const void> owner = {}) {
-    return extended(bytes, detail::whole_rows("VectorGraph", rows.size(), width), rows, width, {}, name, std::move(owner));
+    return extended(bytes, detail::whole_rows("VectorGraph", rows.size(), width), rows, width, {}, name,
+                    std::move(owner));
   }
-  /// A graph that was built for the first `known` of these rows, and gets the others. It is not the graph that build() makes of all, but
-  /// finds as many. Throws io_error 401, 402, 403, config_error 101.
+  /// A graph that was built for the first `known` of these rows, and gets the others. It is not the graph that build()
+  /// makes of all, but finds as many. Throws io_error 401, 402, 403, config_error 101.
   static VectorGraph extended(std::span<const std::byte> bytes, Index known, std::span<const float> rows, Index width,
                               Progress progress = {}, const std::string& name = "graph",
                               std::shared_ptr<const void> owner = {}) {
@@ -183,8 +187,9 @@ class VectorGraph : public VectorSearch {
           g.graph_ = std::make_unique<Graph>(g.space_.get(), file.path(), false, static_cast<std::size_t>(g.count()));
         },
         [&](const std::exception& e) -> bool { raise<io_error>(403, name, ": ", e.what()); });
-    g.graph_->num_deleted_ = 0;                                             // hnswlib leaves it open
-    g.graph_->level_generator_.seed(static_cast<std::uint32_t>(known + 1));  // else every addition draws the same levels
+    g.graph_->num_deleted_ = 0;  // hnswlib leaves it open
+    // else every addition draws the same levels
+    g.graph_->level_generator_.seed(static_cast<std::uint32_t>(known + 1));
     g.add_from(known, progress);
     return g;
   }
@@ -204,7 +209,8 @@ class VectorGraph : public VectorSearch {
     std::vector<std::vector<Neighbour>> out(static_cast<std::size_t>(n));
     k = std::min(k, count());
     if (k == 0) return out;
-    const auto candidates = static_cast<std::size_t>(std::max<Index>(100, 2 * k));  // hnswlib follows as many as are asked for
+    // hnswlib follows as many as are asked for
+    const auto candidates = static_cast<std::size_t>(std::max<Index>(100, 2 * k));
     parallel_for(n, [&](Index q) {
       const float* query = units.data() + q * width_;
       const detail::GraphPoint point{-1, query};
@@ -267,8 +273,9 @@ inline bool has_graphs(const MotionIndexFile& file, Index least) {
   return std::all_of(wanted.begin(), wanted.end(), [&](const auto& g) { return !file.extra(g.name).empty(); });
 }
 
-/// Graphs for the clips and the moments of an index where there are `least` of them or more; none without hnswlib. Where the rows of
-/// `before` are the first of these, its graph is taken over and gets the others. Throws io_error 401, 402, 403.
+/// Graphs for the clips and the moments of an index where there are `least` of them or more; none without hnswlib.
+/// Where the rows of `before` are the first of these, its graph is taken over and gets the others. Throws io_error 401,
+/// 402, 403.
 inline IndexExtras motion_graphs([[maybe_unused]] const MotionIndex& index, [[maybe_unused]] Index least,
                                  [[maybe_unused]] Progress progress = {},
                                  [[maybe_unused]] const MotionIndexFile* before = nullptr) {
@@ -282,7 +289,8 @@ inline IndexExtras motion_graphs([[maybe_unused]] const MotionIndex& index, [[ma
       for (const auto& old : detail::graph_rows(before->index(), 1))
         if (std::string_view(old.name) == name) known = old.rows;
     }
-    const bool only_added = !known.empty() && known.size() <= rows.size() && std::ranges::equal(known, rows.first(known.size()));
+    const bool only_added =
+        !known.empty() && known.size() <= rows.size() && std::ranges::equal(known, rows.first(known.size()));
     out[name] = (only_added ? VectorGraph::extended(graph, std::ssize(known) / width, rows, width, progress,
                                                     before->name() + ": " + name)
                             : VectorGraph::build(rows, width, {}, progress))
@@ -292,8 +300,8 @@ inline IndexExtras motion_graphs([[maybe_unused]] const MotionIndex& index, [[ma
   return out;
 }
 
-/// Searches with the graphs that the file has, or without any; then with scans of `storage`. The file has to outlive it. Throws io_error
-/// 401, 402, 403.
+/// Searches with the graphs that the file has, or without any; then with scans of `storage`. The file has to outlive
+/// it. Throws io_error 401, 402, 403.
 inline MotionSearch open_motion_search(const MotionIndexFile& file, [[maybe_unused]] bool exact = false,
                                        ScanStorage storage = ScanStorage::float32) {
   std::shared_ptr<const VectorSearch> clips, moments;
@@ -310,4 +318,4 @@ inline MotionSearch open_motion_search(const MotionIndexFile& file, [[maybe_unus
   return MotionSearch(file.index(), std::move(clips), std::move(moments), storage);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

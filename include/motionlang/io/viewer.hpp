@@ -10,7 +10,7 @@
 #include <motionlang/io/json.hpp>
 #include <motionlang/io/track.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct ViewerOptions {
   std::string title{};    // "": the name of the first motion
@@ -118,8 +118,8 @@ inline std::string viewer_page(std::span<const ViewerEntry> entries, const Viewe
 
 /// The page as text.
 /// tracks  rows below the figure; times in seconds from the start of the motion
-/// Throws  config_error 101 without any motion or frame, or for times that are not finite; what Motion::validate throws;
-///         numeric_error 301 for a place that single precision cannot hold
+/// Throws  config_error 101 without any motion or frame, or for times that are not finite; what Motion::validate
+///         throws; numeric_error 301 for a place that single precision cannot hold
 inline std::string viewer_html(const Motion& motion, std::span<const Track> tracks = {},
                                const ViewerOptions& options = {}) {
   const detail::ViewerEntry entry{motion, tracks, {}};
@@ -142,4 +142,4 @@ inline void write_viewer(const FilePath& path, std::span<const ViewerMotion> mot
   write_file(path, viewer_html(motions, options));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT
-/// Weights from whatever file they are in: safetensors, PyTorch (zip, TorchScript, the older form, Lightning), NumPy (npy, npz),
-/// pickles, joblib dumps, and folders of them as training runs leave them. The format is known by content, never by name.
+/// Weights from whatever file they are in: safetensors, PyTorch (zip, TorchScript, the older form, Lightning), NumPy
+/// (npy, npz), pickles, joblib dumps, and folders of them as training runs leave them. The format is known by content,
+/// never by name.
 ///
 ///     const WeightFile file = open_weights("logs/last.ckpt");
 ///     load_module(model, file, "denoiser.");
 ///     if (const FileValue* epoch = file.value("epoch")) ...
 ///
-/// Nothing in a file is executed: objects of classes that are not known are skipped, and listed. Tensors that lie in order in the
-/// file are views of it, without a copy.
+/// Nothing in a file is executed: objects of classes that are not known are skipped, and listed. Tensors that lie in
+/// order in the file are views of it, without a copy.
 ///
-/// Memory   besides the mapped file at most twice its size and 64 MiB. What is packed as a whole (a joblib dump that was written with
-///          compress=, or gzip) is unpacked in memory: to at most twice the size of the file and 30 MiB, into which the copies
-///          of arrays in another order have to fit, too; what gives more is refused with io_error 405, and what is packed with
-///          bzip2, xz, lzma, lz4 or zstd with 404: unpack it first
+/// Memory   besides the mapped file at most twice its size and 64 MiB. What is packed as a whole (a joblib dump that
+///          was written with compress=, or gzip) is unpacked in memory: to at most twice the size of the file and 30
+///          MiB, into which the copies of arrays in another order have to fit, too; what gives more is refused with
+///          io_error 405, and what is packed with bzip2, xz, lzma, lz4 or zstd with 404: unpack it first
 /// Source   spec weights.md
 #pragma once
 
@@ -24,11 +25,11 @@
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/io/torch_file.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct WeightOptions {
-  /// Keys from the root of the file to the dictionary of tensors, "state_dict" or "a/b"; "" means the root. Unless given: the
-  /// root if it holds tensors itself, else its "state_dict", "model_state_dict" or "model", else the root.
+  /// Keys from the root of the file to the dictionary of tensors, "state_dict" or "a/b"; "" means the root. Unless
+  /// given: the root if it holds tensors itself, else its "state_dict", "model_state_dict" or "model", else the root.
   std::optional<std::string> path{};
   bool strict = false;     // refuse what is skipped otherwise
   bool checksums = false;  // compare those of PyTorch's storages, too: reads the whole file
@@ -51,12 +52,12 @@ namespace detail {
 class WeightReader;
 }
 
-/// Tensors of a file, sorted by name, and what else it says. A tensor in dictionaries is called by their keys, joined with '.' in
-/// PyTorch's files and with '/' in others; a tensor on its own is called "array".
+/// Tensors of a file, sorted by name, and what else it says. A tensor in dictionaries is called by their keys, joined
+/// with '.' in PyTorch's files and with '/' in others; a tensor on its own is called "array".
 class WeightFile : public TensorSet {
  public:
-  /// "safetensors", "torch zip", "TorchScript", "torch legacy", "npy", "npz", "pickle", "joblib", "shards", "folder", or "TMR run
-  /// folder" and the like.
+  /// "safetensors", "torch zip", "TorchScript", "torch legacy", "npy", "npz", "pickle", "joblib", "shards", "folder",
+  /// or "TMR run folder" and the like.
   const std::string& format() const { return format_; }
   /// The first 10,000 of them, in the order of the file.
   const std::vector<FileValue>& values() const { return values_; }
@@ -65,9 +66,10 @@ class WeightFile : public TensorSet {
   /// The first 1,000 values that were passed over, in the order of the file.
   const std::vector<SkippedValue>& skipped() const { return skipped_; }
 
-  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in messages.
-  /// Throws  io_error 402, 403, 405 if the file is damaged, 404 if its format is not known or not supported, or if it tries to
-  ///         execute code, 406 if it holds no tensors or `options.path` leads nowhere
+  /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
+  /// messages.
+  /// Throws  io_error 402, 403, 405 if the file is damaged, 404 if its format is not known or not supported, or if it
+  ///         tries to execute code, 406 if it holds no tensors or `options.path` leads nowhere
   static WeightFile from_bytes(std::span<const std::byte> bytes, std::string name,
                                std::shared_ptr<const void> owner = {}, const WeightOptions& options = {});
   /// The files of a folder. Throws io_error 404 if there are none, and what open_weights throws.
@@ -335,7 +337,8 @@ class WeightReader {
   }
   /// Elements of an array as a tensor.
   void add_elements(char kind, std::size_t size, const std::vector<Index>& shape, std::span<const std::byte> bytes) {
-    if (shape.size() > FileShape::max_rank) raise<io_error>(404, out_.name(), ": an array with ", shape.size(), " axes");
+    if (shape.size() > FileShape::max_rank)
+      raise<io_error>(404, out_.name(), ": an array with ", shape.size(), " axes");
     DType dtype = kind == 'b' ? DType::BOOL : DType::F16;
     if (kind != 'b' && !(kind == 'f' && size == 2)) {
       with_npy_number(kind, size, [&](auto number) {
@@ -419,7 +422,8 @@ inline bool is_zlib(std::span<const std::byte> bytes) {
   const auto first = std::to_integer<unsigned>(bytes[0]), second = std::to_integer<unsigned>(bytes[1]);
   return first == 0x78 && (first * 256 + second) % 31 == 0;
 }
-/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`. Looks how long it is before it allocates.
+/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`. Looks how long it is before it
+/// allocates.
 inline std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::size_t limit, const std::string& name) {
   ByteCount size;
   inflate_to(size, bytes.subspan(2), limit, name);
@@ -440,9 +444,13 @@ inline std::vector<std::byte> from_gzip(std::span<const std::byte> bytes, std::s
 /// What packed the bytes, if it is something that is not unpacked here; else empty.
 inline std::string_view unread_packing(std::string_view text) {
   using namespace std::string_view_literals;
-  constexpr std::pair<std::string_view, std::string_view> marks[] = {
-      {"BZh"sv, "bzip2"}, {"\xFD" "7zXZ\0"sv, "xz"}, {"\x5D\0\0"sv, "lzma"}, {"\x04\x22\x4D\x18"sv, "lz4"},
-      {"\x28\xB5\x2F\xFD"sv, "zstd"}};
+  constexpr std::pair<std::string_view, std::string_view> marks[] = {{"BZh"sv, "bzip2"},
+                                                                     {"\xFD"
+                                                                      "7zXZ\0"sv,
+                                                                      "xz"},
+                                                                     {"\x5D\0\0"sv, "lzma"},
+                                                                     {"\x04\x22\x4D\x18"sv, "lz4"},
+                                                                     {"\x28\xB5\x2F\xFD"sv, "zstd"}};
   for (const auto& [mark, name] : marks) {
     if (text.starts_with(mark)) return name;
   }
@@ -465,12 +473,14 @@ inline bool has_header_length(std::span<const std::byte> bytes) {
 /// Whether bytes begin like a file of weights in a binary format, or with a zero byte in them, which no text has.
 inline bool begins_weights(std::span<const std::byte> bytes) {
   const std::string_view text = as_text(bytes);
-  const bool damaged = text.size() > 8 && text[8] == '{' && (text[7] == '\0' || !is_utf8(text.substr(0, 8)));  // a wrong length
+  // a wrong length
+  const bool damaged = text.size() > 8 && text[8] == '{' && (text[7] == '\0' || !is_utf8(text.substr(0, 8)));
   return is_safetensors(bytes) || damaged || text.starts_with("PK\x03\x04") || text.starts_with("\x93NUMPY") ||
          text.starts_with('\x80') || is_zlib(bytes) || is_gzip(bytes) || text.substr(0, 4096).find('\0') != text.npos;
 }
 
-/// Whether the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a name.
+/// Whether the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a
+/// name.
 inline bool begins_pickle(std::string_view text) {
   if (text.empty()) return false;
   if (text[0] == '\x80') return text.size() > 1 && text[1] >= 1 && text[1] <= 5;
@@ -507,8 +517,9 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
     out.format_ = file.format();
     reader.read(file);
     if (out.tensors_.empty() && !out.skipped_.empty())
-      raise<io_error>(406, name, ": no tensors that can be read in this ", out.format_, "; skipped: ",
-                      to_string(out.skipped_.front()), " (of a whole module or model, save its state_dict())");
+      raise<io_error>(406, name, ": no tensors that can be read in this ", out.format_,
+                      "; skipped: ", to_string(out.skipped_.front()),
+                      " (of a whole module or model, save its state_dict())");
     if (out.tensors_.empty()) raise<io_error>(406, name, ": no tensors in this ", out.format_);
     if (file.bytes_behind() > 0)
       out.skipped_.push_back({"", concat_text(file.bytes_behind(), " bytes behind the end of data.pkl")});
@@ -540,8 +551,9 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
     // What any pickle may need for its values; with it, and 10 MiB that are not counted, twice the size and 64 MiB.
     constexpr std::uint64_t values = std::uint64_t{24} << 20;
     memory->allow(bytes.size() + (std::uint64_t{18} << 20));
-    const std::vector<std::byte>& unpacked = memory->keep(
-        is_gzip(bytes) ? detail::from_gzip(bytes, memory->left(), name) : detail::from_zlib(bytes, memory->left(), name));
+    const std::vector<std::byte>& unpacked =
+        memory->keep(is_gzip(bytes) ? detail::from_gzip(bytes, memory->left(), name)
+                                    : detail::from_zlib(bytes, memory->left(), name));
     memory->spend(unpacked.size());
     const std::uint64_t most = values + std::min<std::uint64_t>(bytes.size(), memory->left());
     Pickle pickle(unpacked, name, {.max_memory = most, .inline_bytes = joblib_array_bytes});
@@ -549,7 +561,8 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
     read_torch(TorchFile::from_pickle(std::move(pickle), memory));
   } else if (detail::begins_pickle(text)) {
     Pickle pickle(bytes, name, {.inline_bytes = joblib_array_bytes});
-    const bool number = pickle.root().is(PickleKind::integer) || pickle.root().is(PickleKind::bytes);  // of 8 bytes, or more
+    // of 8 bytes, or more
+    const bool number = pickle.root().is(PickleKind::integer) || pickle.root().is(PickleKind::bytes);
     if (number && pickle.end() < bytes.size() && bytes[static_cast<std::size_t>(pickle.end())] == std::byte{0x80})
       pickle.root().fail(404, "not the magic number of PyTorch's older files, although pickles follow it,");
     read_torch(TorchFile::from_pickle(std::move(pickle), memory));
@@ -572,8 +585,10 @@ inline void WeightFile::add(const WeightFile& file, const std::string& prefix,
     if (!prefix.empty()) t.name = t.name == "array" ? prefix : prefix + "." + t.name;
     tensors_.push_back(std::move(t));
   }
-  for (const FileValue& v : file.values()) values_.push_back({prefix.empty() ? v.path : prefix + "/" + v.path, v.value});
-  for (const SkippedValue& v : file.skipped()) skipped_.push_back({prefix.empty() ? v.path : prefix + "/" + v.path, v.type});
+  for (const FileValue& v : file.values())
+    values_.push_back({prefix.empty() ? v.path : prefix + "/" + v.path, v.value});
+  for (const SkippedValue& v : file.skipped())
+    skipped_.push_back({prefix.empty() ? v.path : prefix + "/" + v.path, v.type});
 }
 
 /// The files that "weight_map" of an index.json names, each with the tensors that are said to be in it.
@@ -599,8 +614,8 @@ inline WeightFile WeightFile::from_shards(const FilePath& index, const WeightOpt
   return out;
 }
 
-/// The files of a training run: its weights under their own names, parts and statistics (TMR's last_weights/motion_encoder.pt,
-/// stats/mean.pt) behind the name of the part: "motion_encoder.tokens", "stats.mean".
+/// The files of a training run: its weights under their own names, parts and statistics (TMR's
+/// last_weights/motion_encoder.pt, stats/mean.pt) behind the name of the part: "motion_encoder.tokens", "stats.mean".
 inline WeightFile WeightFile::from_run(const RunFolder& run, const WeightOptions& options) {
   if (run.weights.empty() && run.parts.empty())
     raise<io_error>(404, run.folder.string(), ": no weights in this folder (.pt, .ckpt, .tar, .safetensors)");
@@ -634,7 +649,8 @@ inline bool may_be_weights(const FilePath& path) {
 }
 
 /// Opens a file, the index.json of weights in shards, or the folder of a training run (io/run_folder.hpp).
-/// Throws  io_error 401 if it cannot be opened, 406 if a shard lacks a tensor, and what WeightFile::from_bytes and find_run throw
+/// Throws  io_error 401 if it cannot be opened, 406 if a shard lacks a tensor, and what WeightFile::from_bytes and
+///         find_run throw
 inline WeightFile open_weights(const FilePath& path, const WeightOptions& options) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path.string(), ignored)) return WeightFile::from_run(find_run(path), options);
@@ -643,4 +659,4 @@ inline WeightFile open_weights(const FilePath& path, const WeightOptions& option
   return WeightFile::from_bytes(file->bytes(), path.string(), file, options);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

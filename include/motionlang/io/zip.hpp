@@ -14,7 +14,7 @@
 #include <motionlang/io/detail/inflate.hpp>
 #include <motionlang/io/file.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One member: where its bytes lie in the archive, and what they should be.
 struct ZipEntry {
@@ -65,7 +65,8 @@ class ZipArchive {
     check_crc(entry, data);
     return data;
   }
-  /// The first unpacked bytes of a deflated member, at least `count` of them if it has so many; not checked. Throws io_error 402, 403.
+  /// The first unpacked bytes of a deflated member, at least `count` of them if it has so many; not checked. Throws
+  /// io_error 402, 403.
   std::vector<std::byte> head(const ZipEntry& entry, std::size_t count) const {
     const auto raw = bytes_.subspan(static_cast<std::size_t>(entry.offset), static_cast<std::size_t>(entry.packed));
     std::vector<std::byte> out;
@@ -78,9 +79,8 @@ class ZipArchive {
     const auto raw = bytes_.subspan(static_cast<std::size_t>(entry.offset), static_cast<std::size_t>(entry.packed));
     const std::string where = name_ + "/" + entry.name;
     const auto size = static_cast<std::size_t>(entry.size);
-    std::vector<std::byte> data = entry.deflated
-                                      ? detail::inflate(raw, size, where, size).data
-                                      : std::vector<std::byte>(raw.begin(), raw.end());
+    std::vector<std::byte> data =
+        entry.deflated ? detail::inflate(raw, size, where, size).data : std::vector<std::byte>(raw.begin(), raw.end());
     if (data.size() != entry.size) {
       raise<io_error>(403, where, " at byte ", entry.offset, ": unpacks to ", data.size(),
                       " bytes, the directory says ", entry.size);
@@ -270,4 +270,4 @@ class ZipWriter {
   std::uint16_t count_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

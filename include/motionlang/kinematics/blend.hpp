@@ -12,7 +12,7 @@
 #include <motionlang/kinematics/root_motion.hpp>
 #include <motionlang/kinematics/smoothing.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -47,9 +47,9 @@ inline Motion blend_into(const Motion& first, const Motion& second, Index frames
   return concatenate(out, crop(next, frames, next.frames()));
 }
 
-/// The clip without the jump into frame `from`: that frame goes where the ones before it lead, and what this moves it by
-/// fades away until frame `to`, which is as it was. With to < from the same backwards in time: for the jump out of frame
-/// `from`. k is the frame before `from`, k' the one before that (k, where the clip has none).
+/// The clip without the jump into frame `from`: that frame goes where the ones before it lead, and what this moves it
+/// by fades away until frame `to`, which is as it was. With to < from the same backwards in time: for the jump out of
+/// frame `from`. k is the frame before `from`, k' the one before that (k, where the clip has none).
 ///     r'_i = r_i + w_i (2 r_k - r_k' - r_from),   q'_i = q_i exp(w_i log(q_from^-1 q_k q_k'^-1 q_k)),
 ///     w_i = 1 - smoothstep(|i - from| / |to - from|)
 /// Source  "Inertialization", D. Bollo, GDC 2018; here with the weights of the other blends
@@ -89,8 +89,8 @@ struct LoopRound {
 /// Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
 inline LoopRound make_loop(const Motion& motion, Index frames) {
   if (frames < 1 || frames > motion.frames() / 2) {
-    raise<config_error>(101, "make_loop: ", frames, " frames to blend in a clip of ", motion.frames(), " at ", motion.fps,
-                        " per second: at most half of it");
+    raise<config_error>(101, "make_loop: ", frames, " frames to blend in a clip of ", motion.frames(), " at ",
+                        motion.fps, " per second: at most half of it");
   }
   const Index last = motion.frames() - frames, middle = frames / 2;
   const Motion end = placed(motion, placement_between(motion, last + middle, motion, middle));
@@ -102,4 +102,4 @@ inline LoopRound make_loop(const Motion& motion, Index frames) {
   return loop;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

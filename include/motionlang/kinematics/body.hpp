@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// A body: its model, its surface, its hands; and what is public about the SMPL family: sizes, and the vertices that serve as
-/// extra joints. Bodies come from the user's own files (io/body_file.hpp) or from any skeleton (io/figure_body.hpp).
+/// A body: its model, its surface, its hands; and what is public about the SMPL family: sizes, and the vertices that
+/// serve as extra joints. Bodies come from the user's own files (io/body_file.hpp) or from any skeleton
+/// (io/figure_body.hpp).
 ///
 /// Source  spec body-models.md, sections 2, 4, 5
 #pragma once
@@ -15,7 +16,7 @@
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/kinematics/surface_points.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The family of a body: told by its number of joints. `other`: a body of the same form, but not of the family.
 enum class BodyKind { smpl, smplh, smplx, other };
@@ -91,8 +92,8 @@ struct HandPoses {
   static constexpr auto fields() {
     return motionlang::fields("components", &HandPoses::components, "mean", &HandPoses::mean);
   }
-  /// coefficients (N, n) of the first n components -> rotation vectors (N, 15, 3). `flat`: a hand of all zeros is stretched out,
-  /// not the mean pose. Throws shape_error 203 if there are fewer components.
+  /// coefficients (N, n) of the first n components -> rotation vectors (N, 15, 3). `flat`: a hand of all zeros is
+  /// stretched out, not the mean pose. Throws shape_error 203 if there are fewer components.
   Tensor<B, 3> operator()(const Tensor<B, 2>& coefficients, bool flat = false) const {
     const auto offset = matmul(coefficients, slice(components, 0, 0, coefficients.size(1)));
     return reshape<3>(flat ? offset : offset + reshape<2>(mean, {1, 45}), {coefficients.size(0), 15, 3});
@@ -112,8 +113,9 @@ struct Body {
   std::vector<SurfacePoints> contours{};  // of the face, one for each direction from which it is seen
 };
 
-/// Rotations (N, n, 9) of all joints of a body, where `rotations` may end before the fingers: then both hands have their mean pose.
-/// Throws config_error 106 if the body has no such hands, shape_error 204 for another number of joints.
+/// Rotations (N, n, 9) of all joints of a body, where `rotations` may end before the fingers: then both hands have
+/// their mean pose. Throws config_error 106 if the body has no such hands, shape_error 204 for another number of
+/// joints.
 template <Backend B>
 Tensor<B, 3> with_mean_hands(const Body<B>& body, const Tensor<B, 3>& rotations) {
   const Index n = rotations.size(0), given = rotations.size(1), joints = body.model.joints();
@@ -121,15 +123,17 @@ Tensor<B, 3> with_mean_hands(const Body<B>& body, const Tensor<B, 3>& rotations)
   if (!body.left_hand || !body.right_hand)
     raise<config_error>(106, "with_mean_hands: ", given, " rotations for a body of ", joints, " joints without hands");
   if (given + 30 != joints)
-    raise<shape_error>(204, "with_mean_hands: rotations ", rotations.shape(), " for ", joints, " joints with 30 of hands");
+    raise<shape_error>(204, "with_mean_hands: rotations ", rotations.shape(), " for ", joints,
+                       " joints with 30 of hands");
   auto mean = [&](const HandPoses<B>& hand) {
     return broadcast_to<3>(rotation_rows(reshape<3>(hand.mean, {1, 15, 3})), {n, 15, 9});
   };
   return concat(1, rotations, mean(*body.left_hand), mean(*body.right_hand));
 }
 
-/// The body in every frame of a motion. The motion's joints are the first ones of the model, which keeps the others (fingers, say) as
-/// they are at rest; the root joint is where the motion has it. betas (K): one shape for all frames, none means zeros.
+/// The body in every frame of a motion. The motion's joints are the first ones of the model, which keeps the others
+/// (fingers, say) as they are at rest; the root joint is where the motion has it. betas (K): one shape for all frames,
+/// none means zeros.
 /// Throws  config_error 106 if the joints of the motion are not the first ones of the model, shape_error 204
 template <Backend B>
 PosedBody<B> pose_body(const BodyModel<B>& model, const Motion& motion,
@@ -162,4 +166,4 @@ PosedBody<B> pose_body(const BodyModel<B>& model, const Motion& motion,
                Tensor<B, 2>::from(translation, {frames, 3}));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -7,7 +7,7 @@
 
 #include <motionlang/kinematics/skeleton_tables.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Numbers of joints; -1 where the skeleton has none.
 struct BodyJoints {
@@ -32,4 +32,4 @@ inline std::optional<BodyJoints> find_body_joints(const Skeleton& skeleton) {
                     pair("foot"),    pair("shoulder"), pair("elbow"), pair("wrist")};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

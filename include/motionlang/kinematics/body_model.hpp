@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
-/// Linear blend skinning with shape and pose blend shapes: the forward pass of SMPL, SMPL-H and SMPL-X, over any backend.
+/// Linear blend skinning with shape and pose blend shapes: the forward pass of SMPL, SMPL-H and SMPL-X, over any
+/// backend.
 ///
-/// On a bare backend every lane of a register holds another pose (Lane), and a block of vertices at a time gets its blend shapes and
-/// is skinned while it is in the cache, on all threads (`prepare` the model first: its blend shapes are then packed once). On an
-/// Autodiff backend every number of the chain is a tensor over the poses, so that vertices and joints can be differentiated
-/// by shape, rotations and translation.
+/// On a bare backend every lane of a register holds another pose (Lane), and a block of vertices at a time gets its
+/// blend shapes and is skinned while it is in the cache, on all threads (`prepare` the model first: its blend shapes
+/// are then packed once). On an Autodiff backend every number of the chain is a tensor over the poses, so that vertices
+/// and joints can be differentiated by shape, rotations and translation.
 ///
 /// Source    Loper et al. (2015), eq. 2-12; spec body-models.md 1. The model's arrays come from the user's own file
 ///           (io/body_file.hpp) or from a skeleton (io/figure_body.hpp).
 /// Notation  V vertices, J joints, K shape coefficients, N poses; beta -> betas, R_j -> rotations, tau -> translation
-/// Differs   from the smplx package: rest joints come from the regressor folded into template and shape directions, which is
-///           the same sum in another order
+/// Differs   from the smplx package: rest joints come from the regressor folded into template and shape directions,
+///           which is the same sum in another order
 #pragma once
 
 #include <memory>  // what is packed
@@ -27,7 +28,7 @@
 #include <motionlang/tensor/module.hpp>
 #include <motionlang/tensor/ops.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Posed points. vertices (N, V, 3), joints (N, J, 3), extra (N, E, 3): points picked from the vertices.
 template <Backend B>
@@ -59,8 +60,8 @@ void walk_chain(std::span<const int> parents, JointTransforms<S>& world, Rest re
 
 }  // namespace detail
 
-/// Rotations of F numbers each, (N, J, F), as the matrices that a body model takes: (N, J, 9), row by row. matrix_of makes a Matrix3 from
-/// a span of F numbers; on an Autodiff backend a number is a tensor over all rotations.
+/// Rotations of F numbers each, (N, J, F), as the matrices that a body model takes: (N, J, 9), row by row. matrix_of
+/// makes a Matrix3 from a span of F numbers; on an Autodiff backend a number is a tensor over all rotations.
 template <Backend B, class F>
 Tensor<B, 3> rotation_rows(const Tensor<B, 3>& rotations, F matrix_of) {
   const Index n = rotations.size(0), j = rotations.size(1), width = rotations.size(2);
@@ -76,7 +77,8 @@ Tensor<B, 3> rotation_rows(const Tensor<B, 3>& rotations, F matrix_of) {
     return Tensor<B, 3>::written({n, j, 9}, [&](S* to) {
       parallel_for(n, [&](Index pose) {
         for (Index i = pose * j; i < (pose + 1) * j; ++i) {
-          const auto m = matrix_of(from.subspan(static_cast<std::size_t>(i * width), static_cast<std::size_t>(width))).m;
+          const auto m =
+              matrix_of(from.subspan(static_cast<std::size_t>(i * width), static_cast<std::size_t>(width))).m;
           std::copy_n(m.begin(), 9, to + 9 * i);
         }
       });
@@ -105,7 +107,8 @@ struct BodyModel {
     Tensor<B, 1> mean;        // (3 J)
     Tensor<B, 2> directions;  // (3 J, K)
   };
-  /// Blend shapes in blocks of vertices, packed; the weights that are not 0; the regressor folded into template and shape directions.
+  /// Blend shapes in blocks of vertices, packed; the weights that are not 0; the regressor folded into template and
+  /// shape directions.
   struct Surface {
     struct Block {
       Index first, last;
@@ -116,7 +119,8 @@ struct BodyModel {
     SkinWeights<typename B::scalar> weights;
     RestJoints rest;
   };
-  std::shared_ptr<const Surface> packed{};  // by `prepare`: the tensors must stay as they are from then on, in copies too
+  // by `prepare`: the tensors must stay as they are from then on, in copies too
+  std::shared_ptr<const Surface> packed{};
 
   static constexpr auto fields() {
     using M = BodyModel;
@@ -128,13 +132,12 @@ struct BodyModel {
   Index vertices() const { return v_template.size(0); }
   Index joints() const { return static_cast<Index>(parents.size()); }
 
-  /// Throws shape_error 204 if the arrays do not fit together, config_error 106 if a parent does not come before its child,
-  /// 101 for an extra joint at no vertex.
+  /// Throws shape_error 204 if the arrays do not fit together, config_error 106 if a parent does not come before its
+  /// child, 101 for an extra joint at no vertex.
   void validate() const {
     const Index v = vertices(), j = joints();
     const bool blends = posedirs.shape() == Shape{3 * v, 9 * (j - 1)} || posedirs.shape() == Shape{3 * v, 0};
-    if (shapedirs.size(0) != 3 * v || !blends ||
-        J_regressor.shape() != Shape{j, v} || weights.shape() != Shape{v, j}) {
+    if (shapedirs.size(0) != 3 * v || !blends || J_regressor.shape() != Shape{j, v} || weights.shape() != Shape{v, j}) {
       raise<shape_error>(204, "BodyModel: ", v, " vertices, ", j, " joints, but shapedirs ", shapedirs.shape(),
                          ", posedirs ", posedirs.shape(), ", J_regressor ", J_regressor.shape(), ", weights ",
                          weights.shape());
@@ -165,7 +168,8 @@ struct BodyModel {
     if constexpr (AutodiffBackend<B>) {
       const Chain chain = posed_chain(rest, rotations);
       const auto tau = reshape<3>(translation, {translation.size(0), 1, 3});
-      out.vertices = skinned(blended(coefficients, directions(0, vertices()), mean(0, vertices())), chain.transforms) + tau;
+      out.vertices =
+          skinned(blended(coefficients, directions(0, vertices()), mean(0, vertices())), chain.transforms) + tau;
       out.joints = chain.positions + tau;
     } else {
       const detail::BufferHandle transforms(skin_transform_bytes<S>(rotations.size(0), joints()));
@@ -216,13 +220,13 @@ struct BodyModel {
                          translation.shape(), " for ", j, " joints and ", shapedirs.size(1), " shape coefficients");
     }
   }
-  static Tensor<B, 1> identity_row() {
-    return Tensor<B, 1>::from(std::vector<S>{1, 0, 0, 0, 1, 0, 0, 0, 1}, {9});
-  }
+  static Tensor<B, 1> identity_row() { return Tensor<B, 1>::from(std::vector<S>{1, 0, 0, 0, 1, 0, 0, 0, 1}, {9}); }
 
   RestJoints regressed() const {
     const Index v = vertices(), j = joints(), k = shapedirs.size(1);
-    auto regress = [&](const Tensor<B, 2>& t, Index columns) { return matmul(J_regressor, reshape<2>(t, {v, 3 * columns})); };
+    auto regress = [&](const Tensor<B, 2>& t, Index columns) {
+      return matmul(J_regressor, reshape<2>(t, {v, 3 * columns}));
+    };
     return {reshape<1>(regress(v_template, 1), {3 * j}), reshape<2>(regress(shapedirs, k), {3 * j, k})};
   }
   /// Factors of the shape directions and, if there are any, of the pose directions: (N, K + 9 (J - 1)).
@@ -235,15 +239,19 @@ struct BodyModel {
   Tensor<B, 2> directions(Index first, Index last) const {
     return concat(1, slice(shapedirs, 0, 3 * first, 3 * last), slice(posedirs, 0, 3 * first, 3 * last));
   }
-  Tensor<B, 1> mean(Index first, Index last) const { return reshape<1>(slice(v_template, 0, first, last), {3 * (last - first)}); }
+  Tensor<B, 1> mean(Index first, Index last) const {
+    return reshape<1>(slice(v_template, 0, first, last), {3 * (last - first)});
+  }
   /// Points of the rest pose with blend shapes: vertices, (N, 3 vertices), or joints.
-  static Tensor<B, 2> blended(const Tensor<B, 2>& coefficients, const Tensor<B, 2>& directions, const Tensor<B, 1>& mean) {
+  static Tensor<B, 2> blended(const Tensor<B, 2>& coefficients, const Tensor<B, 2>& directions,
+                              const Tensor<B, 1>& mean) {
     if (coefficients.size(1) == 0)
       return reshape<2>(mean, {1, mean.size(0)}) + Tensor<B, 2>::zeros({coefficients.size(0), 1});
     return linear(coefficients, directions, &mean);
   }
 
-  // Both and the directions between them fit the second cache; SMPL is 54 blocks of vertices, which threads share evenly.
+  // Both and the directions between them fit the second cache; SMPL is 54 blocks of vertices, which threads share
+  // evenly.
   static constexpr Index block_vertices = 128, block_poses = 256;
   Index blocks() const { return (vertices() + block_vertices - 1) / block_vertices; }
   typename Surface::Block block(Index i) const {
@@ -295,8 +303,8 @@ struct BodyModel {
         },
         [&](std::size_t, const Matrix3<T>& r, const Vec3<T>& p, const Vec3<T>& t) {
           points.insert(points.end(), {p.x, p.y, p.z});
-          transforms.insert(transforms.end(), {r.m[0], r.m[1], r.m[2], t.x, r.m[3], r.m[4], r.m[5], t.y, r.m[6], r.m[7],
-                                               r.m[8], t.z});
+          transforms.insert(transforms.end(),
+                            {r.m[0], r.m[1], r.m[2], t.x, r.m[3], r.m[4], r.m[5], t.y, r.m[6], r.m[7], r.m[8], t.z});
         });
     return {reshape<3>(concat(std::span<const T>(points), 1), {n, joints(), 3}),
             reshape<3>(concat(std::span<const T>(transforms), 1), {n, joints(), 12})};
@@ -318,7 +326,8 @@ struct BodyModel {
     return concat(std::span<const Tensor<B, 3>>(axes), 2);
   }
 
-  /// (N, J, 3), moved by the translation, and for skin_vertices the transforms, (groups of poses, J, 12, lanes), unless that is null.
+  /// (N, J, 3), moved by the translation, and for skin_vertices the transforms, (groups of poses, J, 12, lanes), unless
+  /// that is null.
   Tensor<B, 3> posed_joints(const Tensor<B, 2>& rest, const Tensor<B, 3>& rotations, const Tensor<B, 2>& translation,
                             S* transforms) const {
     const Index n = rotations.size(0);
@@ -340,12 +349,13 @@ struct BodyModel {
             load_rows(tau_at + all * 3, 3, poses, std::span<L>(&tau.x, 3));
             L* to = transforms == nullptr ? nullptr : reinterpret_cast<L*>(transforms + all * j * skin_transform_size);
             detail::walk_chain(
-                std::span(parents), world, [&](std::size_t i) { return own[i]; }, [&](std::size_t i) { return local[i]; },
+                std::span(parents), world, [&](std::size_t i) { return own[i]; },
+                [&](std::size_t i) { return local[i]; },
                 [&](std::size_t i, const Matrix3<L>& r, const Vec3<L>& p, const Vec3<L>& t) {
                   moved[i] = p + tau;
                   if (to == nullptr) return;
-                  for (const L& x : {r.m[0], r.m[1], r.m[2], t.x + tau.x, r.m[3], r.m[4], r.m[5], t.y + tau.y, r.m[6], r.m[7],
-                                     r.m[8], t.z + tau.z}) {
+                  for (const L& x : {r.m[0], r.m[1], r.m[2], t.x + tau.x, r.m[3], r.m[4], r.m[5], t.y + tau.y, r.m[6],
+                                     r.m[7], r.m[8], t.z + tau.z}) {
                     ::new (static_cast<void*>(to++)) L(x);
                   }
                 });
@@ -363,4 +373,4 @@ void prepare(BodyModel<B>& model) {
   model.pack_surface();
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

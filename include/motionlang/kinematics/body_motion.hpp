@@ -4,16 +4,16 @@
 ///     const Motion own = motion_on_body(body, on_smpls_joints, betas);
 ///     const PosedBody<B> posed = pose_body(body.model, own, betas);
 ///
-/// Rotations are taken as they are: SMPL's rest pose and the motion's are both a T-pose. Unless the motion has all joints of the
-/// body, fingers have the mean pose of the body's hands, or are stretched out; jaw and eyes are at rest. The path is scaled with the
-/// length of the legs.
+/// Rotations are taken as they are: SMPL's rest pose and the motion's are both a T-pose. Unless the motion has all
+/// joints of the body, fingers have the mean pose of the body's hands, or are stretched out; jaw and eyes are at rest.
+/// The path is scaled with the length of the legs.
 /// Source  spec body-models.md 2, 4
 #pragma once
 
 #include <motionlang/kinematics/body.hpp>
 #include <motionlang/kinematics/standard.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class BodyHands { mean, flat };
 
@@ -56,7 +56,8 @@ Skeleton body_skeleton(const Body<B>& body, std::span<const typename B::scalar> 
   return Skeleton::from_arrays(body_joint_names(body.kind, body.model.joints()), parents, offsets);
 }
 
-/// motion   on SMPL's 24 joints or the first 22, or on the body's own (by their names); for a body of another kind, on its first joints
+/// motion   on SMPL's 24 joints or the first 22, or on the body's own (by their names); for a body of another kind, on
+///          its first joints
 /// Throws   config_error 106 if the joints are others, shape_error 204
 template <Backend B>
 Motion motion_on_body(const Body<B>& body, const Motion& motion, std::span<const typename B::scalar> betas = {},
@@ -96,4 +97,4 @@ Motion motion_on_body(const Body<B>& body, const Motion& motion, std::span<const
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

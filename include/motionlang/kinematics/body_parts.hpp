@@ -7,7 +7,7 @@
 
 #include <motionlang/kinematics/skeleton.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The five parts in the order that STMC uses everywhere.
 /// Source  STMC (Petrovich et al., CVPR workshops 2024); the thesis says "torso" for `spine`; neck and head are `head`.
@@ -58,12 +58,12 @@ inline constexpr std::array<BodyPart, 24> smpl_part_of_joint = [] {
 /// Part of each joint of KIT-ML (21, Master Motor Map): the neck belongs to the head, as in SMPL.
 inline constexpr std::array<BodyPart, 21> kit_part_of_joint = [] {
   using enum BodyPart;
-  return std::array{legs,      spine,     spine,     head, head, left_arm, left_arm, left_arm, right_arm, right_arm, right_arm,
-                    legs,      legs,      legs,      legs, legs, legs,     legs,     legs,     legs,      legs};
+  return std::array{legs, spine, spine, head, head, left_arm, left_arm, left_arm, right_arm, right_arm, right_arm,
+                    legs, legs,  legs,  legs, legs, legs,     legs,     legs,     legs,      legs};
 }();
 
 /// Partner of each SMPL joint under reflection in the sagittal plane.
 inline constexpr std::array<int, 24> smpl_mirror_joint{0,  2,  1,  3,  5,  4,  6,  8,  7,  9,  11, 10,
                                                        12, 14, 13, 15, 17, 16, 19, 18, 21, 20, 23, 22};
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -22,7 +22,7 @@
 #include <motionlang/kinematics/chains.hpp>
 #include <motionlang/kinematics/smoothing.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct FacingOptions {
   double sigma = 0;            // frames; of the Gaussian filter over time, 0: none
@@ -234,4 +234,4 @@ std::vector<Vec3<S>> chain_forward_kinematics(const ChainSkeleton& skeleton, std
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

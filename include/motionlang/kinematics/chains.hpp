@@ -14,7 +14,7 @@
 
 #include <motionlang/geometry/vec.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The bone that ends at `joint`. `before` is the joint whose rotation goes ahead of it: the one before in its chain,
 /// but the root for the first bone of a chain, also where the chain branches off elsewhere.
@@ -123,4 +123,4 @@ inline const ChainSkeleton& kit_chains() {
   return skeleton;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// The landmarks of a face: those that stay on their triangles, and after them those of its contour, which wander over the cheek as the
-/// head turns away from the camera.
+/// The landmarks of a face: those that stay on their triangles, and after them those of its contour, which wander over
+/// the cheek as the head turns away from the camera.
 ///
 ///     const auto posed = body.model(betas, rotations, translation);
-///     const auto points = concat(1, posed.joints, posed.extra, face_landmarks(body, posed.vertices, rotations));   // SMPL-X: 144
+///     const auto points = concat(1, posed.joints, posed.extra, face_landmarks(body, posed.vertices, rotations));   //
+///     SMPL-X: 144
 ///
-/// Source  spec body-models.md 1, step 8, and 2; weights.md 8.1 (dynamic_lmk_faces_idx: a contour for each angle of the neck)
+/// Source  spec body-models.md 1, step 8, and 2; weights.md 8.1 (dynamic_lmk_faces_idx: a contour for each angle of the
+///         neck)
 #pragma once
 
 #include <algorithm>  // bounds
@@ -14,11 +16,12 @@
 #include <motionlang/geometry/degree.hpp>
 #include <motionlang/kinematics/body.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Which contour a head shows that looks where R, the world rotation of the neck, turns it.
 ///     angle = -atan2(-R_20, sqrt(R_00^2 + R_10^2))   in degrees, rounded: negative for a turn to the left
-///     row   = angle                for 0, 1, ..., h         h = (contours - 1) / 2, published 39; larger turns count as h
+///     row   = angle                for 0, 1, ..., h         h = (contours - 1) / 2, published 39; larger turns count
+///           as h
 ///           = h + |angle|          for -1, -2, ..., -h
 template <class S>
 Index contour_row(const Matrix3<S>& r, Index contours) {
@@ -28,9 +31,10 @@ Index contour_row(const Matrix3<S>& r, Index contours) {
   return angle >= 0 ? std::min(angle, half) : half + std::min(-angle, half);
 }
 
-/// vertices (N, V, 3) of the posed body, rotations (N, J, 9) that posed it -> (N, landmarks + points of a contour, 3); only the landmarks
-/// of bodies without contours. neck: its joint. Differentiable by the vertices.
-/// Throws  shape_error 204 unless both have N poses and the rotations are those of the body, config_error 101 for a neck that is no joint
+/// vertices (N, V, 3) of the posed body, rotations (N, J, 9) that posed it -> (N, landmarks + points of a contour, 3);
+/// only the landmarks of bodies without contours. neck: its joint. Differentiable by the vertices.
+/// Throws  shape_error 204 unless both have N poses and the rotations are those of the body, config_error 101 for a
+///         neck that is no joint
 template <Backend B>
 Tensor<B, 3> face_landmarks(const Body<B>& body, const Tensor<B, 3>& vertices, const Tensor<B, 3>& rotations,
                             Index neck = 12) {
@@ -63,4 +67,4 @@ Tensor<B, 3> face_landmarks(const Body<B>& body, const Tensor<B, 3>& vertices, c
                     {n, points.size() / std::max<Index>(n, 1), 3});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

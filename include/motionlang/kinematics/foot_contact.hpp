@@ -9,7 +9,7 @@
 
 #include <motionlang/kinematics/motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A joint that may touch the floor, and the height below which it does.
 struct ContactJoint {
@@ -69,4 +69,4 @@ inline std::vector<std::uint8_t> foot_contacts(const Motion& motion,
   return flags;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

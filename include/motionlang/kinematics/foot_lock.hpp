@@ -18,7 +18,7 @@
 #include <motionlang/kinematics/smoothing.hpp>
 #include <motionlang/kinematics/standard.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A leg and its toe.
 struct Leg {
@@ -103,8 +103,8 @@ inline Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = s
 
 namespace detail {
 
-/// (frames): how far a foot that stands slides to the next frame, on its toe or its ankle, whichever carries it. Nothing
-/// for a foot that swings, and in the last frame.
+/// (frames): how far a foot that stands slides to the next frame, on its toe or its ankle, whichever carries it.
+/// Nothing for a foot that swings, and in the last frame.
 inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& motion,
                                                                std::span<const Vec3<double>> positions, const Leg& leg,
                                                                const FootFixOptions& options) {
@@ -119,8 +119,8 @@ inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& mot
   return steps;
 }
 
-/// Where the knee of a straight leg goes, seen from the thigh: where the toes point in the rest pose, whatever that faces. +Z
-/// for a foot that does not tell.
+/// Where the knee of a straight leg goes, seen from the thigh: where the toes point in the rest pose, whatever that
+/// faces. +Z for a foot that does not tell.
 inline Vec3<double> forward_of(const Skeleton& skeleton, const Leg& leg) {
   const auto rest = skeleton.rest_positions();
   const auto at = [&](int joint) { return rest[static_cast<std::size_t>(joint)]; };
@@ -144,9 +144,9 @@ inline void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<doubl
   }
 }
 
-/// (frames): by how much a foot has to be raised so that its toe swings `clearance` above the lower of the heights where
-/// it left the floor and where it comes back. One bump sin^2 for each swing, no higher than that or a tenth of its way: a foot
-/// that only trembles is left alone.
+/// (frames): by how much a foot has to be raised so that its toe swings `clearance` above the lower of the heights
+/// where it left the floor and where it comes back. One bump sin^2 for each swing, no higher than that or a tenth of
+/// its way: a foot that only trembles is left alone.
 inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<const Vec3<double>> positions,
                                              const Leg& leg, const FootFixOptions& options) {
   const Index frames = motion.frames(), joints = motion.skeleton.size();
@@ -179,8 +179,8 @@ inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<con
   return lift;
 }
 
-/// (frames): by how much a foot has to be moved to stay where it stands. During a contact the offset undoes the slide; its
-/// mean is zero, so that the foot stands where it was on average. Between contacts it fades out and in.
+/// (frames): by how much a foot has to be moved to stay where it stands. During a contact the offset undoes the slide;
+/// its mean is zero, so that the foot stands where it was on average. Between contacts it fades out and in.
 inline std::vector<Vec3<double>> foot_offsets(const Motion& motion, std::span<const Vec3<double>> positions,
                                               const Leg& leg, const FootFixOptions& options) {
   const Index frames = motion.frames();
@@ -249,4 +249,4 @@ inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_le
   return raise_swings(lock_feet(path_from_feet(motion, legs, options), legs, options), legs, options);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
-/// derivatives (Dual), for poses side by side in a register (Lane) and for a differentiable batch (Tensor; see lanes.hpp).
+/// derivatives (Dual), for poses side by side in a register (Lane) and for a differentiable batch (Tensor; see
+/// lanes.hpp).
 ///
 ///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
 #pragma once
@@ -8,7 +9,7 @@
 #include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/kinematics/skeleton.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Local rotations of all joints and the position of the root.
 template <ScalarLike S>
@@ -34,7 +35,8 @@ namespace detail {
 
 /// Position of joint j, whose parent is done, and its rotation unless nothing hangs on it.
 template <Rotation R, ScalarLike S>
-void place_joint(const Skeleton& skeleton, std::size_t j, const R& local, const Vec3<S>& root, bool rotate, JointTransforms<S>& world) {
+void place_joint(const Skeleton& skeleton, std::size_t j, const R& local, const Vec3<S>& root, bool rotate,
+                 JointTransforms<S>& world) {
   if (j == 0) {
     world.position[0] = root;
     world.rotation[0] = to_matrix(local);
@@ -74,4 +76,4 @@ JointTransforms<S> forward_kinematics(const Skeleton& skeleton, const Pose<S>& p
   return forward_kinematics(skeleton, std::span<const Quaternion<S>>(pose.local), pose.root);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -12,7 +12,7 @@
 
 #include <motionlang/version.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Side of the body: a rest pose faces +Z, its left is at +X.
 enum class Side : int { middle, left, right };
@@ -77,4 +77,4 @@ inline std::vector<std::string> other_side(const std::string& name) {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

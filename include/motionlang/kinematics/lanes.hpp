@@ -3,8 +3,8 @@
 ///
 ///     auto joints = forward_kinematics(skeleton, lanes(rot6d, root));     // (batch, time, joints, 3)
 ///
-/// On a bare backend as many poses at a time as SIMD registers hold (Lane) go through it, on all threads. On an Autodiff
-/// backend every number is a tensor over batch and time, so that the result can be differentiated.
+/// On a bare backend as many poses at a time as SIMD registers hold (Lane) go through it, on all threads. On an
+/// Autodiff backend every number is a tensor over batch and time, so that the result can be differentiated.
 #pragma once
 
 #include <algorithm>    // min
@@ -19,7 +19,7 @@
 #include <motionlang/tensor/index.hpp>
 #include <motionlang/tensor/ops.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Poses of a batch: rotations as their first two rows, and root positions.
 template <Backend B>
@@ -150,4 +150,4 @@ Tensor<B, 4> forward_kinematics(const Skeleton& skeleton, const LanePoses<B>& po
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -10,7 +10,7 @@
 #include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Joints of a limb, each the parent of the next.
 struct Limb {
@@ -74,4 +74,4 @@ inline void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose, 
   pose[end] = normalized(inverse(middle_now) * to_quaternion(world.rotation[end]));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -9,7 +9,7 @@
 #include <motionlang/geometry/slerp.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Frames first and last look alike, so that after `last - 1` the clip may go on at `first`.
 struct Loop {
@@ -61,8 +61,8 @@ inline std::optional<Loop> find_loop(const Motion& motion, Index least, double m
   return best;
 }
 
-/// The clip up to loop.last, then round the loop until there are `frames` frames. Each round goes on from where the last one was,
-/// in its direction; what is left of the difference between the ends fades away over `blend` frames.
+/// The clip up to loop.last, then round the loop until there are `frames` frames. Each round goes on from where the
+/// last one was, in its direction; what is left of the difference between the ends fades away over `blend` frames.
 inline Motion go_round(const Motion& motion, const Loop& loop, Index frames, Index blend = 8) {
   if (loop.first < 0 || loop.last <= loop.first || loop.last >= motion.frames()) {
     raise<config_error>(101, "go_round: loop ", loop.first, " ... ", loop.last, " in ", motion.frames(), " frames");
@@ -105,4 +105,4 @@ inline Motion go_round(const Motion& motion, const Loop& loop, Index frames, Ind
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -12,7 +12,7 @@
 #include <motionlang/geometry/vec.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Partners of the 22 joints of HumanML3D or the 52 of SMPL-H. The published list of the fingers pairs wrong ones (the
 /// left index finger with the right little one, ...); `fix_fingers` pairs the right ones.
@@ -57,4 +57,4 @@ std::vector<Vec3<S>> mirror_joints(std::span<const Vec3<S>> joints, std::span<co
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

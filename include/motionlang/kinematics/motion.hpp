@@ -8,7 +8,7 @@
 
 #include <motionlang/kinematics/forward.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Rotations (frames x joints) of a clip that is made by sampling another; 1.6 GB. More are a frame rate typed wrong.
 inline constexpr double max_rotations = 5e7;
@@ -48,8 +48,8 @@ struct Motion {
     }
     return out;
   }
-  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none or at which times overflow, numeric_error 301
-  /// on a value that is not finite and on a rotation of length 0.
+  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none or at which times
+  /// overflow, numeric_error 301 on a value that is not finite and on a rotation of length 0.
   void validate() const {
     skeleton.validate();
     if (local.size() != root.size() * static_cast<std::size_t>(skeleton.size())) {
@@ -57,7 +57,8 @@ struct Motion {
                          skeleton.size(), " joints");
     }
     for (int j = 0; j < skeleton.size(); ++j) {
-      const auto o = skeleton.ends.empty() ? skeleton.offset(j) : skeleton.offset(j) + skeleton.ends[static_cast<std::size_t>(j)];
+      const auto o =
+          skeleton.ends.empty() ? skeleton.offset(j) : skeleton.offset(j) + skeleton.ends[static_cast<std::size_t>(j)];
       if (!std::isfinite(o.x + o.y + o.z))
         raise<numeric_error>(301, "Motion '", name, "': the offset of joint '", skeleton.name(j), "' is not finite");
     }
@@ -81,4 +82,4 @@ struct Motion {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

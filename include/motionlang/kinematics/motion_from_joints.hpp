@@ -3,9 +3,11 @@
 ///
 ///     const Motion clip = motion_from_joints(humanml3d22_skeleton(), joints, 20);
 ///
-/// Bones get the mean length that they have in the clip, and where several begin at one joint, the angles between them. Each joint is turned so that its bones at rest come nearest to where they
-/// are seen, with as little twist against its parent as that leaves open; positions along bones of constant length are met.
-/// Source  Mueller, Bender, Chentanez, Macklin: "A robust method to extract the rotational part of deformations" (MIG 2016), eq. 7,
+/// Bones get the mean length that they have in the clip, and where several begin at one joint, the angles between them.
+/// Each joint is turned so that its bones at rest come nearest to where they are seen, with as little twist against its
+/// parent as that leaves open; positions along bones of constant length are met.
+/// Source  Mueller, Bender, Chentanez, Macklin: "A robust method to extract the rotational part of deformations" (MIG
+///         2016), eq. 7,
 ///         on pairs of vectors:   omega = sum_i R a_i x b_i / |sum_i R a_i . b_i|,   R <- exp(omega) R
 /// World   Y up, as Motion has it
 #pragma once
@@ -14,14 +16,15 @@
 #include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A vector at rest and where it is seen.
 struct SeenVector {
   Vec3<double> rest, seen;
 };
 
-/// The rotation that brings vectors at rest nearest to where they are seen, in the sense of least squares, found from `start` on.
+/// The rotation that brings vectors at rest nearest to where they are seen, in the sense of least squares, found from
+/// `start` on.
 inline Quaternion<double> fit_rotation(std::span<const SeenVector> vectors, Quaternion<double> start) {
   constexpr int most_steps = 200;
   if (vectors.size() == 1 && norm(vectors[0].rest) > 0 && norm(vectors[0].seen) > 0)
@@ -53,8 +56,8 @@ inline double misfit(std::span<const SeenVector> vectors, const Quaternion<doubl
   return sum;
 }
 
-/// Bones that begin at one joint as they lie to one another in the clip, turned as at rest. They keep their lengths. Each round
-/// turns the bones of every frame onto those at rest and takes the means.
+/// Bones that begin at one joint as they lie to one another in the clip, turned as at rest. They keep their lengths.
+/// Each round turns the bones of every frame onto those at rest and takes the means.
 /// rest   (bones); seen (frames, bones)
 inline std::vector<Vec3<double>> bones_of_one_joint(std::vector<Vec3<double>> rest,
                                                     std::span<const Vec3<double>> seen) {
@@ -83,7 +86,8 @@ inline std::vector<Vec3<double>> bones_of_one_joint(std::vector<Vec3<double>> re
 
 }  // namespace detail
 
-/// skeleton  its names, parents and the directions of its bones at rest; joints beyond those that are given stay as at rest
+/// skeleton  its names, parents and the directions of its bones at rest; joints beyond those that are given stay as at
+///           rest
 /// joints    (frames, count), count <= the joints of the skeleton, of which they are the first
 /// Throws    shape_error 205 unless `joints` are whole frames, config_error 101 for a count or a rate that is none,
 ///           numeric_error 301 for a position that is not finite
@@ -147,4 +151,4 @@ inline Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<
   return motion_from_joints(skeleton, joints, skeleton.size(), fps);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -12,7 +12,7 @@
 #include <motionlang/kinematics/joint_sides.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Frames first ... last - 1. Throws shape_error 203 unless 0 <= first <= last <= frames.
 inline Motion crop(const Motion& motion, Index first, Index last) {
@@ -38,9 +38,9 @@ inline Motion resample(const Motion& motion, double fps) {
   const auto last = static_cast<double>(motion.frames() - 1);
   const double whole_frames = std::floor(last / step + rounding) + 1;
   if (!(whole_frames * motion.skeleton.size() <= max_rotations)) {
-    raise<config_error>(101, "resample: '", motion.name, "' of ", motion.seconds(), " s at ", fps, " frames per second has ",
-                        whole_frames, " frames of ", motion.skeleton.size(), " joints, more than ", max_rotations,
-                        " rotations");
+    raise<config_error>(101, "resample: '", motion.name, "' of ", motion.seconds(), " s at ", fps,
+                        " frames per second has ", whole_frames, " frames of ", motion.skeleton.size(),
+                        " joints, more than ", max_rotations, " rotations");
   }
   const auto frames = static_cast<Index>(whole_frames);
   out.root.reserve(static_cast<std::size_t>(frames));
@@ -56,8 +56,8 @@ inline Motion resample(const Motion& motion, double fps) {
   return out;
 }
 
-/// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor > 0, and
-/// for more than max_rotations.
+/// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor >
+/// 0, and for more than max_rotations.
 inline Motion change_speed(const Motion& motion, double factor) {
   if (!(factor > 0) || !std::isfinite(factor)) raise<config_error>(101, "change_speed: factor ", factor);
   Motion out = resample(motion, motion.fps / factor);
@@ -142,11 +142,12 @@ inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partne
 /// trials, and some blend out of it (Daz files, with a spline that swings over for as long again).
 ///
 /// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
-/// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last digit counts as
-/// one frame. Returns 0 for skeletons whose zero pose is no T-pose: call it before retargeting.
+/// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last
+/// digit counts as one frame. Returns 0 for skeletons whose zero pose is no T-pose: call it before retargeting.
 inline Index detect_t_pose_lead_in(const Motion& motion) {
   const auto same = [&](Index f) {
-    return std::ranges::equal(motion.rotations(f), motion.rotations(0), [](const auto& p, const auto& q) { return distance(p, q) < 1e-6; });
+    return std::ranges::equal(motion.rotations(f), motion.rotations(0),
+                              [](const auto& p, const auto& q) { return distance(p, q) < 1e-6; });
   };
   Index held = 0;  // the last frame of the first pose
   while (held + 1 < motion.frames() && same(held + 1)) ++held;
@@ -184,4 +185,4 @@ inline Motion drop_lead_in(const Motion& motion) {
   return crop(motion, detect_t_pose_lead_in(motion), motion.frames());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

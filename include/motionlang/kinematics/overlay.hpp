@@ -8,11 +8,11 @@
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/kinematics/standard.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// `base` with the local rotations of `parts` taken from `other`, frame by frame, as long as both last. The path, the height and
-/// everything else are the base's. SMPL's joints only, or the first of them (HumanML3D). Throws config_error 103 for
-/// another skeleton, 102 for two frame rates.
+/// `base` with the local rotations of `parts` taken from `other`, frame by frame, as long as both last. The path, the
+/// height and everything else are the base's. SMPL's joints only, or the first of them (HumanML3D). Throws config_error
+/// 103 for another skeleton, 102 for two frame rates.
 /// Source  the synthetic training data of SINC (Athanasiou et al. 2023), section 4.1, on rotations
 inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts) {
   const auto& names = base.skeleton.names;
@@ -23,8 +23,8 @@ inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts p
                         "' are not on one skeleton of SMPL's joints");
   }
   if (base.fps != other.fps) {
-    raise<config_error>(102, "overlay_parts: '", base.name, "' has ", base.fps, " frames per second, '", other.name, "' ",
-                        other.fps);
+    raise<config_error>(102, "overlay_parts: '", base.name, "' has ", base.fps, " frames per second, '", other.name,
+                        "' ", other.fps);
   }
   Motion out = base;
   const Index frames = std::min(base.frames(), other.frames());
@@ -40,4 +40,4 @@ inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts p
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -2,11 +2,11 @@
 /// Retargeting: the same movement on another skeleton, from and to every kind that skeleton_tables.hpp knows.
 ///
 ///     G_t(f) = G_s(f) C_s^-1 C_t
-/// G_s, G_t: world rotations of a joint s of the source and of the joint t of the target that follows it. C_t: the world
-/// rotation of t while the target stands in its T-pose, facing +Z; C_s: that of s while the source stands as the target
-/// does then, its limbs along the target's limbs. A source in that pose so gives the target's T-pose, whatever the local
-/// axes and the rest poses (T, A, any quarter turn), and chains may have different numbers of joints. Joints that no table knows follow
-/// those of the same name, fingers those of the same finger. Bones keep the
+/// G_s, G_t: world rotations of a joint s of the source and of the joint t of the target that follows it. C_t: the
+/// world rotation of t while the target stands in its T-pose, facing +Z; C_s: that of s while the source stands as the
+/// target does then, its limbs along the target's limbs. A source in that pose so gives the target's T-pose, whatever
+/// the local axes and the rest poses (T, A, any quarter turn), and chains may have different numbers of joints. Joints
+/// that no table knows follow those of the same name, fingers those of the same finger. Bones keep the
 /// target's lengths; the path is scaled by the ratio of the legs.
 #pragma once
 
@@ -20,7 +20,7 @@
 #include <motionlang/kinematics/skeleton_tables.hpp>
 #include <motionlang/kinematics/standing_skeleton.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What a map did with the joints of both skeletons.
 struct RetargetReport {
@@ -190,8 +190,8 @@ class SkeletonMap {
   }
 
   /// The rotation that brings a joint of the source from its T-pose to the pose in which it stands like the target.
-  /// Limbs are turned along, joint by joint; feet only roll with their shins, unless a table says that they stand level,
-  /// so that soles stay level; the trunk is taken as it stands.
+  /// Limbs are turned along, joint by joint; feet only roll with their shins, unless a table says that they stand
+  /// level, so that soles stay level; the trunk is taken as it stands.
   static Quaternion<double> bone_turn(std::string_view role, const detail::StandingSkeleton& from,
                                       const detail::StandingSkeleton& to, const Quaternion<double>& up) {
     if (const detail::LimbBone* limb = detail::find_limb_bone(role)) {
@@ -244,9 +244,9 @@ class SkeletonMap {
 };
 
 /// Moves a clip up or down so that its feet stand on y = 0 as they do in the rest pose: the lowest joint of a frame, in
-/// all but the lowest 5 % of the frames, is not below the lowest joint at rest. A rest pose that is below the floor tells
-/// nothing of it (the root of many BVH files has OFFSET 0); that joint then stands on y = 0 itself. Returns by how much the
-/// clip was moved.
+/// all but the lowest 5 % of the frames, is not below the lowest joint at rest. A rest pose that is below the floor
+/// tells nothing of it (the root of many BVH files has OFFSET 0); that joint then stands on y = 0 itself. Returns by
+/// how much the clip was moved.
 inline double place_on_floor(Motion& motion) {
   if (motion.frames() == 0) return 0;
   auto lowest = [](std::span<const Vec3<double>> joints) {
@@ -283,8 +283,8 @@ inline Motion retarget(const Motion& motion, const SkeletonMap& map, const Retar
   if (options.floor) place_on_floor(out);
   return out;
 }
-/// With the built-in tables that fit the clip and the target; on its own skeleton a motion stays as it is. Throws config_error 103 with the
-/// joint that is missing.
+/// With the built-in tables that fit the clip and the target; on its own skeleton a motion stays as it is. Throws
+/// config_error 103 with the joint that is missing.
 inline Motion retarget(const Motion& motion, const Skeleton& target = smpl24_skeleton(),
                        const RetargetOptions& options = {}) {
   if (motion.skeleton == target) {
@@ -295,4 +295,4 @@ inline Motion retarget(const Motion& motion, const Skeleton& target = smpl24_ske
   return retarget(motion, SkeletonMap(motion.skeleton, target), options);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

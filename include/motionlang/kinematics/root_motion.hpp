@@ -9,7 +9,7 @@
 #include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The turn about the vertical that brings rotation `from` nearest to `to`, in [-pi, pi]. Whatever the local axes of
 /// the root are: turn_between(q, Ry(a) q) = a.
@@ -100,4 +100,4 @@ inline Motion apply_root_motion(const Motion& pose, const RootMotion& path) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

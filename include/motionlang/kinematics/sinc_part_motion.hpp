@@ -12,7 +12,7 @@
 #include <motionlang/geometry/vec.hpp>
 #include <motionlang/kinematics/sinc_parts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Mean over time of the length of the mean step of a part's joints.
 /// joints  (frames, 22), two frames or more. Throws shape_error 205.
@@ -49,4 +49,4 @@ SincParts moving_sinc_parts(const std::array<S, sinc_part_count>& speeds, double
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

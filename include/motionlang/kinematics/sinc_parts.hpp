@@ -11,7 +11,7 @@
 
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// In the order of SINC's part vectors. `global` is the pelvis: where the body is and how it is turned.
 enum class SincPart : std::size_t { global, torso, left_arm, right_arm, left_leg, right_leg };
@@ -48,4 +48,4 @@ inline constexpr std::array<SincPart, 22> sinc_part_of_joint = [] {
                     left_arm,  right_arm, left_arm,  right_arm, left_arm, right_arm};
 }();
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -13,7 +13,7 @@
 
 #include <motionlang/geometry/vec.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One joint as it is written down: its parent by name ("" for the root) and its rest position relative to the parent,
 /// metres.
@@ -27,8 +27,8 @@ struct Skeleton {
   std::vector<std::string> names;
   std::vector<int> parents;
   std::vector<Vec3<double>> offsets;
-  /// Where the bones of joints without children end, relative to them: tips of toes and fingers, as BVH files have them. One for each
-  /// joint, (0, 0, 0) where it is not known, or none at all.
+  /// Where the bones of joints without children end, relative to them: tips of toes and fingers, as BVH files have
+  /// them. One for each joint, (0, 0, 0) where it is not known, or none at all.
   std::vector<Vec3<double>> ends{};
 
   /// From joints in an order in which parents come first. Throws config_error 106.
@@ -118,4 +118,4 @@ struct Skeleton {
   bool operator==(const Skeleton& s) const { return names == s.names && parents == s.parents && offsets == s.offsets; }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -8,7 +8,7 @@
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/kinematics/skeleton.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A joint's name without what programs put before it: namespaces ("hero:Hips"), and Mixamo's "mixamorig:", also as
 /// "mixamorig1:" and, where colons were lost, "mixamorig".
@@ -89,4 +89,4 @@ struct SkeletonTable {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -8,7 +8,7 @@
 #include <motionlang/kinematics/skeleton_table.hpp>
 #include <motionlang/kinematics/standing_skeleton.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -31,8 +31,8 @@ struct KnownTable {
     SkeletonTable table{.name = std::string(name), .joints = {}, .straighten = straighten, .level_soles = level_soles};
     for (const Joint& j : joints) {
       if (j.target.empty()) break;
-      table.joints.push_back({std::string(j.target), std::string(j.source), std::string(j.axes), j.turn,
-                              std::string(j.second), j.share});
+      table.joints.push_back(
+          {std::string(j.target), std::string(j.source), std::string(j.axes), j.turn, std::string(j.second), j.share});
     }
     return table;
   }
@@ -227,4 +227,4 @@ inline const SkeletonTable& skeleton_table(std::string_view name) {
   raise<config_error>(103, "skeleton_table: no table '", name, "'");
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -3,8 +3,8 @@
 ///
 ///     vertex_i = sum_j w_ij (R_j v_i + t_j)
 ///
-/// A vertex follows few joints (SMPL: at most four), so only weights that are not 0 are visited. Every lane of a register holds
-/// another pose.
+/// A vertex follows few joints (SMPL: at most four), so only weights that are not 0 are visited. Every lane of a
+/// register holds another pose.
 /// Source    Loper et al. (2015), eq. 2
 #pragma once
 
@@ -16,7 +16,7 @@
 #include <motionlang/core/lane_rows.hpp>
 #include <motionlang/geometry/vec.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The weights that are not 0, vertex by vertex.
 template <Scalar S>
@@ -63,10 +63,11 @@ constexpr std::size_t skin_transform_bytes(Index poses, Index joints) {
 /// transforms   (joints, 12)
 /// vertices     (poses, all vertices, 3): from the first pose on
 template <class L, Scalar S>
-void skin_vertices(const SkinWeights<S>& weights, Index first, Index last, const S* posed, const L* transforms, int poses,
-                   S* vertices) {
+void skin_vertices(const SkinWeights<S>& weights, Index first, Index last, const S* posed, const L* transforms,
+                   int poses, S* vertices) {
   constexpr Index some = 4;  // vertices, whose twelve numbers are three fours, as load_rows likes them
-  const auto row = static_cast<std::size_t>(3 * (last - first)), whole_row = static_cast<std::size_t>(3 * weights.vertices());
+  const auto row = static_cast<std::size_t>(3 * (last - first)),
+             whole_row = static_cast<std::size_t>(3 * weights.vertices());
   for (Index v = first; v < last; v += some) {
     const Index count = std::min(some, last - v);
     std::array<Vec3<L>, some> points;
@@ -91,4 +92,4 @@ void skin_vertices(const SkinWeights<S>& weights, Index first, Index last, const
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

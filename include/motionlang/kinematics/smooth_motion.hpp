@@ -9,7 +9,7 @@
 #include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct SmoothOptions {
   /// Seconds. At 20 frames per second and 0.04 s a movement of 2.5 Hz keeps 98 % of its size, one of 5 Hz 82 %, one of
@@ -19,9 +19,9 @@ struct SmoothOptions {
 
 namespace detail {
 
-/// The weights c of x_{first} ... x_{last} (0 is the frame itself) in the value at 0 of the parabola that fits them best,
-/// errors weighted by exp(-k^2 / (2 sigma^2)). They sum to 1, and a parabola is its own fit: so peaks are not blunted and
-/// ends are not pulled. Fewer than three values: the frame itself.
+/// The weights c of x_{first} ... x_{last} (0 is the frame itself) in the value at 0 of the parabola that fits them
+/// best, errors weighted by exp(-k^2 / (2 sigma^2)). They sum to 1, and a parabola is its own fit: so peaks are not
+/// blunted and ends are not pulled. Fewer than three values: the frame itself.
 ///     c_k = w_k (1 0 0) M^-1 (1, k, k^2)^T,   M_ab = sum_k w_k k^(a + b)
 /// Source  Savitzky and Golay (1964); with Gaussian weights local regression, Cleveland (1979)
 inline std::vector<double> parabola_weights(Index first, Index last, double sigma) {
@@ -80,4 +80,4 @@ inline Motion smooth_motion(const Motion& motion, const SmoothOptions& options =
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

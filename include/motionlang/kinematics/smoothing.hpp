@@ -9,7 +9,7 @@
 
 #include <motionlang/core/concepts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// From 0 at 0 to 1 at 1, level at both ends: s^2 (3 - 2 s).
 constexpr double smoothstep(double s) { return s * s * (3 - 2 * s); }
@@ -49,4 +49,4 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
   return std::vector<S>(sums.begin(), sums.end());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -6,7 +6,7 @@
 
 #include <motionlang/kinematics/skeleton.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 // clang-format off
 /// SMPL, 24 joints. Source: Loper et al. 2015; names as in the smplx package.
@@ -41,7 +41,8 @@ inline const Skeleton& humanml3d22_skeleton() {
   return skeleton;
 }
 
-/// KIT Motion-Language, 21 joints of the Master Motor Map. Here in metres; the data set's own coordinates are in other units.
+/// KIT Motion-Language, 21 joints of the Master Motor Map. Here in metres; the coordinates of the data set have other
+/// units.
 inline const Skeleton& kit21_skeleton() {
   static const Skeleton skeleton = Skeleton::from_joints({
       {"root", "", {0, 0.95, 0}},
@@ -57,4 +58,4 @@ inline const Skeleton& kit21_skeleton() {
 }
 // clang-format on
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

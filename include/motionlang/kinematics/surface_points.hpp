@@ -11,7 +11,7 @@
 #include <motionlang/tensor/index.hpp>
 #include <motionlang/tensor/ops.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct SurfacePoints {
   std::vector<std::array<Index, 3>> corners;   // vertices of the triangle of each point
@@ -20,8 +20,8 @@ struct SurfacePoints {
   Index size() const { return static_cast<Index>(corners.size()); }
 };
 
-/// vertices (N, V, 3) -> (N, points, 3). Differentiable. Throws shape_error 203 for a vertex that does not exist, 204 unless each
-/// point has weights.
+/// vertices (N, V, 3) -> (N, points, 3). Differentiable. Throws shape_error 203 for a vertex that does not exist, 204
+/// unless each point has weights.
 template <Backend B>
 Tensor<B, 3> surface_points(const Tensor<B, 3>& vertices, const SurfacePoints& points) {
   using S = typename B::scalar;
@@ -41,4 +41,4 @@ Tensor<B, 3> surface_points(const Tensor<B, 3>& vertices, const SurfacePoints& p
   return permute(corner(0) + corner(1) + corner(2), {1, 0, 2});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -15,7 +15,7 @@
 
 #include <motionlang/kinematics/chain_kinematics.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct UniformJoints {
@@ -54,4 +54,4 @@ UniformJoints<S> uniform_skeleton(const ChainSkeleton& skeleton, std::span<const
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

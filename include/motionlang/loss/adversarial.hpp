@@ -4,7 +4,7 @@
 
 #include <motionlang/tensor/ops.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     (mean max(0, 1 - D(x)) + mean max(0, 1 + D(x^))) / 2,   x: real, x^: generated, as a constant
 /// Source  Lim and Ye, "Geometric GAN" (2017)
@@ -19,4 +19,4 @@ Tensor<B, 0> hinge_generator_loss(const Tensor<B, 2>& generated) {
   return -mean(generated);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -4,14 +4,14 @@
 
 #include <motionlang/tensor/tensor.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     filtered_ij = i != j and <t_i, t_j> > 2 threshold - 1
-/// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2; the threshold is given in [0, 1] and mapped to [-1, 1], as the
-///          published code does
+/// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2; the threshold is given in [0, 1] and mapped to [-1,
+///          1], as the published code does
 /// sentences  (batch, width), rows of length 1. threshold 0: nothing is filtered
-/// result   (batch, batch), row by row, 1 = filtered; empty for threshold 0. The diagonal never is, whatever the threshold: the published
-///          code filters it below 0.5, and its loss is NaN
+/// result   (batch, batch), row by row, 1 = filtered; empty for threshold 0. The diagonal never is, whatever the
+///          threshold: the published code filters it below 0.5, and its loss is NaN
 /// Throws   config_error 101 unless 0 <= threshold <= 1
 template <Backend B>
 std::vector<unsigned char> false_negatives(const Tensor<B, 2>& sentences, double threshold) {
@@ -31,4 +31,4 @@ std::vector<unsigned char> false_negatives(const Tensor<B, 2>& sentences, double
   return filtered;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -9,7 +9,7 @@
 #include <motionlang/loss/false_negatives.hpp>
 #include <motionlang/tensor/normalize.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -39,12 +39,12 @@ Tensor<B, 0> scaled_info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const
 
 ///     S_ij = cos(x_i, y_j) / tau,   S_ij = -inf where i != j and filtered_ij
 ///     loss = (CE(S) + CE(S^T)) / 2,   CE(S) = mean_i (log sum_j exp(S_ij) - S_ii)
-/// Source    van den Oord et al. (2018); TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2; a learned temperature: CLIP (Radford
-///           et al., ICML 2021), section 2.3
+/// Source    van den Oord et al. (2018); TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2; a learned temperature:
+///           CLIP (Radford et al., ICML 2021), section 2.3
 /// Notation  motion -> x, text -> y, temperature -> tau
 /// Shapes    x, y (batch, latent); filtered (batch, batch), see false_negatives, empty: none -> ()
-/// Throws    shape_error 204 if the sizes of the batches differ, 205 for a filter of another size, config_error 101 unless
-///           temperature > 0
+/// Throws    shape_error 204 if the sizes of the batches differ, 205 for a filter of another size, config_error 101
+///           unless temperature > 0
 template <Backend B>
 Tensor<B, 0> info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double temperature,
                       std::span<const unsigned char> filtered = {}) {
@@ -58,4 +58,4 @@ Tensor<B, 0> info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const Tensor
   return detail::scaled_info_nce(x, y, 1.0 / temperature, filtered);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

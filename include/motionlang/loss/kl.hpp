@@ -4,7 +4,7 @@
 
 #include <motionlang/tensor/ops.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -50,4 +50,4 @@ Tensor<B, 1> kl_divergence_of_rows(const Tensor<B, 2>& mu_q, const Tensor<B, 2>&
   return mean(detail::twice_kl(mu_q, logvar_q, mu_p, logvar_p), 1) * 0.5;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

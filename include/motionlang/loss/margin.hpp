@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT
-/// Contrastive losses with a Euclidean margin: of all pairs of a batch, what InfoNCE is compared with; of one other partner for each.
+/// Contrastive losses with a Euclidean margin: of all pairs of a batch, what InfoNCE is compared with; of one other
+/// partner for each.
 #pragma once
 
 #include <motionlang/loss/false_negatives.hpp>
 #include <motionlang/loss/loss_terms.hpp>
 #include <motionlang/tensor/index.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// max(0, margin - d) for squared distances. Two equal points have no direction to be pushed in: their root gets slope 0.
+/// max(0, margin - d) for squared distances. Two equal points have no direction to be pushed in: their root gets slope
+/// 0.
 template <Backend B, int R>
 Tensor<B, R> short_of_margin(const Tensor<B, R>& squared, double margin) {
   return maximum(Tensor<B, R>(margin) - sqrt(maximum(squared, Tensor<B, R>(1e-24))), Tensor<B, R>(0.0));
@@ -19,8 +21,8 @@ Tensor<B, R> short_of_margin(const Tensor<B, R>& squared, double margin) {
 }  // namespace detail
 
 ///     d_ij = |x_i - y_j + 1e-6|,   loss = mean_i d_ii^2 + mean_{i != j, not filtered} max(0, margin - d_ij)^2
-/// Source   Hadsell, Chopra, LeCun (CVPR 2006), eq. 4; distance and margin of Guo et al. (CVPR 2022). The ablation of TMR, thesis table
-///          5.3: all pairs of the batch, with the same filter as InfoNCE
+/// Source   Hadsell, Chopra, LeCun (CVPR 2006), eq. 4; distance and margin of Guo et al. (CVPR 2022). The ablation of
+///          TMR, thesis table 5.3: all pairs of the batch, with the same filter as InfoNCE
 /// Differs  from Guo et al., who have one negative for each pair
 /// Shapes   x, y (batch, latent); filtered (batch, batch), see false_negatives, empty: none -> ()
 /// Throws   shape_error 204 if the shapes differ, 205 for a filter of another size, config_error 101 unless margin > 0
@@ -50,9 +52,10 @@ Tensor<B, 0> margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double ma
   return mean_over(squared, positive, n) + mean_over(square(short_of), negative, negatives);
 }
 
-///     d(a, b) = |a - b + 1e-6|,   positive = mean_i d(x_i, y_i)^2,   negative = mean_i max(0, margin - d(x_i, y_(i + shift) mod n))^2
-/// Source   Guo et al. (CVPR 2022), the training of their evaluator; spec evaluation-guo.md 3. There the shift is drawn from
-///          0 ... n - 2, so that now and then, at 0, the right partner is pushed away
+///     d(a, b) = |a - b + 1e-6|,   positive = mean_i d(x_i, y_i)^2,   negative = mean_i max(0, margin - d(x_i, y_(i +
+///     shift) mod n))^2
+/// Source   Guo et al. (CVPR 2022), the training of their evaluator; spec evaluation-guo.md 3. There the shift is drawn
+///          from 0 ... n - 2, so that now and then, at 0, the right partner is pushed away
 /// Shapes   x, y (batch, latent) -> the two terms, of weight 1
 /// Throws   shape_error 204 if the shapes differ, config_error 101 unless margin > 0 and 0 <= shift
 template <Backend B>
@@ -69,4 +72,4 @@ LossTerms<B> shifted_margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, I
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

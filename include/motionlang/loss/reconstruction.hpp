@@ -7,7 +7,7 @@
 #include <motionlang/tensor/ops.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// mean((a - b)^2) over all elements.
 template <Backend B, int R>
@@ -59,7 +59,8 @@ Tensor<B, 0> padded_smooth_l1(const Sequences<B>& a, const Tensor<B, 2>& b, Inde
   return sum(detail::huber(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
 }
 
-/// The mean over the sequences of smooth_l1 of each: a short sequence weighs as much as a long one. Source  spec teach.md 3
+/// The mean over the sequences of smooth_l1 of each: a short sequence weighs as much as a long one. Source  spec
+/// teach.md 3
 template <Backend B>
 Tensor<B, 0> smooth_l1_of_sequences(const Sequences<B>& a, const Tensor<B, 2>& b) {
   std::vector<typename B::scalar> share;  // of each row
@@ -101,4 +102,4 @@ Tensor<B, 1> mse_per_sequence(const Sequences<B>& a, const Tensor<B, 2>& b) {
   return scatter_add(squares, owner, a.count()) * Tensor<B, 1>::from(weight, {a.count()});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

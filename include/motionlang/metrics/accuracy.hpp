@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// How often a classifier names the action of a motion, as ACTOR reports it, and a labeller its body parts, as SINC does.
+/// How often a classifier names the action of a motion, as ACTOR reports it, and a labeller its body parts, as SINC
+/// does.
 ///
 /// Source  ACTOR src/evaluate/action2motion/accuracy.py; SINC (ICCV 2023), table 1; specs actor.md 7.4, sinc.md 6.5
 #pragma once
 
 #include <motionlang/metrics/rows.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Counts (classes, classes): rows are labels, columns predictions, the largest logit (of equals the first).
 /// logits  (samples, classes)
@@ -26,7 +27,8 @@ std::vector<Index> confusion_matrix(const Rows<S>& logits, std::span<const Index
   return out;
 }
 
-/// Share of the samples on the diagonal, 0 to 1. Throws shape_error 205 unless it is a square, numeric_error 302 of no samples.
+/// Share of the samples on the diagonal, 0 to 1. Throws shape_error 205 unless it is a square, numeric_error 302 of no
+/// samples.
 inline double accuracy(std::span<const Index> confusion) {
   const auto classes = static_cast<Index>(std::lround(std::sqrt(static_cast<double>(confusion.size()))));
   if (classes * classes != std::ssize(confusion))
@@ -40,8 +42,8 @@ inline double accuracy(std::span<const Index> confusion) {
   return static_cast<double>(right) / static_cast<double>(all);
 }
 
-/// Of labels with several yes or no answers each (body parts of actions): for each answer the share of the items that have
-/// it right, 0 to 1. SINC's figure is the mean of them.
+/// Of labels with several yes or no answers each (body parts of actions): for each answer the share of the items that
+/// have it right, 0 to 1. SINC's figure is the mean of them.
 /// predicted  (items, answers), 0 or 1
 /// wanted     (items, answers), 0, 1, or 0.5 where either is right, which does not count
 /// Throws     shape_error 204; numeric_error 302 if an answer does not count in any item, or for another number
@@ -65,4 +67,4 @@ std::vector<double> answer_accuracies(const Rows<S>& predicted, const Rows<T>& w
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

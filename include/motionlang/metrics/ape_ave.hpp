@@ -4,19 +4,21 @@
 ///
 ///     ApeAveMetric<double> metric(temos_rifke(), 0.001);                      // joints in mm, errors in m
 ///     for (...) metric.add(generated, recorded);                              // joints of a pair, (frames, J) each
-///     const ApeAve errors = metric.result();                                  // errors.ape.root, errors.ave.mean_joints()
+///     const ApeAve errors = metric.result();                                  // errors.ape.root,
+///     errors.ave.mean_joints()
 ///
 /// Both motions are brought to the start: root at the origin, heading 0, on the floor. With x = root (3 coordinates),
 /// trajectory (2), each joint seen from the body ("local", "pose") and each joint in the world:
 ///     APE_x = sum_clips sum_t |x_t - x*_t| / sum_clips L
 ///     AVE_x = mean_clips |v - v*|,   v = sum_t (x_t - mean x)^2 / (L - 1) of each coordinate
-/// Source  TEMOS (Petrovich, Black, Varol, ECCV 2022), section 4.1 and appendix; TEMOS temos/model/metrics/compute*.py, TEACH
-///         teach/model/metrics/compute.py and compute_td.py, SINC sinc/model/metrics/compute_sinc.py; specs temos.md 8,
-///         teach.md 6, sinc.md 9
+/// Source  TEMOS (Petrovich, Black, Varol, ECCV 2022), section 4.1 and appendix; TEMOS temos/model/metrics/compute*.py,
+///         TEACH teach/model/metrics/compute.py and compute_td.py, SINC sinc/model/metrics/compute_sinc.py; specs
+///         temos.md 8, teach.md 6, sinc.md 9
 /// Units   those of the joints times `unit`; AVE in their square
 /// Differs from the paper: APE is an average over frames of the whole set, not over clips; the variance has no square
 ///         root. As published, the body's heading is that of knees and elbows in TEMOS and TEACH (temos_rifke) and is
-///         swapped in SINC (sinc_rifke), and the floor is that of the whole clip, which is cut to the common length after
+///         swapped in SINC (sinc_rifke), and the floor is that of the whole clip, which is cut to the common length
+///         after
 #pragma once
 
 #include <array>    // level coordinates
@@ -26,7 +28,7 @@
 #include <motionlang/features/rifke.hpp>
 #include <motionlang/metrics/rows.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A motion brought to the start. Frames one after the other.
 template <Scalar S>
@@ -185,8 +187,8 @@ class ApeAveMetric {
       raise<shape_error>(203, "ApeAveMetric: ", frames, " of ", a.frames(), " and ", b.frames(), " frames");
     collect(errors_of(a, b, frames), frames);
   }
-  /// Of several samples the one with the smallest (largest) sum of root errors. As published, all its sums are divided by
-  /// the frames of the first sample. Throws also numeric_error 302 of no samples.
+  /// Of several samples the one with the smallest (largest) sum of root errors. As published, all its sums are divided
+  /// by the frames of the first sample. Throws also numeric_error 302 of no samples.
   void add_best(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, false); }
   void add_worst(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, true); }
 
@@ -238,8 +240,8 @@ class ApeAveMetric {
   Index frames_ = 0, clips_ = 0;
 };
 
-/// The jump at a frame: the mean over joints of |X[frame] - X[frame - 1]|. TEACH takes the first frame of the second action
-/// of pairs, generated without interpolation, and averages over pairs.
+/// The jump at a frame: the mean over joints of |X[frame] - X[frame - 1]|. TEACH takes the first frame of the second
+/// action of pairs, generated without interpolation, and averages over pairs.
 /// joints  (frames, J)
 /// Throws  shape_error 205, 203 unless 1 <= frame < frames
 template <Scalar S>
@@ -256,4 +258,4 @@ double transition_distance(std::span<const Vec3<S>> joints, Index per_frame, Ind
   return sum / static_cast<double>(per_frame);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -12,8 +12,8 @@
 ///     of several references the largest P, R and F, each for itself; then (x - b) / (1 - b) with a baseline b
 /// Source  Zhang et al., "BERTScore: evaluating text generation with BERT" (ICLR 2020), sections 3 and 4; the package
 ///         bert-score; spec evaluation-guo.md 6.5
-/// The package counts pairs with padding as similarity 0, which shows only where all similarities of a token are negative: beside padding
-/// (BertPadding) their largest is 0.
+/// The package counts pairs with padding as similarity 0, which shows only where all similarities of a token are
+/// negative: beside padding (BertPadding) their largest is 0.
 #pragma once
 
 #include <algorithm>  // max
@@ -22,7 +22,7 @@
 
 #include <motionlang/metrics/rows.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Weights of tokens. Those of every sentence, as its start and end, have 0.
 class BertWeights {
@@ -60,8 +60,8 @@ struct BertScore {
 /// roberta-large, layer 17, English.
 inline constexpr BertScore tm2t_bert_baseline{0.83150584, 0.8314941, 0.83122575};
 
-/// Against one reference, without baseline. All are 0 if a sentence has nothing but its start and end, two tokens; a side
-/// whose tokens have no weight is 0.
+/// Against one reference, without baseline. All are 0 if a sentence has nothing but its start and end, two tokens; a
+/// side whose tokens have no weight is 0.
 /// Throws shape_error 204 unless every token has its row and all rows the same width
 template <Scalar S>
 BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& reference, const BertWeights& weights,
@@ -106,4 +106,4 @@ BertScore bert_score(const BertSentence<S>& candidate, std::span<const BertSente
           rescaled(out.f, baseline.f)};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// Descriptions of motions against reference descriptions: BLEU, ROUGE-L and CIDEr, word by word. BERTScore, which needs a
-/// language model, is in bert_score.hpp.
+/// Descriptions of motions against reference descriptions: BLEU, ROUGE-L and CIDEr, word by word. BERTScore, which
+/// needs a language model, is in bert_score.hpp.
 ///
-///     const std::vector<CaptionPair> all{{"a man walk forward", three_references({"a man walk", "someone walk"})}, ...};
+///     const std::vector<CaptionPair> all{{"a man walk forward", three_references({"a man walk", "someone walk"})},
+///     ...};
 ///     bleu(corpus_counts(all))[3], rouge_l(all), cider(all)                     // published tables: times 100
 ///
 /// A candidate is the words of the model, joined by blanks; references are the lemmas of the annotation, three for each
@@ -24,7 +25,7 @@
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/text/tagged_word.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct CaptionPair {
   std::string candidate;
@@ -87,7 +88,8 @@ inline void require_captions(const char* function, std::span<const CaptionPair> 
 
 }  // namespace detail
 
-// ---- BLEU -------------------------------------------------------------------------------------------------------------
+// ---- BLEU
+// -------------------------------------------------------------------------------------------------------------
 
 /// What BLEU is calculated from; those of several sentences add up. Entry k - 1 is of runs of k words.
 struct BleuCounts {
@@ -153,7 +155,8 @@ inline std::array<double, 4> bleu(const BleuCounts& counts) {
   return out;
 }
 
-// ---- ROUGE-L ----------------------------------------------------------------------------------------------------------
+// ---- ROUGE-L
+// ----------------------------------------------------------------------------------------------------------
 
 /// With l = the longest common subsequence of the candidate c and a reference r:
 ///     P = max_r l / |c|,   R = max_r l / |r|,   score = (1 + beta^2) P R / (R + beta^2 P); 0 if P or R is
@@ -190,7 +193,8 @@ inline double rouge_l(std::span<const CaptionPair> pairs, double beta = 1.2) {
   return sum / static_cast<double>(pairs.size());
 }
 
-// ---- CIDEr ------------------------------------------------------------------------------------------------------------
+// ---- CIDEr
+// ------------------------------------------------------------------------------------------------------------
 
 namespace detail {
 
@@ -271,4 +275,4 @@ inline double cider(std::span<const CaptionPair> pairs, double sigma = 6) {
   return std::accumulate(scores.begin(), scores.end(), 0.0) / static_cast<double>(scores.size());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -17,15 +17,15 @@
 #include <motionlang/core/numpy_random.hpp>
 #include <motionlang/metrics/rows.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Row first[i] is compared with row second[i].
 struct IndexPairs {
   std::vector<Index> first, second;
 };
 
-/// ACTOR's diversity: `count` pairs out of n, both uniform and possibly equal; all first ones are drawn before the second.
-/// Throws config_error 101 if there is nothing to draw from.
+/// ACTOR's diversity: `count` pairs out of n, both uniform and possibly equal; all first ones are drawn before the
+/// second. Throws config_error 101 if there is nothing to draw from.
 inline IndexPairs random_pairs(Index n, Index count, NumpyRandom& rng) {
   IndexPairs out;
   for (std::vector<Index>* list : {&out.first, &out.second}) {
@@ -43,10 +43,10 @@ inline IndexPairs disjoint_draws(Index n, Index count, NumpyRandom& rng) {
   return out;
 }
 
-/// ACTOR's multimodality: `quota` pairs of each class. A first one is drawn from all and left if its class has its pairs;
-/// then second ones until the class is the same, which may be the first one itself.
-/// Throws config_error 101, shape_error 203 for a label that is no class; numeric_error 302 if a class is absent, for which
-/// the published loop would not end
+/// ACTOR's multimodality: `quota` pairs of each class. A first one is drawn from all and left if its class has its
+/// pairs; then second ones until the class is the same, which may be the first one itself.
+/// Throws config_error 101, shape_error 203 for a label that is no class; numeric_error 302 if a class is absent, for
+/// which the published loop would not end
 inline IndexPairs pairs_within_classes(std::span<const Index> labels, Index classes, Index quota, NumpyRandom& rng) {
   if (classes < 1 || quota < 1) raise<config_error>(101, "pairs_within_classes: ", quota, " of ", classes, " classes");
   std::vector<Index> wanted(static_cast<std::size_t>(classes), 0);
@@ -97,4 +97,4 @@ double multimodality(const Rows<S>& rows, Index repeats, const IndexPairs& pairs
   return sum * static_cast<double>(repeats) / static_cast<double>(rows.size());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: MIT
-/// Fréchet distance of two sets of vectors, each taken for a normal distribution: the FID of ACTOR, Guo et al. and STMC.
+/// Fréchet distance of two sets of vectors, each taken for a normal distribution: the FID of ACTOR, Guo et al. and
+/// STMC.
 ///
 ///     FID = |m1 - m2|^2 + tr C1 + tr C2 - 2 tr (C1 C2)^(1/2)
 ///     tr (C1 C2)^(1/2) = sum_i sqrt(max(0, lambda_i)),   lambda = eigenvalues of F C2 F^T,   C1 = F^T F
-/// Source  Heusel et al., "GANs trained by a two time-scale update rule ..." (NeurIPS 2017), equation 6; references: ACTOR
-///         src/evaluate/action2motion/fid.py, text-to-motion utils/metrics.py, STMC mtt/metrics.py; specs actor.md 7.4,
-///         evaluation-guo.md 4, stmc-evaluation.md 4
+/// Source  Heusel et al., "GANs trained by a two time-scale update rule ..." (NeurIPS 2017), equation 6; references:
+///         ACTOR src/evaluate/action2motion/fid.py, text-to-motion utils/metrics.py, STMC mtt/metrics.py; specs
+///         actor.md 7.4, evaluation-guo.md 4, stmc-evaluation.md 4
 /// Units   none: that of the features, squared
 /// Differs from the code: it takes a general matrix square root, whose imaginary part it drops, and adds 1e-6 to the
-///         diagonals if that fails. The symmetric form needs no such repair, also with fewer samples than features; both
-///         agree to about 1e-6 (1e-3 in STMC, whose reference has rank 59 of 256)
+///         diagonals if that fails. The symmetric form needs no such repair, also with fewer samples than features;
+///         both agree to about 1e-6 (1e-3 in STMC, whose reference has rank 59 of 256)
 #pragma once
 
 #include <motionlang/metrics/detail/symmetric.hpp>
 #include <motionlang/metrics/rows.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Mean (d) and covariance (d, d), divided by n - 1.
 struct GaussianStatistics {
@@ -99,4 +100,4 @@ double frechet_distance(const Rows<S>& a, const Rows<T>& b) {
   return frechet_distance(gaussian_statistics(a), gaussian_statistics(b));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

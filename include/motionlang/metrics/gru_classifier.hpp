@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
-/// Action2Motion's classifier of joint positions: a recurrent network. Its accuracy and its features judge generated motions.
+/// Action2Motion's classifier of joint positions: a recurrent network. Its accuracy and its features judge generated
+/// motions.
 #pragma once
 
 #include <motionlang/nn/gru.hpp>
 #include <motionlang/nn/pooling.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// What a classifier of motions says about each sequence: numbers for statistics of motions, and a score for each class.
+/// What a classifier of motions says about each sequence: numbers for statistics of motions, and a score for each
+/// class.
 template <Backend B>
 struct Recognition {
   Tensor<B, 2> features, logits;
@@ -21,8 +23,8 @@ struct GruClassifierConfig {
 };
 
 ///     features = tanh(W1 h),  logits = W2 features,   h: the network's output at the last frame
-/// Source  Guo et al., "Action2Motion" (2020), as ACTOR evaluates with it; spec actor.md 7.2. Keys of the official file (below
-///         "model"): recurrent.weight_ih_l0, ..., linear1, linear2.
+/// Source  Guo et al., "Action2Motion" (2020), as ACTOR evaluates with it; spec actor.md 7.2. Keys of the official file
+///         (below "model"): recurrent.weight_ih_l0, ..., linear1, linear2.
 template <Backend B>
 struct GruClassifier {
   static constexpr Index feature_count = 30;
@@ -41,8 +43,9 @@ struct GruClassifier {
         linear1(c.hidden_size, feature_count, rng),
         linear2(feature_count, c.num_classes, rng) {}
 
-  /// x: frames of joint positions, joint by joint. The official code draws h0 (layers, sequences, hidden) from N(0, 1) at every call,
-  /// in use too; here the caller draws it (`initial_state`), and without one the network starts from zeros.
+  /// x: frames of joint positions, joint by joint. The official code draws h0 (layers, sequences, hidden) from N(0, 1)
+  /// at every call, in use too; here the caller draws it (`initial_state`), and without one the network starts from
+  /// zeros.
   Recognition<B> operator()(const Sequences<B>& x, const Tensor<B, 3>* h0 = nullptr) const {
     const auto h = last_row(recurrent(x, h0));
     const auto features = linear1(h, Activation::tanh);
@@ -53,4 +56,4 @@ struct GruClassifier {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
-/// The networks of Guo et al. that judge generated motions: a text and a motion that belong together lie close to each other.
+/// The networks of Guo et al. that judge generated motions: a text and a motion that belong together lie close to each
+/// other.
 ///
 ///     const auto text = evaluator.embed_texts(words.encode<B>(texts).tokens);       // text/glove.hpp
-///     const auto motion = evaluator.embed_motions(normalized);                      // (motions, 512), in the order of the motions
+///     const auto motion = evaluator.embed_motions(normalized);                      // (motions, 512), in the order of
+///     the motions
 ///     metric.add(Rows(text.span(), 512), Rows(motion.span(), 512));                 // metrics/matching.hpp
 ///
-/// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), section 5.2; text-to-motion
-///         networks/modules.py, networks/evaluator_wrapper.py; spec evaluation-guo.md 2
+/// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), section 5.2;
+///         text-to-motion networks/modules.py, networks/evaluator_wrapper.py; spec evaluation-guo.md 2
 /// Differs from the wrapper in that rows keep the order of the caller; the wrapper's come out longest motion first.
 #pragma once
 
@@ -14,7 +16,7 @@
 #include <motionlang/nn/bi_gru.hpp>
 #include <motionlang/nn/layer_norm.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// From the ends of a BiGruEncoder to the common space:  W3 leaky_relu(LN(W0 x)).
 template <Backend B>
@@ -107,9 +109,9 @@ struct GuoEvaluator {
   Tensor<B, 2> embed_texts(const Sequences<B>& words) const { return text_encoder(words); }
   Tensor<B, 2> embed_motions(const Sequences<B>& motions) const { return motion_encoder(movements(motions)); }
 
-  /// Normalised features to floor(frames / 4) movements each. As published every motion is filled up with zeros before the
-  /// convolutions, which look behind its end: to 196 frames, but two behind the last movement make all the difference.
-  /// No gradient reaches the convolutions: they are trained beforehand. Throws shape_error 203, 204, 205.
+  /// Normalised features to floor(frames / 4) movements each. As published every motion is filled up with zeros before
+  /// the convolutions, which look behind its end: to 196 frames, but two behind the last movement make all the
+  /// difference. No gradient reaches the convolutions: they are trained beforehand. Throws shape_error 203, 204, 205.
   Sequences<B> movements(const Sequences<B>& motions, Index longest = 196) const {
     const Index width = motions.width() - 4;
     std::vector<Index> lengths;
@@ -122,4 +124,4 @@ struct GuoEvaluator {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Four frames become one movement: the convolutions before Guo's motion encoder, and the autoencoder in which they are trained.
+/// Four frames become one movement: the convolutions before Guo's motion encoder, and the autoencoder in which they are
+/// trained.
 #pragma once
 
 #include <motionlang/loss/loss_terms.hpp>
@@ -7,7 +8,7 @@
 #include <motionlang/nn/conv_stack.hpp>
 #include <motionlang/nn/linear.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -23,7 +24,8 @@ Linear<B> xavier_linear(Index in, Index out, Rng auto& rng) {
 }  // namespace detail
 
 /// Two convolutions that halve the length, and a projection: n frames become floor(n / 4) movements.
-/// Source  text-to-motion networks/modules.py MovementConvEncoder; spec evaluation-guo.md 2.1. Dropout comes before the nonlinearity.
+/// Source  text-to-motion networks/modules.py MovementConvEncoder; spec evaluation-guo.md 2.1. Dropout comes before the
+///         nonlinearity.
 template <Backend B>
 struct MovementEncoder {
   ConvStack<B> main;
@@ -101,4 +103,4 @@ LossTerms<B> movement_losses(const typename MovementAutoencoder<B>::Result& resu
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -24,7 +24,7 @@
 #include <motionlang/kinematics/body_joints.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class Fault : int {
   empty,
@@ -93,23 +93,24 @@ struct InspectionLimits {
   double shortest = 1.0, tallest = 2.3;  // m: a person
   double doll = 0.3, giant = 5;          // m: between these a figure may be drawn so, unless it has a person's legs,
   double least_legs = 0.45, most_legs = 0.72;  // of the height up to the head; recordings have 0.55 to 0.67
-  double upright = 0.8;      // mean direction of trunk and legs along another axis than +Y; 1: exactly
-  double standing = 0.3;     // m that feet may be off 0 along an axis that is taken for the true one
-  double swapped = 0.4;      // mean cosine between the right that names tell and the left that toes and knees tell
-  double wrong_rate = 1.6;   // the stated rate over the one at which bodies fall as they do, or the other way round
+  double upright = 0.8;     // mean direction of trunk and legs along another axis than +Y; 1: exactly
+  double standing = 0.3;    // m that feet may be off 0 along an axis that is taken for the true one
+  double swapped = 0.4;     // mean cosine between the right that names tell and the left that toes and knees tell
+  double wrong_rate = 1.6;  // the stated rate over the one at which bodies fall as they do, or the other way round
   double least_rise = 0.015, least_flight = 0.06;  // m that the centre of mass rises, in a step and in a jump
-  double parabola = 0.04;    // of that rise: how far off a parabola in the mean
-  double off_floor = 0.08;   // m that the lower foot is above where it stands, in a flight
-  double spike = 0.08;       // m that a joint is off the middle of its neighbours in time
-  double jump = 0.15;        // m between two frames, and
-  double jump_speed = 8;     // m/s: a fast punch or kick
-  double jump_seconds = 0.1;  // a jump may be spread over so many
-  double isolated = 5;       // spikes and jumps: so many times what the joint does in the frames around
-  double violent = 1000;     // m/s2 that no joint takes in any surroundings; recordings have up to 700
-  double slide = 0.2;        // m/s of feet in contact, median over the contacts; recordings have 0.01 to 0.1
-  double low = 0.03;         // m above where a foot joint is when it stands: still on the floor
-  double carried = 0.4;      // of the length of the legs that the pelvis is above a foot that carries it: not of who swims or crawls
-  double on_the_spot = 0.5;  // m across which the root moves in a clip in place
+  double parabola = 0.04;                          // of that rise: how far off a parabola in the mean
+  double off_floor = 0.08;                         // m that the lower foot is above where it stands, in a flight
+  double spike = 0.08;                             // m that a joint is off the middle of its neighbours in time
+  double jump = 0.15;                              // m between two frames, and
+  double jump_speed = 8;                           // m/s: a fast punch or kick
+  double jump_seconds = 0.1;                       // a jump may be spread over so many
+  double isolated = 5;    // spikes and jumps: so many times what the joint does in the frames around
+  double violent = 1000;  // m/s2 that no joint takes in any surroundings; recordings have up to 700
+  double slide = 0.2;     // m/s of feet in contact, median over the contacts; recordings have 0.01 to 0.1
+  double low = 0.03;      // m above where a foot joint is when it stands: still on the floor
+  // Part of the length of the legs that the pelvis is above a foot that carries it: not for those who swim or crawl.
+  double carried = 0.4;
+  double on_the_spot = 0.5;           // m across which the root moves in a clip in place
   double below = 0.08, above = 0.10;  // m that feet may be below or above y = 0
 };
 
@@ -134,9 +135,9 @@ inline constexpr std::array<UnitFactor, 10> unit_factors{{
 }};
 
 /// Units of a root by those of its bones, over metres: centimetres, millimetres, inches, feet and so on.
-inline constexpr std::array<double, 16> root_factors{
-    100,  0.01,     1000,  0.001,     10,     0.1,        2.54,        1 / 2.54,
-    25.4, 1 / 25.4, 30.48, 1 / 30.48, 0.0254, 1 / 0.0254, 2.54 / 0.45, 0.45 / 2.54};
+inline constexpr std::array<double, 16> root_factors{100,    0.01,       1000,        0.001,      10,    0.1,
+                                                     2.54,   1 / 2.54,   25.4,        1 / 25.4,   30.48, 1 / 30.48,
+                                                     0.0254, 1 / 0.0254, 2.54 / 0.45, 0.45 / 2.54};
 
 inline double hundredths(double x) { return std::round(x * 100) / 100; }
 
@@ -244,8 +245,8 @@ class MotionInspector {
   void place_joints() {
     const auto& ends = motion_.skeleton.ends;
     auto end = [&](int joint) { return ends.empty() ? Vec{} : ends[static_cast<std::size_t>(joint)]; };
-    const bool toes = body_ && !body_->toe.known() && norm(end(body_->ankle.left)) > 0 &&
-                      norm(end(body_->ankle.right)) > 0;
+    const bool toes =
+        body_ && !body_->toe.known() && norm(end(body_->ankle.left)) > 0 && norm(end(body_->ankle.right)) > 0;
     columns_ = motion_.skeleton.size() + (toes ? 2 : 0);
     positions_.reserve(static_cast<std::size_t>(frames() * columns_));
     JointTransforms<double> t;
@@ -273,7 +274,8 @@ class MotionInspector {
   double leg_length() const {
     return 0.5 * (chain(body_->ankle.left, body_->hip.left) + chain(body_->ankle.right, body_->hip.right));
   }
-  /// A person is about 1.2 times as tall as the bones from an ankle to the hip and from the pelvis to the head are long.
+  /// A person is about 1.2 times as tall as the bones from an ankle to the hip and from the pelvis to the head are
+  /// long.
   void check_scale() {
     const double legs = leg_length();
     const double height = 1.2 * (legs + chain(body_->head, body_->pelvis));
@@ -354,8 +356,8 @@ class MotionInspector {
     }
   }
 
-  /// Left is where up x forward points. Toes point forward while a foot stands flat, and knees bend forward; both, where
-  /// there is anything to see of them, must speak against the names.
+  /// Left is where up x forward points. Toes point forward while a foot stands flat, and knees bend forward; both,
+  /// where there is anything to see of them, must speak against the names.
   void check_sides() {
     struct Witness {
       double legs = 0, arms = 0, weight = 0;
@@ -453,7 +455,7 @@ class MotionInspector {
   /// How fast a body seems to fall goes with the square of the frame rate.
   void check_falls() {
     constexpr double gravity = 9.81;
-    constexpr std::size_t fewest = 3;  // steps
+    constexpr std::size_t fewest = 3;                            // steps
     if (out_.has(Fault::scale) && out_.cure.scale == 1) return;  // of a doll nobody knows how it falls
     const Arcs seen = arcs();
     const bool flies = !seen.flights.empty();
@@ -644,9 +646,9 @@ class MotionInspector {
 
 }  // namespace detail
 
-/// All findings of a clip. Skeletons that no table of skeleton_tables.hpp fits are checked for values, frame rate, spikes
-/// and jumps only. Throws config_error 106 for a malformed skeleton, 101 for a frame rate that is none, shape_error 205
-/// if the arrays do not fit.
+/// All findings of a clip. Skeletons that no table of skeleton_tables.hpp fits are checked for values, frame rate,
+/// spikes and jumps only. Throws config_error 106 for a malformed skeleton, 101 for a frame rate that is none,
+/// shape_error 205 if the arrays do not fit.
 inline Inspection inspect_motion(const Motion& motion, const InspectionLimits& limits = {}) {
   motion.skeleton.validate();
   if (motion.local.size() != motion.root.size() * static_cast<std::size_t>(motion.skeleton.size())) {
@@ -691,4 +693,4 @@ inline Motion mended(const Motion& motion, const Cure& cure) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

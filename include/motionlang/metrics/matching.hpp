@@ -6,13 +6,13 @@
 ///     for (...) metric.add(texts, motions);                         // rows of one batch of 32, paired
 ///     metric.r_precision(3), metric.matching_score();
 ///
-/// For each query of a batch, all answers of the batch are put in order of distance; the right one is a hit at k if it is
-/// among the first k. Hits and distances of the right ones are summed over batches and divided by all queries.
+/// For each query of a batch, all answers of the batch are put in order of distance; the right one is a hit at k if it
+/// is among the first k. Hits and distances of the right ones are summed over batches and divided by all queries.
 /// Source  Guo et al. (CVPR 2022), section 5.2; references: text-to-motion final_evaluations.py, TM2T
 ///         final_evaluations_m2t.py, utils/metrics.py; spec evaluation-guo.md 4
 /// Differs from the paper: the 31 distractors are the rest of a shuffled batch, and may have the same caption. In
-///         motion-to-text TM2T's code ranks texts for each motion, its paper motions for each text: what is queried is the
-///         first argument
+///         motion-to-text TM2T's code ranks texts for each motion, its paper motions for each text: what is queried is
+///         the first argument
 #pragma once
 
 #include <array>    // depths
@@ -21,7 +21,7 @@
 
 #include <motionlang/metrics/rows.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// For each row of a table the columns in ascending order; equals keep theirs. Throws nothing.
 inline std::vector<Index> nearest_first(const Rows<double>& table) {
@@ -42,7 +42,8 @@ class MatchingMetric {
  public:
   static constexpr int depths = 3;
 
-  /// A batch; row i of both belongs together. Throws shape_error 204, numeric_error 301 for a NaN, which no answer would be nearer than.
+  /// A batch; row i of both belongs together. Throws shape_error 204, numeric_error 301 for a NaN, which no answer
+  /// would be nearer than.
   template <Scalar S, Scalar T>
   void add(const Rows<S>& queries, const Rows<T>& answers) {
     detail::require_same_count("MatchingMetric: queries against answers", queries.size(), answers.size());
@@ -87,4 +88,4 @@ class MatchingMetric {
   Index queries_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

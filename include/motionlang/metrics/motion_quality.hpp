@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// How physical a clip looks, without a reference: foot skating, acceleration, jitter, penetration of the floor, constancy
-/// of bones. Published figures use many definitions; the ones used here are written down with each function. Y up, metres.
+/// How physical a clip looks, without a reference: foot skating, acceleration, jitter, penetration of the floor,
+/// constancy of bones. Published figures use many definitions; the ones used here are written down with each function.
+/// Y up, metres.
 #pragma once
 
 #include <algorithm>  // max
@@ -10,7 +11,7 @@
 #include <motionlang/geometry/vec.hpp>
 #include <motionlang/kinematics/foot_contact.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Joint positions of a clip, (frames, joints), and how fast they follow each other.
 struct JointTracks {
@@ -153,4 +154,4 @@ inline MotionQuality motion_quality(const Motion& motion, std::span<const Contac
   return {foot_skate(tracks, feet, floor), jitter(tracks), penetration(tracks, floor)};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

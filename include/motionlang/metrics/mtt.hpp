@@ -11,7 +11,8 @@
 /// Two flavours: `as_coded` gives the published tables, `as_written` what the thesis describes. They do not compare.
 /// Source  STMC (Petrovich et al., CVPR workshops 2024), section 4.2; mtt/stmc_metrics.py, mtt/metrics.py,
 ///         mtt/motion_representation_local.py; spec stmc-evaluation.md 2 to 5
-/// Differs as coded from the thesis: the crops for FID begin at five fixed frames (47, 117, 67, 103, 9), because the number
+/// Differs as coded from the thesis: the crops for FID begin at five fixed frames (47, 117, 67, 103, 9), because the
+/// number
 ///         of features is taken for the length, and are shorter where the motion ends; the reference are whole clips;
 ///         transitions subtract the x coordinate of each joint in place of the root, and leave the last one out
 #pragma once
@@ -29,7 +30,7 @@
 #include <motionlang/features/guoh3d_extraction.hpp>
 #include <motionlang/metrics/frechet.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class MttFlavour { as_coded, as_written };
 
@@ -56,7 +57,8 @@ std::vector<S> mtt_features(const ChainSkeleton& skeleton, std::span<const Vec3<
   return guoh3d_features(skeleton, std::span<const Vec3<S>>(y_up), std::span<const S>(lengths), options);
 }
 
-/// Joints with the turns left out, so that every pose is seen in its own heading and the root goes by its own velocities.
+/// Joints with the turns left out, so that every pose is seen in its own heading and the root goes by its own
+/// velocities.
 /// features  (frames, 12 J - 1), not normalised
 /// result    (frames, J), Z up
 /// Throws    shape_error 205
@@ -70,8 +72,8 @@ std::vector<Vec3<S>> mtt_local_joints(std::span<const S> features, Index joints 
   return out;
 }
 
-/// Frames at which a text begins or ends, in order; the beginning and the end of the whole are left out. As coded, frames
-/// that the features do not have go first, which costs the last real one.
+/// Frames at which a text begins or ends, in order; the beginning and the end of the whole are left out. As coded,
+/// frames that the features do not have go first, which costs the last real one.
 inline std::vector<Index> transition_points(const Timeline& timeline, Index feature_frames, MttFlavour flavour) {
   std::set<Index> points;
   for (const Interval& i : timeline.intervals) {
@@ -303,4 +305,4 @@ MttScores mtt_ground_truth(const MttReference<S>& reference, Index joints = 22) 
           .transition = detail::mean_of("transitions", transitions)};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

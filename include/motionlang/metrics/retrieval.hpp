@@ -4,8 +4,8 @@
 ///     const auto m = retrieve(RetrievalProtocol::normal, texts, motions, {});        // Rows of latents, paired
 ///     for (const auto& [name, value] : named(m)) std::printf("%s %.2f\n", name.c_str(), value);   // t2m/R01 ...
 ///
-/// The rank of a query is the number of answers that are closer than the right one. Answers at exactly the same distance
-/// share their places: each has the mean of them.
+/// The rank of a query is the number of answers that are closer than the right one. Answers at exactly the same
+/// distance share their places: each has the mean of them.
 ///     R@k  = 100 |{i : r_i < k}| / n   [percent],      MedR = median(r) + 1
 /// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.1; reference: Mathux/TMR src/model/metrics.py and
 ///         retrieval.py; spec tmr.md 7
@@ -26,7 +26,7 @@
 #include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/metrics/rows.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What is searched for what. Tables have texts as rows and motions as columns.
 enum class RetrievalDirection { text_to_motion, motion_to_text };
@@ -46,7 +46,8 @@ std::vector<std::uint8_t> texts_alike(const Rows<S>& sentences, double threshold
 
 /// Ranks from 0 on of every query.
 /// similarities  (n, n), texts by motions; pair i belongs together
-/// alike         of `texts_alike`: the closest of the answers with such a text counts as the right one. Empty: only the own
+/// alike         of `texts_alike`: the closest of the answers with such a text counts as the right one. Empty: only the
+///               own
 /// Throws        shape_error 205, 204; numeric_error 301 for a NaN
 template <Scalar S>
 std::vector<double> retrieval_ranks(const Rows<S>& similarities, RetrievalDirection direction,
@@ -117,7 +118,8 @@ RetrievalTable retrieval_table(const Rows<S>& similarities, std::span<const std:
           retrieval_metrics(retrieval_ranks(similarities, motion_to_text, alike))};
 }
 
-/// "t2m/R01", "t2m/R02", "t2m/R03", "t2m/R05", "t2m/R10", "t2m/MedR", "t2m/len", then the same of "m2t": the keys of TMR's files.
+/// "t2m/R01", "t2m/R02", "t2m/R03", "t2m/R05", "t2m/R10", "t2m/MedR", "t2m/len", then the same of "m2t": the keys of
+/// TMR's files.
 inline std::vector<std::pair<std::string, double>> named(const RetrievalTable& table) {
   std::vector<std::pair<std::string, double>> out;
   for (const auto& [direction, m] : {std::pair{"t2m/", table.text_to_motion}, {"m2t/", table.motion_to_text}}) {
@@ -245,7 +247,8 @@ RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const 
 
 /// A choice of texts that are far from each other, for protocol `nsim`. Begins with the least similar pair and adds the
 /// text whose similarities to the chosen ones have the smallest sum; of equals, the one with the first id.
-/// The program that chose TMR's lists is not published: the paper says that it approximates a quadratic knapsack problem.
+/// The program that chose TMR's lists is not published: the paper says that it approximates a quadratic knapsack
+/// problem.
 /// sentences  (n, d) unit rows
 /// result     positions in the order in which they were chosen
 /// Throws     shape_error 204; config_error 101 unless 2 <= count <= n
@@ -286,10 +289,11 @@ std::vector<Index> dissimilar_subset(const Rows<E>& sentences, std::span<const s
   return out;
 }
 
-// ---- moments: where in a long motion a text happens -------------------------------------------------------------------
+// ---- moments: where in a long motion a text happens
+// -------------------------------------------------------------------
 //
-// Source  Petrovich's thesis (2024), section 5.3.6; spec tmr.md 7.6. There is no published code: that windows are cut off
-//         at the ends of the motion and follow each other by `stride` frames is a choice made here.
+// Source  Petrovich's thesis (2024), section 5.3.6; spec tmr.md 7.6. There is no published code: that windows are cut
+//         off at the ends of the motion and follow each other by `stride` frames is a choice made here.
 
 /// Windows of `width` frames, the k-th with its middle at frame k * stride, cut off at the ends of the motion.
 /// Throws config_error 101 unless width and stride are positive.
@@ -331,4 +335,4 @@ inline double localisation_accuracy(std::span<const FrameSlice> found, std::span
   return static_cast<double>(right) / static_cast<double>(found.size());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

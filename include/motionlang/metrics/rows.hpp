@@ -15,7 +15,7 @@
 #include <motionlang/core/concepts.hpp>
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A view of (rows, width) numbers.
 template <Scalar S>
@@ -169,4 +169,4 @@ std::vector<double> cosine_similarities(const Rows<S>& x, const Rows<T>& y, doub
 /// A cosine as a score from 0 to 1, as TMR and STMC print it; unrelated texts and motions have about 0.5.
 inline double similarity_score(double cosine) { return (cosine + 1) / 2; }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

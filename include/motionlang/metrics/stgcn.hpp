@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// ST-GCN: a classifier of motions by convolutions over a skeleton's graph and over time. Judges ACTOR's motions on UESTC, and shows
-/// what generated motions are worth as training data.
+/// ST-GCN: a classifier of motions by convolutions over a skeleton's graph and over time. Judges ACTOR's motions on
+/// UESTC, and shows what generated motions are worth as training data.
 ///
-/// Source  Yan, Xiong, Lin: "Spatial temporal graph convolutional networks for skeleton-based action recognition" (AAAI 2018); ACTOR,
-///         src/recognition/models/stgcn.py, whose keys are the field names; spec actor.md 7.3
+/// Source  Yan, Xiong, Lin: "Spatial temporal graph convolutional networks for skeleton-based action recognition" (AAAI
+///         2018); ACTOR, src/recognition/models/stgcn.py, whose keys are the field names; spec actor.md 7.3
 #pragma once
 
 #include <motionlang/metrics/gru_classifier.hpp>
@@ -11,11 +11,12 @@
 #include <motionlang/nn/conv1d.hpp>
 #include <motionlang/nn/pooling.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// The tree with loops, every column divided by its degree, in three parts: 0 the loops, 2 the edges (row, column) that lead away from
-/// the centre, 1 the others. (3, joints, joints), row by row.
-/// Differs  from the paper: distances from the centre beyond 1 count as infinite and so as equal; such edges are in part 1
+/// The tree with loops, every column divided by its degree, in three parts: 0 the loops, 2 the edges (row, column) that
+/// lead away from the centre, 1 the others. (3, joints, joints), row by row.
+/// Differs  from the paper: distances from the centre beyond 1 count as infinite and so as equal; such edges are in
+///          part 1
 /// Throws   config_error 101 if the centre is no joint
 inline std::vector<double> stgcn_adjacency(std::span<const int> parents, Index centre) {
   const auto n = std::ssize(parents);
@@ -86,7 +87,8 @@ struct StGcnBlock {
     shortcut_norm.emplace(out);
   }
 
-  /// edges (3, joints, joints): A M. `Self` is constant in use and not in training, where norms take the batch's statistics.
+  /// edges (3, joints, joints): A M. `Self` is constant in use and not in training, where norms take the batch's
+  /// statistics.
   template <class Self>
   static Sequences<B> run(Self& self, const Sequences<B>& x, const Tensor<B, 3>& edges) {
     const Index joints = edges.size(1), out = self.tcn.out(), rows = x.offsets.rows(), each = rows / joints * out;
@@ -121,8 +123,8 @@ struct StGcnConfig {
   std::vector<Index> channels{64, 64, 64, 64, 128, 128, 128, 256, 256, 256};
   std::vector<Index> strides{1, 1, 1, 1, 2, 1, 1, 2, 1, 1};
 
-  /// SMPL's tree without the global rotation of joint 0 (layout "smpl_noglobal"): the legs and the spine are not connected, and the
-  /// centre is the left hip.
+  /// SMPL's tree without the global rotation of joint 0 (layout "smpl_noglobal"): the legs and the spine are not
+  /// connected, and the centre is the left hip.
   static std::vector<int> without_root(std::span<const int> parents) {
     std::vector<int> out;
     for (std::size_t j = 1; j < parents.size(); ++j) out.push_back(parents[j] > 0 ? parents[j] - 1 : -1);
@@ -192,4 +194,4 @@ struct StGcn {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

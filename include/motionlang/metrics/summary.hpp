@@ -10,7 +10,7 @@
 #include <motionlang/core/rounding.hpp>
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// mean +- half_width
 struct MeanInterval {
@@ -31,16 +31,18 @@ inline MeanInterval mean_and_variance(const char* function, std::span<const doub
 }  // namespace detail
 
 /// mean +- 1.96 std / sqrt(n), the std of the population: Guo et al., over 20 replications.
-/// Source  text-to-motion final_evaluations.py get_metric_statistics; spec evaluation-guo.md 4. Throws numeric_error 302.
+/// Source  text-to-motion final_evaluations.py get_metric_statistics; spec evaluation-guo.md 4. Throws numeric_error
+///         302.
 inline MeanInterval replication_interval(std::span<const double> values) {
   const auto [mean, variance] = detail::mean_and_variance("replication_interval", values);
   return {mean, 1.96 * std::sqrt(variance / static_cast<double>(values.size()))};
 }
 
-/// mean +- 1.96 variance, rounded: to 2 places, the mean of an accuracy, in percent, to 1. The name tells which: whether
-/// it contains "accuracy", as in ACTOR's files of results ("accuracy_gen", "fid_gt2").
+/// mean +- 1.96 variance, rounded: to 2 places, the mean of an accuracy, in percent, to 1. The name tells which:
+/// whether it contains "accuracy", as in ACTOR's files of results ("accuracy_gen", "fid_gt2").
 /// Source  ACTOR src/evaluate/tables/easy_table.py; spec actor.md 7.1. Throws numeric_error 302.
-/// Differs from the paper: it speaks of a 95 % confidence interval, which would need std / sqrt(n) in place of the variance
+/// Differs from the paper: it speaks of a 95 % confidence interval, which would need std / sqrt(n) in place of the
+/// variance
 inline MeanInterval actor_summary(std::string_view metric, std::span<const double> values) {
   const bool percent = metric.find("accuracy") != metric.npos;
   std::vector<double> scaled(values.begin(), values.end());
@@ -51,4 +53,4 @@ inline MeanInterval actor_summary(std::string_view metric, std::span<const doubl
   return {numpy_round(mean, percent ? 1 : 2), numpy_round(1.96 * variance, 2)};
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -6,11 +6,11 @@
 
 #include <motionlang/metrics/rows.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// d_i = 2 (1 - cos(g_i, r_i)): the squared distance of the unit vectors, 0 to 4.
-/// generated, reference  (items, latent): means of a TEMOS model that was trained on single actions. Features of both are
-///                       canonicalised; lengths may differ
+/// generated, reference  (items, latent): means of a TEMOS model that was trained on single actions. Features of both
+///                       are canonicalised; lengths may differ
 /// Throws                shape_error 204
 template <Scalar S, Scalar T>
 std::vector<double> temos_distances(const Rows<S>& generated, const Rows<T>& reference) {
@@ -32,4 +32,4 @@ double temos_score(const Rows<S>& generated, const Rows<T>& reference) {
   return 1 - sum / static_cast<double>(distances.size()) / 4;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -7,7 +7,7 @@
 #include <motionlang/tensor/module.hpp>
 #include <motionlang/tensor/ops.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What a BatchNorm has seen in training. Saved and loaded, but not trained.
 template <Backend B>
@@ -25,8 +25,9 @@ struct RunningStatistics {
 
 ///     y = (x - m) / sqrt(v + eps) weight + bias
 /// Source  Ioffe and Szegedy (2015), algorithms 1 and 2; parameter names of PyTorch.
-/// In use m and v are the running statistics. In training, `train(x)`, they are mean and variance (divided by n) of the rows, and the
-/// running ones move towards them: r = (1 - momentum) r + momentum s, where s has the variance divided by n - 1.
+/// In use m and v are the running statistics. In training, `train(x)`, they are mean and variance (divided by n) of the
+/// rows, and the running ones move towards them: r = (1 - momentum) r + momentum s, where s has the variance divided by
+/// n - 1.
 template <Backend B>
 struct BatchNorm {
   Tensor<B, 1> weight, bias;  // (channels)
@@ -74,7 +75,8 @@ struct BatchNorm {
   }
 };
 
-/// Statistics of use for a constant norm, of training for one that may change: so one function runs a network both ways.
+/// Statistics of use for a constant norm, of training for one that may change: so one function runs a network both
+/// ways.
 template <Backend B>
 Tensor<B, 2> batch_norm(const BatchNorm<B>& norm, const Tensor<B, 2>& x) {
   return norm(x);
@@ -84,4 +86,4 @@ Tensor<B, 2> batch_norm(BatchNorm<B>& norm, const Tensor<B, 2>& x) {
   return norm.train(x);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

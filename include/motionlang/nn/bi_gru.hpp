@@ -5,7 +5,7 @@
 #include <motionlang/nn/gru.hpp>
 #include <motionlang/nn/pooling.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What both directions know after each row. Rows are those of the input.
 template <Backend B>
@@ -90,4 +90,4 @@ struct BiGruEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

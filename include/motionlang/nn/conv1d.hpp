@@ -6,7 +6,7 @@
 #include <motionlang/tensor/fused.hpp>
 #include <motionlang/tensor/module.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct Conv1dOptions {
   Index stride = 1, padding = 0, dilation = 1;
@@ -29,9 +29,10 @@ inline Index conv1d_length(Index n, Index kernel, const Conv1dOptions& o) {
 }
 
 ///     y[t] = act(bias + sum_j W[:, :, j] x[t stride + j dilation - padding]),   x = 0 outside of its sequence
-/// x packed (rows, in), weight (out, in, kernel), bias (out) or null -> packed (rows', out). Every sequence is convolved by itself.
-/// Source  PyTorch's Conv1d, which correlates. One product of all windows with all weights; a backend with a `conv1d` of its own need not
-///         write the windows down.
+/// x packed (rows, in), weight (out, in, kernel), bias (out) or null -> packed (rows', out). Every sequence is
+/// convolved by itself.
+/// Source  PyTorch's Conv1d, which correlates. One product of all windows with all weights; a backend with a `conv1d`
+///         of its own need not write the windows down.
 /// Throws  shape_error 201, 204, 205, config_error 101
 template <Backend B>
 Sequences<B> conv1d(const Sequences<B>& x, const Tensor<B, 3>& weight, const Tensor<B, 1>* bias,
@@ -91,4 +92,4 @@ struct Conv1d {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -2,10 +2,11 @@
 /// A stack of convolutions over time with what stands between them, numbered like PyTorch's Sequential.
 ///
 ///     ConvStack<B> main;
-///     main.conv(259, 512, 4, {.stride = 2, .padding = 1}, rng).dropout(0.2).leaky_relu();       // main.0, main.1, main.2
+///     main.conv(259, 512, 4, {.stride = 2, .padding = 1}, rng).dropout(0.2).leaky_relu();       // main.0, main.1,
+///     main.2
 ///
-/// The networks of Guo et al. are such stacks: the movement encoder and decoder of their evaluator (CVPR 2022), TM2T's tokenizer and
-/// discriminator (ECCV 2022). Weights of convolutions begin as xavier_normal, biases as 0.
+/// The networks of Guo et al. are such stacks: the movement encoder and decoder of their evaluator (CVPR 2022), TM2T's
+/// tokenizer and discriminator (ECCV 2022). Weights of convolutions begin as xavier_normal, biases as 0.
 #pragma once
 
 #include <motionlang/nn/batch_norm.hpp>
@@ -13,7 +14,7 @@
 #include <motionlang/nn/dropout.hpp>
 #include <motionlang/nn/leaky_relu.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Every row several times in a row: the sequences become longer.
 template <Backend B>
@@ -158,4 +159,4 @@ class ConvStack {
   std::vector<ConvStackLayer<B>> layers_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -4,10 +4,11 @@
 
 #include <motionlang/nn/conv1d.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     y[t stride + j - padding] += W[:, :, j]^T x[t],   y begins as the bias
-/// x packed (rows, in), weight (in, out, kernel), bias (out) -> packed; n rows become (n - 1) stride + kernel - 2 padding.
+/// x packed (rows, in), weight (in, out, kernel), bias (out) -> packed; n rows become (n - 1) stride + kernel - 2
+/// padding.
 /// Source  PyTorch's ConvTranspose1d. One product, whose rows are added up.
 /// Throws  shape_error 201, 205, config_error 101
 template <Backend B>
@@ -59,4 +60,4 @@ struct ConvTranspose1d {
   Sequences<B> operator()(const Sequences<B>& x) const { return conv_transpose1d(x, weight, bias, stride, padding); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

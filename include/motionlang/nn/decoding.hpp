@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// Writing a sequence symbol by symbol with a model that says what may come next: the most probable symbol, a random one, or the best of
-/// several beams. The model is any function from the beginnings written so far to logits of the next symbol:
+/// Writing a sequence symbol by symbol with a model that says what may come next: the most probable symbol, a random
+/// one, or the best of several beams. The model is any function from the beginnings written so far to logits of the
+/// next symbol:
 ///
-///     auto next = [&](const IdSequences& written) { return m.next_logits(written, memory); };      // Tensor<B, 2> (rows, symbols)
-///     const auto words = beam_search(next, {.begin = 0, .end = 1, .pad = 4199});
+///     auto next = [&](const IdSequences& written) { return m.next_logits(written, memory); };      // Tensor<B, 2>
+///     (rows, symbols) const auto words = beam_search(next, {.begin = 0, .end = 1, .pad = 4199});
 ///
-/// Source  TM2T (Guo et al., ECCV 2022), networks/transformer.py sample and sample_batch, networks/translator.py; spec tm2t.md 4.3, 5.2
+/// Source  TM2T (Guo et al., ECCV 2022), networks/transformer.py sample and sample_batch, networks/translator.py; spec
+///         tm2t.md 4.3, 5.2
 #pragma once
 
 #include <algorithm>  // nth_element, sort
@@ -17,7 +19,7 @@
 #include <motionlang/tensor/arg_max.hpp>
 #include <motionlang/tensor/id_sequences.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct DecodingOptions {
   Index begin = 0, end = 1, pad = 2;
@@ -26,8 +28,8 @@ struct DecodingOptions {
   bool redraw_pad = true;  // decode_one never draws the padding either
 };
 
-/// Adds -1e30 to all logits but the top_k largest of a row and their equals; 0 or less: all stay. (rows, symbols). Throws numeric_error
-/// 301 for a logit that is NaN.
+/// Adds -1e30 to all logits but the top_k largest of a row and their equals; 0 or less: all stay. (rows, symbols).
+/// Throws numeric_error 301 for a logit that is NaN.
 template <Backend B>
 std::vector<typename B::scalar> top_k_penalty(const Tensor<B, 2>& logits, Index top_k) {
   using S = typename B::scalar;
@@ -89,9 +91,11 @@ inline Index draw(std::span<const double> p, double u) {
 
 }  // namespace detail
 
-/// One sequence, the mark of the beginning first and without that of the end, which is written when it is the most probable symbol.
+/// One sequence, the mark of the beginning first and without that of the end, which is written when it is the most
+/// probable symbol.
 /// next   takes one beginning
-/// uniform()  a number of [0, 1) for each draw, or nullptr: the most probable symbol is taken. Marks that are drawn are drawn again
+/// uniform()  a number of [0, 1) for each draw, or nullptr: the most probable symbol is taken. Marks that are drawn are
+///            drawn again
 /// Throws numeric_error 301 for a logit that is NaN, 302 where nothing but marks can be drawn
 template <class Next, class Uniform = std::nullptr_t>
 std::vector<Index> decode_one(Next&& next, const DecodingOptions& o, Uniform&& uniform = nullptr) {
@@ -115,7 +119,8 @@ std::vector<Index> decode_one(Next&& next, const DecodingOptions& o, Uniform&& u
   return out;
 }
 
-/// Several sequences at once: as many symbols for each, of which the first `lengths` behind the mark of the beginning count.
+/// Several sequences at once: as many symbols for each, of which the first `lengths` behind the mark of the beginning
+/// count.
 struct Decoded {
   std::vector<std::vector<Index>> ids;
   std::vector<Index> lengths;
@@ -129,9 +134,10 @@ struct Decoded {
 };
 
 /// next     takes `count` beginnings of one length
-/// uniform(step, row)  a number of [0, 1), or nullptr: the most probable symbols are taken. Marks are never drawn; where the end is
-///          the most probable symbol, it is written. A sequence that has ended goes on until the last one has; then nothing is written
-///          in that step
+/// uniform(step, row)  a number of [0, 1), or nullptr: the most probable symbols are taken. Marks are never drawn;
+///                     where the end is
+///          the most probable symbol, it is written. A sequence that has ended goes on until the last one has; then
+///          nothing is written in that step
 /// Throws   numeric_error 302 where nothing but marks could be drawn
 template <class Next, class Uniform = std::nullptr_t>
 Decoded decode_batch(Next&& next, Index count, const DecodingOptions& o, Uniform&& uniform = nullptr) {
@@ -181,8 +187,8 @@ struct BeamSearch {
 };
 
 ///     answer = arg max of score / length^alpha over the beams
-/// Each beam is continued by the symbols that are most probable after it, and the best of all continuations go on; until all have
-/// ended. Beams that have ended are continued, too, and go on losing score, as published.
+/// Each beam is continued by the symbols that are most probable after it, and the best of all continuations go on;
+/// until all have ended. Beams that have ended are continued, too, and go on losing score, as published.
 /// next    takes 1 or `beams` beginnings of one length
 /// Source  spec tm2t.md 4.3; the length penalty of Wu et al. (2016) without its constants
 /// Throws  config_error 101 for options that mean nothing
@@ -230,10 +236,11 @@ BeamSearch beam_search(Next&& next, const BeamOptions& o) {
     beam.resize(static_cast<std::size_t>(o.max_length), o.pad);
     out.order.push_back(b);
   }
-  std::stable_sort(out.order.begin(), out.order.end(), [&](std::size_t a, std::size_t b) { return value(a) > value(b); });
+  std::stable_sort(out.order.begin(), out.order.end(),
+                   [&](std::size_t a, std::size_t b) { return value(a) > value(b); });
   const std::size_t best = out.order.front();
   out.ids.assign(out.beams[best].begin(), out.beams[best].begin() + out.lengths[best]);
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -5,7 +5,7 @@
 #include <motionlang/core/context.hpp>
 #include <motionlang/tensor/fused.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The next mask of a context: probability 0 when there is no generator. Throws config_error 101 unless 0 <= p < 1.
 inline Dropout next_dropout(double p, const Context& context) {
@@ -19,4 +19,4 @@ Tensor<B, R> dropout(const Tensor<B, R>& x, double p, const Context& context) {
   return dropout(x, next_dropout(p, context));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

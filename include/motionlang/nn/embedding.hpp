@@ -6,7 +6,7 @@
 #include <motionlang/tensor/index.hpp>
 #include <motionlang/tensor/module.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct Embedding {
@@ -34,4 +34,4 @@ Tensor<B, 2> one_hot(std::span<const Index> labels, Index classes) {
   return Tensor<B, 2>::from(rows, {std::ssize(labels), classes});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -5,7 +5,7 @@
 #include <motionlang/nn/dropout.hpp>
 #include <motionlang/nn/linear.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// dropout(W2 dropout(act(W1 x))) + residual, row by row: Vaswani et al. (2017), equation 2, with PyTorch's dropout.
 template <Backend B>
@@ -16,4 +16,4 @@ Tensor<B, 2> feed_forward(const Linear<B>& linear1, const Linear<B>& linear2, Ac
   return linear2(inside, Activation::none, &residual, next_dropout(dropout_p, context));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -7,12 +7,12 @@
 #include <motionlang/tensor/index.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Packed sequences as steps of time: step t has row t of every sequence that is that long, the longest first; with `backwards` counted
-/// from the end. Like PyTorch's packed sequences.
+/// Packed sequences as steps of time: step t has row t of every sequence that is that long, the longest first; with
+/// `backwards` counted from the end. Like PyTorch's packed sequences.
 template <Backend B>
 struct TimeSteps {
   std::vector<Tensor<B, 2>> steps;
@@ -69,8 +69,8 @@ struct GruLayer {
 
   Index hidden() const { return weight_hh.size(1); }
 
-  /// x: one (rows, in) per time step; h0 (rows, hidden) -> one (rows, hidden) per step. Steps may have fewer rows than the ones before:
-  /// the last sequences have ended.
+  /// x: one (rows, in) per time step; h0 (rows, hidden) -> one (rows, hidden) per step. Steps may have fewer rows than
+  /// the ones before: the last sequences have ended.
   std::vector<Tensor<B, 2>> operator()(const std::vector<Tensor<B, 2>>& x, const Tensor<B, 2>& h0) const {
     const Index n = hidden();
     Tensor<B, 2> h = h0;
@@ -86,8 +86,8 @@ struct GruLayer {
     }
     return out;
   }
-  /// Each sequence by itself, from its first row to the last or `backwards`; h0 (sequences, hidden). A row of the result for every row.
-  /// Throws shape_error 204.
+  /// Each sequence by itself, from its first row to the last or `backwards`; h0 (sequences, hidden). A row of the
+  /// result for every row. Throws shape_error 204.
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 2>& h0, bool backwards = false) const {
     if (h0.shape() != Shape{x.count(), hidden()})
       raise<shape_error>(204, "GruLayer: h0 ", h0.shape(), " for ", hidden(), " units and ", x.count(), " sequences");
@@ -97,8 +97,8 @@ struct GruLayer {
   }
 
  private:
-  /// W_i x + b_i of all gates for each step, by one product of all steps: weights are read once. Not on a tape, where the gradient of each
-  /// step would be one of all rows.
+  /// W_i x + b_i of all gates for each step, by one product of all steps: weights are read once. Not on a tape, where
+  /// the gradient of each step would be one of all rows.
   std::vector<Tensor<B, 2>> read(const std::vector<Tensor<B, 2>>& x) const {
     std::vector<Tensor<B, 2>> out;
     if (AutodiffBackend<B> || x.size() < 2) {
@@ -115,7 +115,8 @@ struct GruLayer {
   }
 };
 
-/// A stack of layers; every layer starts from zeros unless it is told otherwise. Official keys are weight_ih_l0, ...: see `gru_key`.
+/// A stack of layers; every layer starts from zeros unless it is told otherwise. Official keys are weight_ih_l0, ...:
+/// see `gru_key`.
 template <Backend B>
 struct Gru {
   std::vector<GruLayer<B>> layers;
@@ -132,7 +133,8 @@ struct Gru {
     }
     return x;
   }
-  /// Each sequence by itself; a row of the result for every row. h0 (layers, sequences, hidden), null for zeros. Throws shape_error 204.
+  /// Each sequence by itself; a row of the result for every row. h0 (layers, sequences, hidden), null for zeros. Throws
+  /// shape_error 204.
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 3>* h0 = nullptr) const {
     const Index n = x.count(), hidden = layers.empty() ? 0 : layers.front().hidden();
     if (h0 != nullptr && h0->shape() != Shape{std::ssize(layers), n, hidden}) {
@@ -152,8 +154,8 @@ struct Gru {
   }
 };
 
-/// "gru.layers.2.weight_ih" -> "gru.weight_ih_l2", at any depth: PyTorch numbers the parameters instead of nesting them. Other paths
-/// stay. `name`: what the model calls its Gru.
+/// "gru.layers.2.weight_ih" -> "gru.weight_ih_l2", at any depth: PyTorch numbers the parameters instead of nesting
+/// them. Other paths stay. `name`: what the model calls its Gru.
 inline std::string gru_key(const std::string& path, std::string_view name = "gru") {
   const std::string nested = concat_text(name, ".layers.");
   const auto at = path.find(nested);
@@ -162,4 +164,4 @@ inline std::string gru_key(const std::string& path, std::string_view name = "gru
   return concat_text(path.substr(0, at), name, path.substr(dot), "_l", path.substr(number, dot - number));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -8,7 +8,7 @@
 
 #include <motionlang/tensor/tensor.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A generator that gives zeros at no cost: for models whose parameters are about to be loaded.
 struct NoInit {
@@ -74,7 +74,8 @@ Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
   if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
   return t;
 }
-/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), with the kernel behind it if there is one.
+/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), with the kernel behind it if
+/// there is one.
 template <Backend B, int R>
 Tensor<B, R> xavier_normal(const Shape& shape, Rng auto& rng) {
   const Index kernel = shape.count(2, shape.rank());
@@ -87,4 +88,4 @@ Tensor<B, R> constant_init(const Shape& shape, double value) {
   return t;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -6,7 +6,7 @@
 #include <motionlang/tensor/fused.hpp>
 #include <motionlang/tensor/module.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Ba, Kiros, Hinton (2016). eps = 1e-5, as everywhere in the published systems.
 template <Backend B>
@@ -27,4 +27,4 @@ struct LayerNorm {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

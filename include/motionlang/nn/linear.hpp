@@ -6,7 +6,7 @@
 #include <motionlang/tensor/fused.hpp>
 #include <motionlang/tensor/module.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct Linear {
@@ -59,4 +59,4 @@ struct LinearMap {
   Tensor<B, 2> operator()(const Tensor<B, 2>& x) const { return linear<B>(x, weight, nullptr); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

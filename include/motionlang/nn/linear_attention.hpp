@@ -4,7 +4,7 @@
 
 #include <motionlang/tensor/fused.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Per head: softmax of q over its channels, softmax of k over time, A = k^T v, y = q A.
 /// Source  Shen et al. (2021), "Efficient attention", as used by MotionDiffuse (Zhang et al. 2022), section 3.3
@@ -29,4 +29,4 @@ Tensor<B, 2> linear_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, cons
   return sequences.empty() ? q : concat(std::span<const Tensor<B, 2>>(sequences), 0);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -5,7 +5,7 @@
 #include <motionlang/nn/dropout.hpp>
 #include <motionlang/nn/linear.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Throws config_error 101 if the heads do not divide the width. In a constant expression the compiler refuses it.
 constexpr void check_heads(Index width, Index heads) {
@@ -41,8 +41,8 @@ struct MultiheadAttention {
     out_proj.bias = constant_init<B, 1>({width}, 0);
   }
 
-  /// x (rows, width) attends to itself within each sequence; the result is projected, dropped out with probability `drop` (where the context
-  /// brings a generator) and added to `residual`.
+  /// x (rows, width) attends to itself within each sequence; the result is projected, dropped out with probability
+  /// `drop` (where the context brings a generator) and added to `residual`.
   Tensor<B, 2> self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context,
                     const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
     return attend(project(x), offsets, context, residual, causal, drop);
@@ -71,4 +71,4 @@ struct MultiheadAttention {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

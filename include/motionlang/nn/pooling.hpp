@@ -6,7 +6,7 @@
 #include <motionlang/tensor/index.hpp>
 #include <motionlang/tensor/normalize.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The mean of each sequence, (sequences, width); zeros for an empty one.
 template <Backend B>
@@ -17,7 +17,8 @@ Tensor<B, 2> mean_rows(const Sequences<B>& x) {
   return scatter_add(x.rows, sequence_of_row(x.offsets), x.count()) * Tensor<B, 2>::from(share, {x.count(), 1});
 }
 
-/// One row of each sequence, `at[i]` of sequence i. Throws shape_error 203 if there is no such row, 204 if the counts differ.
+/// One row of each sequence, `at[i]` of sequence i. Throws shape_error 203 if there is no such row, 204 if the counts
+/// differ.
 template <Backend B>
 Tensor<B, 2> pick_rows(const Sequences<B>& x, std::span<const Index> at) {
   if (static_cast<Index>(at.size()) != x.count())
@@ -40,8 +41,8 @@ Tensor<B, 2> last_row(const Sequences<B>& x) {
   return pick_rows(x, at);
 }
 
-/// What becomes of the tokens of a text: all stay; their mean; the first one ([CLS]); the end token, which is the last one where the
-/// network does not say.
+/// What becomes of the tokens of a text: all stay; their mean; the first one ([CLS]); the end token, which is the last
+/// one where the network does not say.
 enum class Pooling { none, mean, first, end };
 
 /// (texts, width). Throws config_error 101 for Pooling::none, shape_error 203 for a text without tokens.
@@ -54,4 +55,4 @@ Tensor<B, 2> pool(const TextFeatures<B>& text, Pooling pooling) {
   return pick_rows(text.tokens, PoolVector<Index>(static_cast<std::size_t>(text.count()), 0));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

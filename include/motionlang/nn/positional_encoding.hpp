@@ -10,7 +10,7 @@
 #include <motionlang/tensor/ops.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     pe[p, 2i] = sin(p w_i),   pe[p, 2i + 1] = cos(p w_i),   w_i = exp(-2i ln(10000) / width)
 /// Source  Vaswani et al. (2017), section 3.5. Every intermediate is rounded to float, as in the published tables,
@@ -85,8 +85,8 @@ Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std
   return x.with(gather(table, rows) + x.rows);
 }
 
-/// How far each row is through its sequence, (rows, 1): t / (length - 1). Differs from published code where a sequence has one row: 0
-/// instead of a division by 0.
+/// How far each row is through its sequence, (rows, 1): t / (length - 1). Differs from published code where a sequence
+/// has one row: 0 instead of a division by 0.
 template <Backend B>
 Tensor<B, 2> relative_time(const Offsets& offsets) {
   std::vector<typename B::scalar> time;
@@ -98,4 +98,4 @@ Tensor<B, 2> relative_time(const Offsets& offsets) {
   return Tensor<B, 2>::from(time, {offsets.rows(), 1});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -6,10 +6,10 @@
 #include <motionlang/tensor/gradient.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// layer(x, offsets, context). With `context.recompute` the graph keeps x and a copy of the layer's handles; what happens inside
-/// is calculated once more with the same dropout masks, so gradients are the same bits.
+/// layer(x, offsets, context). With `context.recompute` the graph keeps x and a copy of the layer's handles; what
+/// happens inside is calculated once more with the same dropout masks, so gradients are the same bits.
 template <class Layer, Backend B>
 Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets& offsets, const Context& context) {
   if constexpr (AutodiffBackend<B>) {
@@ -38,4 +38,4 @@ Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets&
   return layer(x, offsets, memory, context);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

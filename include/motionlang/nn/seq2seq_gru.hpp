@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// TM2T's published model from text to motion: words are read from both ends, and a recurrent network that attends to them writes motion
-/// tokens one after the other.
+/// TM2T's published model from text to motion: words are read from both ends, and a recurrent network that attends to
+/// them writes motion tokens one after the other.
 ///
 ///     auto state = m.start(words.encode<B>(texts).tokens);
-///     const auto logits = m.step(previous, state).logits;               // (texts, symbols), and so on with what was chosen
+///     const auto logits = m.step(previous, state).logits;               // (texts, symbols), and so on with what was
+///     chosen
 ///
 /// Source  Guo et al. (ECCV 2022), section 3.2; TM2T networks/modules.py Seq2SeqText2MotModel; spec tm2t.md 5
 /// Differs from the paper: no positions and no mu network, as published
@@ -16,11 +17,11 @@
 #include <motionlang/nn/leaky_relu.hpp>
 #include <motionlang/tensor/gradient.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     a = softmax(W_q h . W_k w / sqrt(width)) W_v w
-/// Words are a padded tensor and nothing is masked: what stands behind a short text has logit 0 and the bias of W_v as value. A text is
-/// attended to a little differently beside longer ones, as published.
+/// Words are a padded tensor and nothing is masked: what stands behind a short text has logit 0 and the bias of W_v as
+/// value. A text is attended to a little differently beside longer ones, as published.
 template <Backend B>
 struct WordAttention {
   Linear<B> W_q;
@@ -165,8 +166,8 @@ struct Seq2SeqGru {
   /// previous: the last token of each text.
   Step step(std::span<const Index> previous, State& state) const { return motion_decoder_step.step(previous, state); }
 
-  /// For each token the logits of what comes after it, packed like `inputs`, of which there are as many as texts. `forced`: the decoder
-  /// reads the inputs; if not, their first token and then what it finds most probable itself.
+  /// For each token the logits of what comes after it, packed like `inputs`, of which there are as many as texts.
+  /// `forced`: the decoder reads the inputs; if not, their first token and then what it finds most probable itself.
   Tensor<B, 2> logits(const Sequences<B>& words, const IdSequences& inputs, bool forced) const {
     const Index n = inputs.count();
     if (words.count() != n) raise<shape_error>(204, "Seq2SeqGru: ", n, " sequences for ", words.count(), " texts");
@@ -189,7 +190,8 @@ struct Seq2SeqGru {
     return gather(concat(std::span<const Tensor<B, 2>>(steps), 0), pick);
   }
 
-  /// What decode_batch asks. The state goes along with the steps, so that beginnings have to grow by one token at a time.
+  /// What decode_batch asks. The state goes along with the steps, so that beginnings have to grow by one token at a
+  /// time.
   auto next(State& state) const {
     return [this, &state](const IdSequences& written) {
       std::vector<Index> last;
@@ -230,11 +232,13 @@ Tensor<B, 2> gumbel_noise(Index rows, Index symbols, Philox& rng) {
 }
 
 ///     y = softmax((logits + g) / tau),   row = onehot(arg max y) - sg(y) + y
-/// The next token is the arg max, and no gradient goes through that choice. Marks of beginning and end are never written; a sequence ends
-/// where the end is the most probable symbol, and goes on until the last one has ended.
+/// The next token is the arg max, and no gradient goes through that choice. Marks of beginning and end are never
+/// written; a sequence ends where the end is the most probable symbol, and goes on until the last one has ended.
 /// noise(step)  (sequences, symbols), see gumbel_noise
-/// Source       Jang, Gu, Poole, "Categorical reparameterization with Gumbel-softmax" (ICLR 2017), section 2.2; spec tm2t.md 5.1
-/// Differs      from TM2T, whose code fails where all sequences end at once: here each is the mark of the beginning only
+/// Source       Jang, Gu, Poole, "Categorical reparameterization with Gumbel-softmax" (ICLR 2017), section 2.2; spec
+///              tm2t.md 5.1
+/// Differs      from TM2T, whose code fails where all sequences end at once: here each is the mark of the beginning
+///              only
 template <Backend B, class Noise>
 GumbelSample<B> gumbel_sample(const Seq2SeqGru<B>& m, const Sequences<B>& words, const GumbelOptions& o,
                               Noise&& noise) {
@@ -263,4 +267,4 @@ GumbelSample<B> gumbel_sample(const Seq2SeqGru<B>& m, const Sequences<B>& words,
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 /// The transformer from sequence to sequence, as TM2T has it: motion tokens to words, words to motion tokens.
 ///
-///     const auto memory = m.encode(tokens);                                          // IdSequences, word vectors, or shares of symbols
-///     const auto logits = m.logits(words.without_ends(0, 1), memory);                // (rows, words): what comes next after each word
+///     const auto memory = m.encode(tokens);                                          // IdSequences, word vectors, or
+///     shares of symbols
+///     const auto logits = m.logits(words.without_ends(0, 1), memory);                // (rows, words): what comes next
+///     after each word
 ///
-/// Source  Vaswani et al., "Attention is all you need" (NIPS 2017); TM2T networks/transformer.py (TransformerV1 to V3); spec tm2t.md 4
+/// Source  Vaswani et al., "Attention is all you need" (NIPS 2017); TM2T networks/transformer.py (TransformerV1 to V3);
+///         spec tm2t.md 4
 /// Differs from nn/transformer_decoder.hpp in the names and number of the projections, and in the eps of the norms
 #pragma once
 
@@ -17,7 +20,7 @@
 #include <motionlang/nn/transformer_encoder.hpp>
 #include <motionlang/tensor/id_sequences.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes of motion to text.
 struct Seq2SeqConfig {
@@ -302,7 +305,8 @@ struct Seq2SeqTransformer {
     const auto& m = detail::present(encoder.emb, "its source are symbols");
     return encoder(vectors.with(m(vectors.rows)), context);
   }
-  /// Rows of shares of the symbols, one-hot ones for certainty: the way for gradients to reach who has written the source.
+  /// Rows of shares of the symbols, one-hot ones for certainty: the way for gradients to reach who has written the
+  /// source.
   Sequences<B> encode_shares(const Sequences<B>& shares, const Context& context = {}) const {
     const auto& e = detail::present(encoder.src_word_emb, "its source are vectors");
     return encoder(shares.with(matmul(shares.rows, e.weight)), context);
@@ -315,13 +319,14 @@ struct Seq2SeqTransformer {
   Sequences<B> embed_target(const Sequences<B>& vectors) const {
     return vectors.with(detail::present(decoder.vectors, "its decoder reads symbols")(vectors.rows));
   }
-  /// For each row of the target the logits of the symbol after it, (rows, symbols). target: symbols or vectors, from the mark of the
-  /// beginning on; memory: as many sequences.
+  /// For each row of the target the logits of the symbol after it, (rows, symbols). target: symbols or vectors, from
+  /// the mark of the beginning on; memory: as many sequences.
   template <class Target>
   Tensor<B, 2> logits(const Target& target, const Sequences<B>& memory, const Context& context = {}) const {
     return project(decoder(embed_target(target), memory, context).rows);
   }
-  /// The same for the last symbol of each sequence only. Seq2SeqWriter gives these numbers with less work where sequences grow.
+  /// The same for the last symbol of each sequence only. Seq2SeqWriter gives these numbers with less work where
+  /// sequences grow.
   Tensor<B, 2> next_logits(const IdSequences& target, const Sequences<B>& memory) const {
     return project(last_row(decoder(embed_target(target), memory)));
   }
@@ -330,4 +335,4 @@ struct Seq2SeqTransformer {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A transformer that is asked for one symbol after the other: what it has calculated for a beginning it calculates no more.
+/// A transformer that is asked for one symbol after the other: what it has calculated for a beginning it calculates no
+/// more.
 ///
 ///     Seq2SeqWriter writer(m, memory);
 ///     const auto found = beam_search(writer, options);          // memory of one source
@@ -8,7 +9,7 @@
 
 #include <motionlang/nn/seq2seq_transformer.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A function as nn/decoding.hpp asks for it. The model has to live as long.
 template <Backend B>
@@ -23,9 +24,9 @@ class Seq2SeqWriter {
     }
   }
 
-  /// Beginnings of one length, equally many for each source, one source after the other -> logits of the next symbol, (beginnings, symbols).
-  /// Each should be a beginning of the call before, wherever it stood there, and one more symbol.
-  /// Throws shape_error 205 for other lengths or numbers, 203 for a beginning longer than the positions.
+  /// Beginnings of one length, equally many for each source, one source after the other -> logits of the next symbol,
+  /// (beginnings, symbols). Each should be a beginning of the call before, wherever it stood there, and one more
+  /// symbol. Throws shape_error 205 for other lengths or numbers, 203 for a beginning longer than the positions.
   Tensor<B, 2> operator()(const IdSequences& written) {
     const Index n = written.count(), length = written.offsets.longest();
     if (n == 0 || n % sources_ != 0 || length == 0 || !(written.offsets == Offsets::equal(n, length)))
@@ -92,4 +93,4 @@ class Seq2SeqWriter {
   IdSequences before_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -13,13 +13,14 @@
 #include <motionlang/core/sort.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// How threads share sequences: the thread of each of the first ones.
 using SequenceShares = PoolVector<Index>;
-/// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread has a twentieth more
-/// than the mean, and that is at least the 128 rows from which on it pays to read all weights in every thread. None if there is no such
-/// number.
+/// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread
+/// has a twentieth more than the mean, and that is at least the 128 rows from which on it pays to read all weights in
+/// every thread. None if there is no such number.
 inline SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads) {
   SequenceShares out;
   if (threads == 1) return out;
@@ -59,8 +60,8 @@ inline std::span<const Index> first_group(const Offsets& offsets, std::span<cons
 
 /// Calls put(group) for the sequences that each thread has, in groups of at most so many rows. All threads at once.
 template <class F>
-void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads, Index rows,
-                const F& put) {
+void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads,
+                Index rows, const F& put) {
   const auto modules = ModulePath::names();  // a copy: this thread goes into modules itself
   parallel_for(threads, [&](Index thread) {
     const ModulePath::Continued path(modules);
@@ -75,11 +76,12 @@ void put_shares(const Offsets& offsets, std::span<const Index> order, const Sequ
   });
 }
 
-/// The rows f(which) of the sequences `which` (a span of their numbers), where each has the rows `results` of `width` numbers. f treats each
-/// sequence on its own, so that it can be called for a few at a time, as many as have B::rows_in_cache() rows (a longer one alone): what one
-/// layer writes is still in the cache when the next reads it. Threads that can share the sequences evenly go through the layers without
-/// waiting for each other; what is left over they do together. The numbers are those of all at once. Where the backend says nothing,
-/// gradients are kept or dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
+/// The rows f(which) of the sequences `which` (a span of their numbers), where each has the rows `results` of `width`
+/// numbers. f treats each sequence on its own, so that it can be called for a few at a time, as many as have
+/// B::rows_in_cache() rows (a longer one alone): what one layer writes is still in the cache when the next reads it.
+/// Threads that can share the sequences evenly go through the layers without waiting for each other; what is left over
+/// they do together. The numbers are those of all at once. Where the backend says nothing, gradients are kept or
+/// dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
 template <Backend B, class F>
 Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index width, const Context& context, F f) {
   const auto whole = [&] {
@@ -126,4 +128,5 @@ Tensor<B, 2> in_groups(const Sequences<B>& x, const Offsets& results, const Cont
   return in_groups<B>(x.offsets, results, x.width(), context, some);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// Sequences to one Gaussian each, and back: what the variational autoencoders ACTOR, TEMOS and TMR share.
 ///
-///     encoder   learned tokens before the frames, positions, transformer; what becomes of the tokens is the distribution
+///     encoder   learned tokens before the frames, positions, transformer; what becomes of the tokens is the
+///               distribution
 ///     decoder   positions are the queries, the latent is the memory; all frames are written at once
 /// Source  Petrovich, Black, Varol: ACTOR (ICCV 2021), section 3.1; TEMOS (ECCV 2022), 3.2; TMR (ICCV 2023), 3.1
 #pragma once
@@ -13,10 +14,10 @@
 #include <motionlang/nn/sequence_groups.hpp>
 #include <motionlang/nn/transformer_decoder.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// N(mu, exp(logvar)) for each sequence, coordinates independent. An autoencoder that is not variational has no logvar (its shape
-/// is (0)); then every sample is mu.
+/// N(mu, exp(logvar)) for each sequence, coordinates independent. An autoencoder that is not variational has no logvar
+/// (its shape is (0)); then every sample is mu.
 template <Backend B>
 struct LatentGaussian {
   Tensor<B, 2> mu, logvar;  // (sequences, width)
@@ -36,8 +37,8 @@ struct LatentGaussian {
   }
 };
 
-/// `count` rows on the straight line from a to b, both (1, width): the latents of motions that turn from one into the other.
-/// Throws shape_error 204 unless both are one row of one width, config_error 101 unless count is 2 or more.
+/// `count` rows on the straight line from a to b, both (1, width): the latents of motions that turn from one into the
+/// other. Throws shape_error 204 unless both are one row of one width, config_error 101 unless count is 2 or more.
 template <Backend B>
 Tensor<B, 2> interpolate_rows(const Tensor<B, 2>& a, const Tensor<B, 2>& b, Index count) {
   if (a.shape() != b.shape() || a.size(0) != 1)
@@ -126,8 +127,8 @@ LatentGaussian<B> gaussian_of_tokens(const Sequences<B>& tokens) {
   return {row(0), row(1)};
 }
 
-/// The queries of a decoder: zeros plus positions, so rows 0, 1, ... of the table for each sequence. Throws shape_error 203 for a
-/// sequence longer than the table.
+/// The queries of a decoder: zeros plus positions, so rows 0, 1, ... of the table for each sequence. Throws shape_error
+/// 203 for a sequence longer than the table.
 template <Backend B>
 Sequences<B> position_queries(const Tensor<B, 2>& positions, const Offsets& offsets) {
   PoolVector<Index> rows;
@@ -140,7 +141,8 @@ Sequences<B> position_queries(const Tensor<B, 2>& positions, const Offsets& offs
 
 /// What a decoder makes of queries that are the same for all sequences of one length, read out by `final_layer`.
 ///     queries(lengths)   the queries of sequences of these lengths
-/// Without dropout the first layer's attention to itself is the same for them too, and is computed once for each length.
+/// Without dropout the first layer's attention to itself is the same for them too, and is computed once for each
+/// length.
 template <Backend B, class Queries>
 Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B>& final_layer, Queries queries,
                             const Sequences<B>& memory, const Offsets& lengths, double dropout_p,
@@ -209,4 +211,4 @@ struct SequenceDecoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -4,7 +4,7 @@
 
 #include <motionlang/tensor/sequences.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct TextFeatures {
@@ -31,4 +31,4 @@ TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

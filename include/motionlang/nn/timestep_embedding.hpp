@@ -4,7 +4,7 @@
 
 #include <motionlang/nn/linear.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     e = W2 silu(W1 pe[t])
 /// Source  MDM (Tevet et al. 2023), `TimestepEmbedder`; keys time_embed.0 and time_embed.2. The table pe is the one of
@@ -25,4 +25,4 @@ struct TimestepEmbedding {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -8,7 +8,7 @@
 #include <motionlang/nn/recompute.hpp>
 #include <motionlang/nn/sequence_groups.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct TransformerConfig {
   Index d_model = 512;
@@ -31,7 +31,8 @@ struct TransformerConfig {
 ///     post-norm   x = LN1(x + SA(x));      x = LN2(x + W2 act(W1 x))
 ///     pre-norm    x = x + SA(LN1 x);       x = x + W2 act(W1 LN2 x)
 /// Source  Vaswani et al. (2017), section 3.1; pre-norm: Xiong et al. (2020). Parameter names of PyTorch. Dropout (only
-///         with a context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has it.
+///         with a context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has
+///         it.
 template <Backend B>
 struct TransformerEncoderLayer {
   MultiheadAttention<B> self_attn;
@@ -101,14 +102,14 @@ struct TransformerEncoder {
       return some.rows;
     }));
   }
-  /// Of sequences that end alike: sequence j has the rows of heads[j], then those of tails[i], where uses.begin(i) <= j < uses.end(i). The same
-  /// numbers as of whole sequences; what the first layer projects of a tail is computed once. No dropout. Throws shape_error 204 for other
-  /// numbers of heads or tails.
+  /// Of sequences that end alike: sequence j has the rows of heads[j], then those of tails[i], where uses.begin(i) <= j
+  /// < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail is computed once.
+  /// No dropout. Throws shape_error 204 for other numbers of heads or tails.
   Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
     const Offsets repeated = repeat_lengths(tails.offsets, uses);
     if (heads.count() != repeated.count())
-      raise<shape_error>(204, "with_tails: ", heads.count(), " heads for ", repeated.count(), " uses of ", tails.count(),
-                         " tails");
+      raise<shape_error>(204, "with_tails: ", heads.count(), " heads for ", repeated.count(), " uses of ",
+                         tails.count(), " tails");
     PoolVector<Index> lengths;
     for (Index j = 0; j < heads.count(); ++j) lengths.push_back(heads.offsets.length(j) + repeated.length(j));
     const Offsets offsets{std::span<const Index>(lengths)};
@@ -142,4 +143,4 @@ struct TransformerEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

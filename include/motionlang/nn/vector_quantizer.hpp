@@ -9,7 +9,7 @@
 #include <motionlang/tensor/gradient.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// How many codes are in use, as it were:  exp(-sum_k p_k log(p_k + 1e-10)),   p_k: share of code k
 inline double code_perplexity(std::span<const Index> codes, Index codebook) {
@@ -35,8 +35,8 @@ struct Quantized {
   double perplexity = 0;
 };
 
-/// Source  van den Oord, Vinyals, Kavukcuoglu, "Neural discrete representation learning" (NeurIPS 2017), eq. 1-3. TM2T has beta 1 and
-///         no moving averages (its "q_mode cmt").
+/// Source  van den Oord, Vinyals, Kavukcuoglu, "Neural discrete representation learning" (NeurIPS 2017), eq. 1-3. TM2T
+///         has beta 1 and no moving averages (its "q_mode cmt").
 template <Backend B>
 struct VectorQuantizer {
   Embedding<B> embedding;  // (codes, width)
@@ -69,4 +69,4 @@ struct VectorQuantizer {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -13,7 +13,7 @@
 #include <motionlang/tensor/gradient.hpp>
 #include <motionlang/tensor/module.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct AdamWConfig {
   double lr = 1e-4;
@@ -118,4 +118,4 @@ class AdamW {
   std::map<std::string, Moments> state_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

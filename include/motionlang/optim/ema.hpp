@@ -4,7 +4,7 @@
 
 #include <motionlang/tensor/module.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     e = rate e + (1 - rate) p
 /// `rate` grows from 0.1 as min(rate, (1 + k) / (10 + k)), so that the first updates are not held back by the initial
@@ -26,4 +26,4 @@ void update_ema(Average& average, const Model& model, double rate, Index step) {
   });
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

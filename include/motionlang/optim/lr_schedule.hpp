@@ -8,7 +8,7 @@
 
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Linear rise over `warmup` steps, then half a cosine from `peak` down to `floor` at step `total` (Loshchilov, Hutter
 /// 2017).
@@ -32,7 +32,9 @@ struct StepDecay {
   double factor = 10;
   Index every = 1;
 
-  double operator()(Index step) const { return rate / std::pow(factor, static_cast<double>(step / std::max<Index>(1, every))); }
+  double operator()(Index step) const {
+    return rate / std::pow(factor, static_cast<double>(step / std::max<Index>(1, every)));
+  }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// A collection of clips as vectors of a model that knows texts and motions: what is searched. One vector for each clip, for each of
-/// its moments (windows over its frames) and for each of its captions. Reading and writing: io/motion_index_file.hpp; searching:
-/// motion_search.hpp.
+/// A collection of clips as vectors of a model that knows texts and motions: what is searched. One vector for each
+/// clip, for each of its moments (windows over its frames) and for each of its captions. Reading and writing:
+/// io/motion_index_file.hpp; searching: motion_search.hpp.
 #pragma once
 
 #include <cstdint>  // times of files
@@ -12,7 +12,7 @@
 #include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/search/unit_rows.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Where the vectors come from.
 struct IndexModel {
@@ -31,11 +31,11 @@ struct IndexedClip {
   std::string path;                      // of the file
   std::string name{};                    // of the motion in the file, where there are several
   std::int64_t modified = 0, bytes = 0;  // of the file when it was read: nanoseconds, size
-  std::string content{};                 // of the file then: a checksum, by which it is known under another name; "" in old indices
-  std::string lines{};                   // of a table that say which parts of the file are clips: a checksum, "" if none did
-  double start = 0, end = 0;             // seconds in the file
-  double fps = 0;                        // of the file
-  Index frames = 0;                      // from start to end, in the file
+  std::string content{};  // of the file then: a checksum, by which it is known under another name; "" in old indices
+  std::string lines{};    // of a table that say which parts of the file are clips: a checksum, "" if none did
+  double start = 0, end = 0;  // seconds in the file
+  double fps = 0;             // of the file
+  Index frames = 0;           // from start to end, in the file
   std::vector<std::string> captions{};
   std::string license{};
   bool operator==(const IndexedClip&) const = default;
@@ -89,7 +89,8 @@ class MotionIndex {
       raise<config_error>(101, "MotionIndex: vectors of ", model_.width, " numbers, ", model_.fps,
                           " frames per second, ", model_.windows.size(), " windows, stride ", model_.stride);
   }
-  /// From tables that a file has; rows of length 1. Throws io_error 403 if they do not fit each other, numeric_error 302.
+  /// From tables that a file has; rows of length 1. Throws io_error 403 if they do not fit each other, numeric_error
+  /// 302.
   MotionIndex(std::string_view where, IndexModel model, std::vector<IndexedClip> clips, std::vector<Moment> moments,
               VectorTable clip_rows, VectorTable moment_rows, VectorTable caption_rows)
       : MotionIndex(std::move(model)) {
@@ -127,7 +128,8 @@ class MotionIndex {
       raise<config_error>(102, "this index was made with the model '", model_.path, "' (", model_.id,
                           "), whose vectors cannot be compared with those of '", path, "' (", id, ")");
   }
-  /// Behind the others. Throws shape_error 205 if the vectors do not fit or a moment is none, numeric_error 301, 302 (unit_rows); then nothing has changed.
+  /// Behind the others. Throws shape_error 205 if the vectors do not fit or a moment is none, numeric_error 301, 302
+  /// (unit_rows); then nothing has changed.
   void add(EncodedClip c) {
     const auto rows = [&](const std::vector<float>& values, std::size_t wanted) {
       if (values.size() != wanted * static_cast<std::size_t>(model_.width))
@@ -213,4 +215,4 @@ class MotionIndex {
   VectorTable clip_rows_, moment_rows_, caption_rows_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

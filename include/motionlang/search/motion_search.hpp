@@ -9,7 +9,7 @@
 #include <motionlang/search/motion_index.hpp>
 #include <motionlang/search/vector_scan.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct MotionHit {
   Index clip = 0;             // of the index
@@ -18,8 +18,8 @@ struct MotionHit {
   bool operator==(const MotionHit&) const = default;
 };
 
-/// The windows that are indexed of a clip: those of moment_windows for each length, each window once, in ascending order. A window
-/// that is longer than the clip is the whole clip.
+/// The windows that are indexed of a clip: those of moment_windows for each length, each window once, in ascending
+/// order. A window that is longer than the clip is the whole clip.
 inline std::vector<FrameSlice> indexed_moments(Index frames, const IndexModel& model) {
   std::vector<FrameSlice> out;
   for (const Index width : model.windows) {
@@ -35,8 +35,8 @@ inline std::vector<FrameSlice> indexed_moments(Index frames, const IndexModel& m
   return out;
 }
 
-/// Of moments in the order of their scores those that stand apart: one that overlaps a better one of the same clip by an
-/// intersection over union above `most_iou` is dropped (greedy non-maximum suppression). At most k are kept.
+/// Of moments in the order of their scores those that stand apart: one that overlaps a better one of the same clip by
+/// an intersection over union above `most_iou` is dropped (greedy non-maximum suppression). At most k are kept.
 inline std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_first,
                                                std::span<const MotionIndex::Moment> moments, double most_iou, Index k) {
   std::vector<Neighbour> out;
@@ -54,8 +54,8 @@ inline std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_f
 
 class MotionSearch {
  public:
-  /// The index has to outlive the object. `clips` and `moments` search its rows; unless given, all of them are compared, by scans with
-  /// `storage`, which has no influence on the answers.
+  /// The index has to outlive the object. `clips` and `moments` search its rows; unless given, all of them are
+  /// compared, by scans with `storage`, which has no influence on the answers.
   explicit MotionSearch(const MotionIndex& index, std::shared_ptr<const VectorSearch> clips = {},
                         std::shared_ptr<const VectorSearch> moments = {}, ScanStorage storage = ScanStorage::float32)
       : index_(index),
@@ -113,8 +113,8 @@ class MotionSearch {
       raise<shape_error>(204, "MotionSearch: a query of ", query.size(), " numbers, the index has ", search.width());
     return search.search(query, k)[0];
   }
-  /// `choose` takes the best ones and drops some; who is kept does not depend on those that come later. Asks for more of them until k are
-  /// left, or all have been seen.
+  /// `choose` takes the best ones and drops some; who is kept does not depend on those that come later. Asks for more
+  /// of them until k are left, or all have been seen.
   template <class F>
   static std::vector<Neighbour> enough(const VectorSearch& search, std::span<const float> query, Index k, F choose) {
     if (k < 0) raise<config_error>(101, "MotionSearch: the ", k, " nearest");
@@ -133,4 +133,4 @@ class MotionSearch {
   std::shared_ptr<const VectorSearch> clips_, moments_, captions_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Nearest vectors: what a search answers, the order of its answers, and the one interface of exact and approximate searches.
+/// Nearest vectors: what a search answers, the order of its answers, and the one interface of exact and approximate
+/// searches.
 #pragma once
 
 #include <algorithm>  // heaps, sort
@@ -9,7 +10,7 @@
 
 #include <motionlang/core/concepts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A vector of the gallery and its cosine with the query.
 struct Neighbour {
@@ -62,8 +63,8 @@ class VectorSearch {
   /// Vectors, and numbers of each.
   virtual Index count() const = 0;
   virtual Index width() const = 0;
-  /// queries (n, width), of any length but 0 -> for each its min(k, count) nearest. Throws shape_error 205 unless they are whole,
-  /// config_error 101 for k < 0, numeric_error 301 for a query that is not finite, 302 for one of length 0.
+  /// queries (n, width), of any length but 0 -> for each its min(k, count) nearest. Throws shape_error 205 unless they
+  /// are whole, config_error 101 for k < 0, numeric_error 301 for a query that is not finite, 302 for one of length 0.
   virtual std::vector<std::vector<Neighbour>> search(std::span<const float> queries, Index k) const = 0;
 
  protected:
@@ -72,4 +73,4 @@ class VectorSearch {
   VectorSearch& operator=(const VectorSearch&) = default;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -10,10 +10,10 @@
 #include <motionlang/core/error.hpp>
 #include <motionlang/core/parallel.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// <a, b> in double, rounded once. Products of floats are exact there, so what is left of rounding is the order of four sums:
-/// every compiler and every processor gives the same bits.
+/// <a, b> in double, rounded once. Products of floats are exact there, so what is left of rounding is the order of four
+/// sums: every compiler and every processor gives the same bits.
 inline float exact_cosine(const float* a, const float* b, Index width) {
   double s[4] = {};
   Index i = 0;
@@ -36,7 +36,8 @@ inline Index whole_rows(std::string_view function, std::size_t values, Index wid
 
 }  // namespace detail
 
-/// Rows divided by their length. Throws shape_error 205, numeric_error 301 for a row that is not finite, 302 for one of length 0.
+/// Rows divided by their length. Throws shape_error 205, numeric_error 301 for a row that is not finite, 302 for one of
+/// length 0.
 inline std::vector<float> unit_rows(std::span<const float> rows, Index width) {
   const Index count = detail::whole_rows("unit_rows", rows.size(), width);
   std::vector<float> out(rows.begin(), rows.end());
@@ -52,7 +53,8 @@ inline std::vector<float> unit_rows(std::span<const float> rows, Index width) {
   return out;
 }
 
-/// Throws shape_error 205, numeric_error 302 with the first row whose length is not 1 (to 1/1000), or that is not finite.
+/// Throws shape_error 205, numeric_error 302 with the first row whose length is not 1 (to 1/1000), or that is not
+/// finite.
 inline void require_unit_rows(std::string_view where, std::span<const float> rows, Index width) {
   const Index count = detail::whole_rows(where, rows.size(), width);
   constexpr Index at_once = 1024;
@@ -78,4 +80,4 @@ inline void require_unit_rows(std::string_view where, std::span<const float> row
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -4,14 +4,15 @@
 ///     const VectorScan gallery(rows, 256);                  // rows of length 1, not copied
 ///     for (const Neighbour& n : gallery.search(query, 10)[0]) ...
 ///
-/// Many queries are a matrix product whose scores are looked at while they lie in a cache; few are read past the gallery once. These fast
-/// scores (float sums in the kernel's order, rows or both sides rounded to bfloat16) only say who cannot be among the k nearest: what lies
-/// within their error bound of the k-th is compared by exact_cosine. So an answer does not depend on the processor, on the number of
-/// threads, on the other queries, or on the storage.
+/// Many queries are a matrix product whose scores are looked at while they lie in a cache; few are read past the
+/// gallery once. These fast scores (float sums in the kernel's order, rows or both sides rounded to bfloat16) only say
+/// who cannot be among the k nearest: what lies within their error bound of the k-th is compared by exact_cosine. So an
+/// answer does not depend on the processor, on the number of threads, on the other queries, or on the storage.
 ///
 ///     |fast - exact| <= (width + 2) 2^-24 |q| |x|  + |q| max_x |x - bfloat16(x)| + |x| max_q |q - bfloat16(q)|
 ///
-/// Source    Higham, Accuracy and Stability of Numerical Algorithms, section 3.1: error of an inner product in any order
+/// Source    Higham, Accuracy and Stability of Numerical Algorithms, section 3.1: error of an inner product in any
+///           order
 #pragma once
 
 #include <cstdint>  // bfloat16
@@ -21,11 +22,13 @@
 #include <motionlang/search/nearest.hpp>
 #include <motionlang/search/unit_rows.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class ScanStorage {
   float32,  // the rows as they are
-  bfloat16,  // a copy of half the size is scanned, many queries with products in bfloat16; the rows are read for the best ones only
+  // a copy of half the size is scanned, many queries with products in bfloat16; the rows are read for the best ones
+  // only
+  bfloat16,
 };
 
 namespace detail {
@@ -79,7 +82,7 @@ class VectorScan : public VectorSearch {
   std::shared_ptr<const void> owner_, halves_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::detail::RowScan<float>;

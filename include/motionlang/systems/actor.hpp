@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
-/// ACTOR: motions of any duration for an action. Assembly; the parts are in vae/, nn/sequence_vae.hpp and features/actor_points.hpp.
+/// ACTOR: motions of any duration for an action. Assembly; the parts are in vae/, nn/sequence_vae.hpp and
+/// features/actor_points.hpp.
 ///
 ///     const std::vector<Index> actions{3, 7}, durations{60, 90};
 ///     const auto motions = generate(actor, actions, durations, rng, {.samples = 5});   // motions[2 sample + action]
 ///     const auto cleaned = denoise(actor, motions, labels);
 ///     const auto line = interpolate_actions(actor, 3, 7, 5, 60, rng);
 ///
-/// Source  Petrovich, Black, Varol: "Action-conditioned 3D human motion synthesis with transformer VAE" (ICCV 2021); spec actor.md
+/// Source  Petrovich, Black, Varol: "Action-conditioned 3D human motion synthesis with transformer VAE" (ICCV 2021);
+///         spec actor.md
 #pragma once
 
 #include <motionlang/features/actor_points.hpp>
@@ -18,7 +20,7 @@
 #include <motionlang/vae/actor_latents.hpp>
 #include <motionlang/vae/actor_losses.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The rows of thesis table 3.4, which mix.
 enum class ActorEncoderKind { tokens, average, gru, fully_connected };
@@ -158,8 +160,8 @@ Sequences<B> interpolate_motions(const Actor<B>& actor, const Sequences<B>& two_
 
 /// Motions between two actions: one latent, whose memory in the decoder goes in `steps` steps from one action to the
 /// other. All have `length` frames; the first and the last are those of generate.
-/// Throws  config_error 102 for a decoder that is no transformer: its frames read the number of the action. What generate
-///         and interpolate_rows throw
+/// Throws  config_error 102 for a decoder that is no transformer: its frames read the number of the action. What
+///         generate and interpolate_rows throw
 template <Backend B, class G>
 Sequences<B> interpolate_actions(const Actor<B>& actor, Index from, Index to, Index steps, Index length, G& rng) {
   if (!actor.decoder)
@@ -175,4 +177,4 @@ Sequences<B> interpolate_actions(const Actor<B>& actor, Index from, Index to, In
                           Offsets::equal(steps, length));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

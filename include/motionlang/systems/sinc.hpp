@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
-/// SINC: several actions at the same time. Assembly; the parts are in vae/, nn/sequence_vae.hpp and compose/sinc_composition.hpp.
+/// SINC: several actions at the same time. Assembly; the parts are in vae/, nn/sequence_vae.hpp and
+/// compose/sinc_composition.hpp.
 ///
 ///     const std::string text = join_labels(labels, Conjunction::same_time);            // text/joined_labels.hpp
 ///     const Sequences<B> states = distilbert(tokenize(tokenizer, std::vector{text})).tokens;      // text/bert.hpp
 ///     const auto motions = text_to_motion(sinc, states, Offsets{90}, Philox{.seed = 7});
-///     const auto motion = sinc_motion(normalizer, motions[0][0]);       // rotations and translation, 30 frames per second
+///     const auto motion = sinc_motion(normalizer, motions[0][0]);       // rotations and translation, 30 frames per
+///     second
 ///
-/// Source  Athanasiou, Petrovich, Black, Varol: "SINC: Spatial composition of 3D human motions for simultaneous action generation"
-///         (ICCV 2023); spec sinc.md
+/// Source  Athanasiou, Petrovich, Black, Varol: "SINC: Spatial composition of 3D human motions for simultaneous action
+///         generation" (ICCV 2023); spec sinc.md
 #pragma once
 
 #include <motionlang/compose/sinc_composition.hpp>
@@ -16,7 +18,7 @@
 #include <motionlang/vae/sinc_text_encoder.hpp>
 #include <motionlang/vae/temos_encoder.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes. (The published configuration says six heads under a name that nobody reads; there are four.)
 struct SincConfig {
@@ -34,8 +36,8 @@ struct SincConfig {
 /// eps of SINC's Normalizer, both ways. (TEACH: 1e-12.)
 inline constexpr double sinc_eps = 1e-5;
 
-/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*), and in old ones eval_model.*
-/// and metrics.*.
+/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*), and in
+/// old ones eval_model.* and metrics.*.
 template <Backend B>
 struct Sinc {
   SincTextEncoder<B> textencoder;
@@ -108,13 +110,15 @@ struct Sinc {
   }
 };
 
-/// Normalised features of one motion, (frames, 135), to rotations of 22 joints and translation: metres, Z up, 30 frames per second.
+/// Normalised features of one motion, (frames, 135), to rotations of 22 joints and translation: metres, Z up, 30 frames
+/// per second.
 template <Backend B>
 SmplVelpMotion<typename B::scalar> sinc_motion(const Normalizer<B>& normalizer, const Tensor<B, 2>& features) {
   return smplvelp_inverse(normalizer.denormalize(features).span());
 }
 
-/// The baseline that composes two motions, each generated from one label, by the body parts of the labels (published as "gpt").
+/// The baseline that composes two motions, each generated from one label, by the body parts of the labels (published as
+/// "gpt").
 /// Source  SINC, section 3.2; spec sinc.md 8
 template <Backend B>
 SmplVelpMotion<typename B::scalar> sinc_composed(const Normalizer<B>& normalizer, const Tensor<B, 2>& first,
@@ -124,4 +128,4 @@ SmplVelpMotion<typename B::scalar> sinc_composed(const Normalizer<B>& normalizer
                          SincTrim::both_ends);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

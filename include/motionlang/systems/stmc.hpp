@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// STMC: spatio-temporal motion collage. A timeline of texts on several tracks in, one motion out.
 ///
-/// Source  Petrovich, Litany, Iqbal, Black, Varol, Peng, Rempe: "Multi-track timeline control for text-driven 3D human motion
-///         generation" (2024). Works at test time with any denoiser of explicit poses; no training.
+/// Source  Petrovich, Litany, Iqbal, Black, Varol, Peng, Rempe: "Multi-track timeline control for text-driven 3D human
+///         motion generation" (2024). Works at test time with any denoiser of explicit poses; no training.
 #pragma once
 
 #include <map>  // texts that are the same
@@ -12,7 +12,7 @@
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/systems/detail/stmc_class.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate(std::span<const Timeline> timelines, const Philox& rng,
@@ -41,8 +41,9 @@ template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 template <class Noise>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options) const {
-  return generate_from(timelines, noise, options,
-                       [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
+  return generate_from(
+      timelines, noise, options,
+      [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
@@ -167,4 +168,4 @@ void prepare(Stmc<B, D, E>& stmc) {
   if constexpr (Module<E>) prepare(stmc.text_encoder);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -6,21 +6,22 @@
 ///     timelines[0].intervals[2].text = "run";
 ///     StmcReuse reuse;
 ///     motion = regenerate(stmc, record, timelines, {}, &reuse);           // the bits of generate(timelines, ...)
-///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);  // other motion than that, but only near the edit
+///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);  // other motion than that, but only near
+///     the edit
 ///
-/// What the mathematics allows (compose/edits.hpp): an edit goes one crop further with every step. Texts that follow each other
-/// with an overlap are one chain of crops, so after as many steps as the chain has crops beside the edit nothing is reused any
-/// more: with 100 steps a few per cent of the work, with 10 steps and a long timeline much of it. Free are timelines of the batch that
-/// were not edited, and with overlap 0 all texts behind a cut that nothing spans. For the rest there is an approximation, named
-/// `within`: frames further than that from the edit keep their clean estimates of every step, as if painted over, and
-/// the frames between are made to fit to them.
+/// What the mathematics allows (compose/edits.hpp): an edit goes one crop further with every step. Texts that follow
+/// each other with an overlap are one chain of crops, so after as many steps as the chain has crops beside the edit
+/// nothing is reused any more: with 100 steps a few per cent of the work, with 10 steps and a long timeline much of it.
+/// Free are timelines of the batch that were not edited, and with overlap 0 all texts behind a cut that nothing spans.
+/// For the rest there is an approximation, named `within`: frames further than that from the edit keep their clean
+/// estimates of every step, as if painted over, and the frames between are made to fit to them.
 /// Memory   a record has (steps, frames, 205) numbers: 20 MB for 12 s and 100 steps, 2 MB with 10
 #pragma once
 
 #include <motionlang/compose/edits.hpp>
 #include <motionlang/systems/stmc.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A run as it is needed after an edit.
 template <Backend B>
@@ -43,8 +44,8 @@ struct StmcReuse {
   Index frames = 0, kept = 0;      // of the result; those that have the numbers of before
   Index work = 0, whole_work = 0;  // rows through the network in all steps; in a run that takes nothing over
   Index steps = 0;                 // of the run
-  Index everywhere = 0;            // the step (from 1) after which no frame of an edited timeline is that of before; 0: none is
-  bool exact = true;               // the result is that of a run that takes nothing over, bit for bit
+  Index everywhere = 0;  // the step (from 1) after which no frame of an edited timeline is that of before; 0: none is
+  bool exact = true;     // the result is that of a run that takes nothing over, bit for bit
 };
 
 namespace detail {
@@ -64,7 +65,8 @@ class Regeneration {
     if (step == 0 || spread_.advance()) {
       if (spread_.frames() > 0) needed_ = collage.with_plan(spread_.needed());
       find_rows(collage);
-      if (reuse_.everywhere == 0 && spread_.frames() > 0 && spread_.everywhere()) reuse_.everywhere = static_cast<Index>(step) + 1;
+      if (reuse_.everywhere == 0 && spread_.frames() > 0 && spread_.everywhere())
+        reuse_.everywhere = static_cast<Index>(step) + 1;
     }
     const bool nothing = spread_.frames() == 0;
     reuse_.work += nothing ? 0 : needed_.batch_rows();
@@ -105,17 +107,20 @@ class Regeneration {
 template <Backend B, Denoiser<B> D>
 void require_own_results(const Collage<B, D>& collage) {
   if (!collage.can_divide())
-    raise<config_error>(102, "edits: what this denoiser makes of a crop depends on the other crops, nothing can be kept");
+    raise<config_error>(102,
+                        "edits: what this denoiser makes of a crop depends on the other crops, nothing can be kept");
 }
 
 }  // namespace detail
 
-/// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, config_error 102 for another
-/// mode than StmcMode::stmc (in the SINC modes every text is sampled alone) and where crops depend on each other (BatchMates).
+/// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, config_error 102
+/// for another mode than StmcMode::stmc (in the SINC modes every text is sampled alone) and where crops depend on each
+/// other (BatchMates).
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines, const Philox& rng,
-                                            const StmcOptions& options, StmcRecord<B>& record) {
-  if (options.mode != StmcMode::stmc) raise<config_error>(102, "generate_recorded: only StmcMode::stmc can be recorded");
+std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                                            const Philox& rng, const StmcOptions& options, StmcRecord<B>& record) {
+  if (options.mode != StmcMode::stmc)
+    raise<config_error>(102, "generate_recorded: only StmcMode::stmc can be recorded");
   StmcRecord<B> made{.timelines = {timelines.begin(), timelines.end()}, .rng = rng, .options = options};
   made.options.progress = {};
   const auto note = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
@@ -130,11 +135,13 @@ std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span
   return motions;
 }
 
-/// The motions of other timelines with seed and options of the record, made from the record as far as possible; the record then is
-/// that of this run. Throws as generate does, config_error 102 if the record has another number of steps.
+/// The motions of other timelines with seed and options of the record, made from the record as far as possible; the
+/// record then is that of this run. Throws as generate does, config_error 102 if the record has another number of
+/// steps.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& record, std::span<const Timeline> timelines,
-                                     const RegenerateOptions& how = {}, StmcReuse* reuse = nullptr) {
+std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& record,
+                                     std::span<const Timeline> timelines, const RegenerateOptions& how = {},
+                                     StmcReuse* reuse = nullptr) {
   StmcOptions options = record.options;
   options.progress = how.progress;
   const auto steps = stmc.process(options.steps).steps();
@@ -147,12 +154,15 @@ std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& r
     if (!run) {
       detail::require_own_results(collage);
       const BatchPlan before = plan_timelines(record.timelines, stmc.plan_options(options));
-      run.emplace(record, EditSpread(before, record.rows, collage.plan(), collage.stride(), reads, how.within), collage);
+      run.emplace(record, EditSpread(before, record.rows, collage.plan(), collage.stride(), reads, how.within),
+                  collage);
     }
     return (*run)(collage, whole, x, t);
   };
   Index rows = 0;
-  const auto noise = [&](Index draw, const Shape& shape) { return rows = shape[1], stmc.noise(record.rng, draw, shape); };
+  const auto noise = [&](Index draw, const Shape& shape) {
+    return rows = shape[1], stmc.noise(record.rng, draw, shape);
+  };
   auto motions = stmc.generate_from(timelines, noise, options, estimate);
   const StmcReuse found = run->reuse();
   if (reuse != nullptr) *reuse = found;
@@ -161,4 +171,4 @@ std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& r
   return motions;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

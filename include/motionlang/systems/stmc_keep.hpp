@@ -3,21 +3,21 @@
 ///
 ///     KeptMotion<B> clip{features};                            // (frames, 205), not normalised
 ///     clip.parts = {{{0, 20}}, {{100, 120}}};                  // its first and last second: what is between is made
-///     clip.parts = {{{0, 120}, BodyParts{}.with(legs)}};       // or its way and its steps: texts move the rest of the body
-///     auto motions = generate_around(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, std::span(&clip, 1));
+///     clip.parts = {{{0, 120}, BodyParts{}.with(legs)}};       // or its way and its steps: texts move the rest of the
+///     body auto motions = generate_around(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, std::span(&clip, 1));
 ///
 /// Rule    after every step the clean estimate is overwritten where something is kept; x_t stays as it is
 /// Source  MDM (Tevet et al. 2023), section 3 "Editing", sample/edit.py; spec diffusion.md 6.4
-/// Note    features tell the way over the ground by its velocity: frames that are kept at the end move as they did, from wherever
-///         the frames before them have led. Models that do not look at what is kept jump where it begins and ends:
-///         `without_jump` (kinematics/blend.hpp), as in the program
+/// Note    features tell the way over the ground by its velocity: frames that are kept at the end move as they did,
+///         from wherever the frames before them have led. Models that do not look at what is kept jump where it begins
+///         and ends: `without_jump` (kinematics/blend.hpp), as in the program
 #pragma once
 
 #include <cmath>  // isfinite
 
 #include <motionlang/systems/stmc.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Frames and body parts that are kept. The way over the ground belongs to the legs.
 struct KeptPart {
@@ -55,7 +55,8 @@ class KeptRows {
   KeptRows(std::span<const KeptMotion<B>> kept, const BatchPlan& plan, Index stride, const FeatureLayout& layout,
            const Normalizer<B>& normalizer) {
     if (kept.size() != plan.timelines.size())
-      raise<config_error>(102, "generate_around: ", kept.size(), " motions to keep for ", plan.timelines.size(), " timelines");
+      raise<config_error>(102, "generate_around: ", kept.size(), " motions to keep for ", plan.timelines.size(),
+                          " timelines");
     const Shape shape{std::ssize(kept) * stride, layout.size};
     std::vector<S> open(static_cast<std::size_t>(shape.count()), S{1}), values(open.size(), S{0});
     for (std::size_t m = 0; m < kept.size(); ++m) {
@@ -84,12 +85,14 @@ class KeptRows {
  private:
   static void require_fitting(const KeptMotion<B>& kept, const FeatureLayout& layout, Index frames) {
     if (kept.features.size(1) != layout.size)
-      raise<shape_error>(205, "generate_around: features ", kept.features.shape(), ", the model's '", layout.name, "' are ", layout.size);
+      raise<shape_error>(205, "generate_around: features ", kept.features.shape(), ", the model's '", layout.name,
+                         "' are ", layout.size);
     const Index known = kept.features.size(0);
     for (const KeptPart& part : kept.parts) {
       const IndexRange& r = part.frames;
       if (r.begin < 0 || r.size() < 1 || r.end > std::min(known, frames))
-        raise<config_error>(101, "generate_around: frames ", r.begin, ":", r.end, " are kept of ", known, " in a timeline of ", frames);
+        raise<config_error>(101, "generate_around: frames ", r.begin, ":", r.end, " are kept of ", known,
+                            " in a timeline of ", frames);
     }
   }
 
@@ -98,19 +101,23 @@ class KeptRows {
 
 }  // namespace detail
 
-/// As stmc.generate, with one motion to keep for each timeline. What is kept comes back as it was, but for the rounding of the
-/// normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline does not have, 102 for another
-/// number of motions and for other modes than StmcMode::stmc, shape_error 205 for other features, numeric_error 301.
+/// As stmc.generate, with one motion to keep for each timeline. What is kept comes back as it was, but for the rounding
+/// of the normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline does not
+/// have, 102 for another number of motions and for other modes than StmcMode::stmc, shape_error 205 for other features,
+/// numeric_error 301.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines, const Philox& rng,
-                                          const StmcOptions& options, std::span<const KeptMotion<B>> kept) {
-  if (options.mode != StmcMode::stmc) raise<config_error>(102, "generate_around: only StmcMode::stmc can keep a motion");
+std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                                          const Philox& rng, const StmcOptions& options,
+                                          std::span<const KeptMotion<B>> kept) {
+  if (options.mode != StmcMode::stmc)
+    raise<config_error>(102, "generate_around: only StmcMode::stmc can keep a motion");
   std::optional<detail::KeptRows<B>> rows;
   const auto estimate = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
     if (!rows) rows.emplace(kept, collage.plan(), collage.stride(), stmc.layout, stmc.motion_normalizer);
     return rows->over(whole(collage, x, t));
   };
-  return stmc.generate_from(timelines, [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape); }, options, estimate);
+  return stmc.generate_from(
+      timelines, [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape); }, options, estimate);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
-/// TEACH: a sequence of actions, each generated with the end of the one before it. Assembly; the parts are in vae/, nn/sequence_vae.hpp
-/// and compose/alignment.hpp.
+/// TEACH: a sequence of actions, each generated with the end of the one before it. Assembly; the parts are in vae/,
+/// nn/sequence_vae.hpp and compose/alignment.hpp.
 ///
 ///     const std::vector<std::string> actions{"walk", "turn left", "sit"};
 ///     const Sequences<B> states = distilbert(tokenize(tokenizer, actions)).tokens;    // text/bert.hpp
 ///     const auto parts = actions_to_motion(teach, states, Offsets{60, 40, 90}, Philox{.seed = 7});
-///     const auto motion = teach_motion(normalizer, parts, teach_window);      // rotations and translation, 30 frames per second
+///     const auto motion = teach_motion(normalizer, parts, teach_window);      // rotations and translation, 30 frames
+///     per second
 ///
 /// A single action is text_to_motion(teach, states, lengths, rng).
-/// Source  Athanasiou, Petrovich, Black, Varol: "TEACH: Temporal action composition for 3D humans" (3DV 2022); spec teach.md
+/// Source  Athanasiou, Petrovich, Black, Varol: "TEACH: Temporal action composition for 3D humans" (3DV 2022); spec
+///         teach.md
 #pragma once
 
 #include <motionlang/compose/alignment.hpp>
@@ -17,7 +19,7 @@
 #include <motionlang/vae/teach_training.hpp>
 #include <motionlang/vae/temos_encoder.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes. (The published configuration says six heads under a name that nobody reads; there are four.)
 struct TeachConfig {
@@ -39,8 +41,8 @@ inline constexpr Index teach_window = 8;
 
 namespace detail {
 
-/// The frames that are generated of each part: all but those of the gap before it. Throws config_error 101 where that leaves fewer than
-/// two, and for a negative gap.
+/// The frames that are generated of each part: all but those of the gap before it. Throws config_error 101 where that
+/// leaves fewer than two, and for a negative gap.
 inline Offsets generated_frames(const Offsets& lengths, Index gap) {
   if (gap < 0) raise<config_error>(101, "TEACH: a gap of ", gap, " frames");
   PoolVector<Index> out;
@@ -65,7 +67,8 @@ Sequences<B> with_gaps(const Tensor<B, 2>& frames, const Offsets& lengths, Index
 
 }  // namespace detail
 
-/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*) and tables of positions.
+/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*) and
+/// tables of positions.
 template <Backend B>
 struct Teach {
   TeachTextEncoder<B> textencoder;
@@ -107,8 +110,8 @@ struct Teach {
     return out;
   }
 
-  /// Both actions of a training step, for teach_losses. The second text sees the end of the first motion as it was decoded from the
-  /// first text, and gradients pass through it; `teacher_forcing`: as it is in the data.
+  /// Both actions of a training step, for teach_losses. The second text sees the end of the first motion as it was
+  /// decoded from the first text, and gradients pass through it; `teacher_forcing`: as it is in the data.
   /// Source  spec teach.md 3
   TeachBranches<B> branches(const TeachPairs<B>& pairs, const TeachNoise<B>& noise, const Context& context = {},
                             bool teacher_forcing = false) const {
@@ -154,8 +157,8 @@ struct Teach {
   }
 };
 
-/// The baseline "independent": parts that know nothing of each other, of a model for single actions (Temos with 135 features). The
-/// baseline "joint" is text_to_motion of all labels joined by commas. Arguments as of Teach::generate.
+/// The baseline "independent": parts that know nothing of each other, of a model for single actions (Temos with 135
+/// features). The baseline "joint" is text_to_motion of all labels joined by commas. Arguments as of Teach::generate.
 template <Backend B, class Model>
 Sequences<B> independent_actions(const Model& model, const Sequences<B>& texts, const Offsets& lengths,
                                  const Tensor<B, 2>& eps, Index window = 0) {
@@ -172,8 +175,8 @@ Sequences<B> actions_to_motion(const Teach<B>& model, const Sequences<B>& texts,
   return model.generate(texts, lengths, eps * (sampling.mean ? 0 : sampling.fact), window);
 }
 
-/// Normalised parts to one motion: rotations of 22 joints and translation, metres, Z up, 30 frames per second. Each part is aligned to
-/// the end of the one before it, and the gap of `window` frames between them is interpolated.
+/// Normalised parts to one motion: rotations of 22 joints and translation, metres, Z up, 30 frames per second. Each
+/// part is aligned to the end of the one before it, and the gap of `window` frames between them is interpolated.
 template <Backend B>
 SmplVelpMotion<typename B::scalar> teach_motion(const Normalizer<B>& normalizer, const Sequences<B>& parts,
                                                 Index window = 0, Alignment alignment = Alignment::full) {
@@ -184,4 +187,4 @@ SmplVelpMotion<typename B::scalar> teach_motion(const Normalizer<B>& normalizer,
   return motion;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -5,7 +5,8 @@
 ///     const auto motions = text_to_motion(temos, states, Offsets{60}, Philox{.seed = 7}, 10);  // ten for each text
 ///     const auto joints = temos_joints(normalizer, motions[0][0]);
 ///
-/// Source  Petrovich, Black, Varol: "TEMOS: Generating diverse human motions from textual descriptions" (ECCV 2022); spec temos.md
+/// Source  Petrovich, Black, Varol: "TEMOS: Generating diverse human motions from textual descriptions" (ECCV 2022);
+///         spec temos.md
 #pragma once
 
 #include <motionlang/features/normalizer.hpp>
@@ -15,7 +16,7 @@
 #include <motionlang/vae/temos_gru.hpp>
 #include <motionlang/vae/text_motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class TemosNetwork { transformer, gru, none };  // none: no motion encoder (thesis table 4.3)
 
@@ -32,8 +33,8 @@ struct TemosConfig {
   bool operator==(const TemosConfig&) const = default;
 };
 
-/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*, frozen, and read on its
-/// own), tables of positions and sums of losses.
+/// The names are those of the published checkpoints, which hold besides: DistilBERT (textencoder.text_model.*, frozen,
+/// and read on its own), tables of positions and sums of losses.
 template <Backend B>
 struct Temos {
   TemosTextEncoder<B> textencoder;
@@ -91,7 +92,8 @@ struct Temos {
   }
 };
 
-/// Normalised features of one motion, (frames, 64), to the 21 joints of MMM: millimetres of its body, Y up, 12.5 frames per second.
+/// Normalised features of one motion, (frames, 64), to the 21 joints of MMM: millimetres of its body, Y up, 12.5 frames
+/// per second.
 template <Backend B>
 std::vector<Vec3<typename B::scalar>> temos_joints(const Normalizer<B>& normalizer, const Tensor<B, 2>& features) {
   return rifke_joints(temos_rifke(), normalizer.denormalize(features).span());
@@ -102,4 +104,4 @@ SmplVelpMotion<typename B::scalar> temos_smpl(const Normalizer<B>& normalizer, c
   return smplvelp_inverse(normalizer.denormalize(features).span());
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// TM2T: motions to texts and texts to motions, both by way of motion tokens. Assembly; the parts are in vae/motion_tokenizer.hpp,
-/// nn/seq2seq_transformer.hpp, nn/seq2seq_gru.hpp and nn/decoding.hpp.
+/// TM2T: motions to texts and texts to motions, both by way of motion tokens. Assembly; the parts are in
+/// vae/motion_tokenizer.hpp, nn/seq2seq_transformer.hpp, nn/seq2seq_gru.hpp and nn/decoding.hpp.
 ///
 ///     for (const auto& text : tm2t.describe(features, glove)) ...                    // "a person walk forward"
-///     const auto motions = tm2t.generate(glove.encode<B>(texts), rng);               // features, four frames for each token
+///     const auto motions = tm2t.generate(glove.encode<B>(texts), rng);               // features, four frames for each
+///     token
 ///
-/// Source  Guo, Zuo, Wang, Cheng, "TM2T: stochastic and tokenized modeling for the reciprocal generation of 3D human motions and texts"
-///         (ECCV 2022); spec tm2t.md
+/// Source  Guo, Zuo, Wang, Cheng, "TM2T: stochastic and tokenized modeling for the reciprocal generation of 3D human
+///         motions and texts" (ECCV 2022); spec tm2t.md
 #pragma once
 
 #include <motionlang/features/normalizer.hpp>
@@ -17,7 +18,7 @@
 #include <motionlang/text/glove.hpp>
 #include <motionlang/vae/motion_tokenizer.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes for HumanML3D. KIT: 251 features, three layers.
 struct Tm2tConfig {
@@ -59,7 +60,8 @@ struct Tm2t {
 
   MotionVocabulary vocabulary() const { return tokenizer.vocabulary(); }
 
-  /// Features to codes, without marks. Frames behind the last four are left out. Throws shape_error 205 for fewer than four.
+  /// Features to codes, without marks. Frames behind the last four are left out. Throws shape_error 205 for fewer than
+  /// four.
   IdSequences tokens(const Sequences<B>& features) const {
     return tokenizer.tokens(features.with(statistics.normalize(features.rows)));
   }
@@ -91,9 +93,8 @@ struct Tm2t {
   /// Differs from the published program, which takes the last word off a description that has no end
   std::vector<std::string> describe(const Sequences<B>& features, const GloVe& glove, BeamOptions options = {}) const {
     std::vector<std::string> out;
-    for_each_search(features, glove, options, [&](const BeamSearch& found, const Sequences<B>&) {
-      out.push_back(sentence(found.ids, glove));
-    });
+    for_each_search(features, glove, options,
+                    [&](const BeamSearch& found, const Sequences<B>&) { out.push_back(sentence(found.ids, glove)); });
     return out;
   }
   /// All beams, the best first, where they differ in words.
@@ -175,7 +176,8 @@ struct Tm2t {
     }
   }
   /// What symbols with their marks say about the motion of a memory, unless it is said already.
-  void add(std::vector<Description>& to, std::span<const Index> ids, const Sequences<B>& memory, const GloVe& glove) const {
+  void add(std::vector<Description>& to, std::span<const Index> ids, const Sequences<B>& memory,
+           const GloVe& glove) const {
     std::string text = sentence(ids, glove);
     if (std::any_of(to.begin(), to.end(), [&](const Description& d) { return d.text == text; })) return;
     const auto written = IdSequences::one(ids);
@@ -193,11 +195,12 @@ struct Tm2t {
   }
 };
 
-/// "Inverse alignment": what the recurrent model writes about a text has to be described by that text again. The loss of the description,
-/// whose gradient reaches the recurrent model by a Gumbel sample; the model from motion to text is not to be changed by it.
+/// "Inverse alignment": what the recurrent model writes about a text has to be described by that text again. The loss
+/// of the description, whose gradient reaches the recurrent model by a Gumbel sample; the model from motion to text is
+/// not to be changed by it.
 ///     text: word vectors; described: ids of the words with their marks
-/// Source  TM2T, section 3.4; spec tm2t.md 5.1. As published a step of its own after that of the tokens, each with gradients clipped at
-///         norm 0.5, not the sum of the paper
+/// Source  TM2T, section 3.4; spec tm2t.md 5.1. As published a step of its own after that of the tokens, each with
+///         gradients clipped at norm 0.5, not the sum of the paper
 template <AutodiffBackend A>
 Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTransformer<A>& m2t,
                                     const Sequences<A>& text, const IdSequences& described,
@@ -209,4 +212,4 @@ Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTrans
   return next_symbol_loss(m2t.logits(described.without_ends(0, 1), memory, context), described);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

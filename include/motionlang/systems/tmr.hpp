@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// TMR: texts and motions in one space, to find one by the other. Assembly; the parts are in vae/ and nn/sequence_vae.hpp.
+/// TMR: texts and motions in one space, to find one by the other. Assembly; the parts are in vae/ and
+/// nn/sequence_vae.hpp.
 ///
 ///     const auto text = tmr.encode_text(states).mu, motion = tmr.encode_motion(features).mu;
 ///     const auto similarity = cosine_similarity(text, motion);        // (texts, motions), for ranks
 ///     const auto score = tmr_score(similarity);                       // in [0, 1], for people
 ///
-/// Source  Petrovich, Black, Varol: "TMR: Text-to-motion retrieval using contrastive 3D human motion synthesis" (ICCV 2023);
-///         spec tmr.md. It holds TEMOS as well, in the form of TMR's repository: losses without contrastive term
+/// Source  Petrovich, Black, Varol: "TMR: Text-to-motion retrieval using contrastive 3D human motion synthesis" (ICCV
+///         2023); spec tmr.md. It holds TEMOS as well, in the form of TMR's repository: losses without contrastive term
 #pragma once
 
 #include <motionlang/features/guoh3d.hpp>
@@ -14,7 +15,7 @@
 #include <motionlang/vae/text_motion.hpp>
 #include <motionlang/vae/tmr_encoder.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes (16,130,823 parameters).
 struct TmrConfig {
@@ -94,4 +95,4 @@ std::vector<Vec3<typename B::scalar>> tmr_joints(const Normalizer<B>& normalizer
   return joints;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -6,7 +6,7 @@
 
 #include <motionlang/tensor/tensor.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// For each row the column of the largest number, of equals the first. Throws shape_error 205 for rows of no numbers.
 template <Backend B>
@@ -22,4 +22,4 @@ std::vector<Index> arg_max(const Tensor<B, 2>& x) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -13,7 +13,7 @@
 #include <motionlang/tensor/ops.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -84,8 +84,8 @@ void check_linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tenso
 
 }  // namespace detail
 
-/// y = dropout(act(x W^T + bias)) + residual.   x (rows, in), weight (out, in), bias (out), residual (rows, out) -> (rows, out)
-/// Bias and residual may be null. Throws shape_error 201, 204, and as dropout.
+/// y = dropout(act(x W^T + bias)) + residual.   x (rows, in), weight (out, in), bias (out), residual (rows, out) ->
+/// (rows, out) Bias and residual may be null. Throws shape_error 201, 204, and as dropout.
 template <Backend B>
 Tensor<B, 2> linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tensor<B, 1>* bias,
                     Activation act = Activation::none, const Tensor<B, 2>* residual = nullptr,
@@ -230,8 +230,8 @@ Tensor<B, 2> attend(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B
 /// Multi-head attention over packed sequences (Vaswani et al. 2017, eq. 1); heads are contiguous slices of the width.
 ///     O_h = softmax(Q_h K_h^T / sqrt(width / heads) + R_h) V_h     within each sequence
 /// q (query rows, width), k and v (key rows, width) -> (query rows, width). Padding does not exist here: a key that is
-/// masked is simply not in the sequence (see from_padded). R may be null; element (i, j) of R_h is a number of the distance
-/// j - i: column j - i + n of relative_scores (heads, 2 n + 1). Throws config_error 101, shape_error 204, 207.
+/// masked is simply not in the sequence (see from_padded). R may be null; element (i, j) of R_h is a number of the
+/// distance j - i: column j - i + n of relative_scores (heads, 2 n + 1). Throws config_error 101, shape_error 204, 207.
 template <Backend B>
 Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<B, 2>& v, const Offsets& q_offsets,
                        const Offsets& k_offsets, const AttentionOptions& options,
@@ -309,4 +309,4 @@ void adamw_update(typename B::tensor& p, typename B::tensor& m, typename B::tens
   }
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

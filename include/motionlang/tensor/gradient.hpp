@@ -4,7 +4,7 @@
 
 #include <motionlang/tensor/tensor.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What `backward` returns: the gradient of every variable, on the inner backend.
 template <AutodiffBackend A>
@@ -42,11 +42,12 @@ auto backward(const Tensor<A, 0>& loss) {
   return Gradients<A>(A::gradients(loss.data()));
 }
 
-/// y, of which the graph keeps `inputs` and not what led from them to y: the backward pass calls again(inputs...), which
-/// has to give y once more. Training needs the memory of one such piece instead of all, for a second forward pass.
+/// y, of which the graph keeps `inputs` and not what led from them to y: the backward pass calls again(inputs...),
+/// which has to give y once more. Training needs the memory of one such piece instead of all, for a second forward
+/// pass.
 /// Source   Chen, Xu, Zhang, Guestrin: "Training deep nets with sublinear memory cost" (2016), section 4.1
-/// Caution  `again` is copied and called by `backward`: it may hold parameters and constants, but what has been calculated
-///          has to be an input (config_error 102). Gradients are the same bits as without
+/// Caution  `again` is copied and called by `backward`: it may hold parameters and constants, but what has been
+///          calculated has to be an input (config_error 102). Gradients are the same bits as without
 template <AutodiffBackend A, int R, class F, int... Q>
 Tensor<A, R> keep_inputs(const Tensor<A, R>& y, F again, const Tensor<A, Q>&... inputs) {
   return Tensor<A, R>(A::checkpoint(
@@ -78,4 +79,4 @@ Tensor<B, R> stop_gradient(const Tensor<B, R>& t) {
     return t;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

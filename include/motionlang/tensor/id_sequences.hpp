@@ -6,7 +6,7 @@
 
 #include <motionlang/core/offsets.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct IdSequences {
   std::vector<Index> ids;
@@ -46,8 +46,8 @@ struct IdSequences {
     return std::span(ids).subspan(static_cast<std::size_t>(offsets.begin(i)),
                                   static_cast<std::size_t>(offsets.length(i)));
   }
-  /// Each without its first or last ids: what is to be written, and what it is written after. Throws shape_error 207 for a sequence
-  /// that is shorter.
+  /// Each without its first or last ids: what is to be written, and what it is written after. Throws shape_error 207
+  /// for a sequence that is shorter.
   IdSequences without_ends(Index first, Index last) const {
     std::vector<std::vector<Index>> lists;
     for (Index i = 0; i < count(); ++i) {
@@ -60,4 +60,4 @@ struct IdSequences {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

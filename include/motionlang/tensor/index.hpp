@@ -7,7 +7,7 @@
 #include <motionlang/core/buffer_pool.hpp>
 #include <motionlang/tensor/tensor.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The same numbers in another shape; one size may be -1 and is then computed. Throws shape_error 205.
 template <int New, Backend B, int R>
@@ -120,4 +120,4 @@ requires(R > 0) Tensor<B, R> scatter_add(const Tensor<B, R>& a, std::span<const 
   return Tensor<B, R>(B::scatter_add(a.data(), rows, n));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

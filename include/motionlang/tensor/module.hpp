@@ -5,7 +5,7 @@
 #include <motionlang/core/fields.hpp>
 #include <motionlang/tensor/tensor.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Statistics and tables (`static constexpr bool trainable = false`) are saved and loaded, but get no gradient.
 template <class M>
@@ -18,8 +18,8 @@ inline constexpr bool is_trainable = [] {
 
 namespace detail {
 
-/// Passes the tensors among the leaves on to f. A type of its own: inside visit_tensors it would be another one for every
-/// module, and all that lies below would be compiled again.
+/// Passes the tensors among the leaves on to f. A type of its own: inside visit_tensors it would be another one for
+/// every module, and all that lies below would be compiled again.
 template <class F>
 struct TensorsOnly {
   F& f;
@@ -127,4 +127,4 @@ void prepare(M& model) {
   visit_tensors(model, detail::PrepareWeights{});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -4,21 +4,21 @@
 
 #include <motionlang/tensor/ops.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// Rows divided by max(norm, 1e-12). The sums are a product with ones, whose order does not depend on the number of rows: a row has the
-/// same bits alone and among others.
+/// Rows divided by max(norm, 1e-12). The sums are a product with ones, whose order does not depend on the number of
+/// rows: a row has the same bits alone and among others.
 template <Backend B>
 Tensor<B, 2> normalize_rows(const Tensor<B, 2>& x) {
   const auto squared = matmul(square(x), Tensor<B, 2>::full({x.size(1), 1}, 1));
   return x / sqrt(maximum(squared, Tensor<B, 2>(1e-24)));
 }
 
-/// S_ij = cos(x_i, y_j), (rows of x, rows of y); 0 where a row is zero. Every element is summed in the same order, so that equal rows
-/// have equal similarities bit by bit: ranks count ties.
+/// S_ij = cos(x_i, y_j), (rows of x, rows of y); 0 where a row is zero. Every element is summed in the same order, so
+/// that equal rows have equal similarities bit by bit: ranks count ties.
 template <Backend B>
 Tensor<B, 2> cosine_similarity(const Tensor<B, 2>& x, const Tensor<B, 2>& y) {
   return matmul(normalize_rows(x), normalize_rows(y), {.transpose_b = true});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -7,7 +7,7 @@
 
 #include <motionlang/tensor/tensor.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -181,4 +181,4 @@ requires(R >= 2) Tensor<B, R> matmul(const Tensor<B, R>& a, const Tensor<B, R>& 
   return Tensor<B, R>(B::matmul(a.data(), b.data(), options.transpose_a, options.transpose_b));
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

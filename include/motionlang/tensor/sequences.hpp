@@ -9,7 +9,7 @@
 #include <motionlang/core/offsets.hpp>
 #include <motionlang/tensor/index.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct Sequences {
@@ -40,7 +40,8 @@ inline PoolVector<Index> sequence_of_row(const Offsets& offsets) {
   }
   return owner;
 }
-/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width). Throws shape_error 204 for another count.
+/// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width). Throws shape_error 204
+/// for another count.
 template <Backend B>
 Tensor<B, 2> repeat_for_rows(const Tensor<B, 2>& per_sequence, const Offsets& offsets) {
   if (per_sequence.size(0) != offsets.count())
@@ -206,4 +207,4 @@ Tensor<B, 3> to_padded(const Sequences<B>& x, double value = 0, Index time = 0) 
   return reshape<3>(gather(rows, pick), {x.count(), time, x.width()});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

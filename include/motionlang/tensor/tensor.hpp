@@ -13,7 +13,7 @@
 #include <motionlang/core/concepts.hpp>
 #include <motionlang/core/rng.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B, int Rank>
 class Tensor {
@@ -49,8 +49,8 @@ class Tensor {
   static Tensor from(const std::vector<scalar>& values, const Shape& shape) {
     return from(std::span<const scalar>(values), shape);
   }
-  /// Row-major numbers that fill(scalar*) writes, into the tensor itself where the backend's tensors can be written: a large table is
-  /// not there twice.
+  /// Row-major numbers that fill(scalar*) writes, into the tensor itself where the backend's tensors can be written: a
+  /// large table is not there twice.
   template <class F>
   static Tensor written(const Shape& shape, const F& fill) {
     if constexpr (requires(typename B::tensor t, const Shape& s) {
@@ -121,4 +121,4 @@ inline constexpr bool is_tensor = false;
 template <class B, int R>
 inline constexpr bool is_tensor<Tensor<B, R>> = true;
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// One unit vector for each text from the words in it: which texts say nearly the same, where there is no network that knows.
+/// One unit vector for each text from the words in it: which texts say nearly the same, where there is no network that
+/// knows.
 ///
 ///     v_w = count of w in the text * (ln((1 + texts) / (1 + texts with w)) + 1/100),   then length 1
 /// so that words which stand in every text ("a", "person") weigh next to nothing. Order and synonyms are not seen.
@@ -13,7 +14,7 @@
 #include <motionlang/text/text_encoder.hpp>
 #include <motionlang/text/word_piece.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 class BagOfWords {
  public:
@@ -67,4 +68,4 @@ class BagOfWords {
   std::map<std::string, Word> words_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

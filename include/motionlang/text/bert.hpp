@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. One network; the members differ in the names of their tensors, in whether
-/// there are token types, and in how positions count.
+/// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. One network; the members differ in the names of their tensors,
+/// in whether there are token types, and in how positions count.
 ///
 ///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);   // io/text_network_file.hpp
 ///     const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
 ///
-/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others (but for last digits in
-/// bf16x3). Loading a file packs the weights for the kernels; a network that was made otherwise is made ready with `prepare`. On an
-/// Autodiff backend it is trained.
+/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others (but for last
+/// digits in bf16x3). Loading a file packs the weights for the kernels; a network that was made otherwise is made ready
+/// with `prepare`. On an Autodiff backend it is trained.
 #pragma once
 
 #include <motionlang/nn/dropout.hpp>
@@ -19,7 +19,7 @@
 #include <motionlang/nn/text_features.hpp>
 #include <motionlang/text/token_offsets.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct BertConfig {
   Index vocabulary = 30522, width = 768, heads = 12, d_ff = 3072, layers = 6, positions = 512;
@@ -60,9 +60,10 @@ struct MpnetKeys {
                         attended_dropout = true;
 };
 
-/// The bucket of a relative position r = key - query, of 32: 0 ... 15 for keys up to the query, 16 ... 31 for later ones; up to a
-/// distance of 8 every distance has its own. Source  MPNet (Song et al. 2020), after T5 (Raffel et al. 2020), section 2.1; the borders
-/// 8 * 16^(i / 8) as whole numbers (spec text-encoders.md, section 4).
+/// The bucket of a relative position r = key - query, of 32: 0 ... 15 for keys up to the query, 16 ... 31 for later
+/// ones; up to a
+/// distance of 8 every distance has its own. Source  MPNet (Song et al. 2020), after T5 (Raffel et al. 2020), section
+/// 2.1; the borders 8 * 16^(i / 8) as whole numbers (spec text-encoders.md, section 4).
 constexpr Index mpnet_bucket(Index r) {
   constexpr Index borders[] = {12, 16, 23, 32, 46, 64, 91};
   const Index distance = r < 0 ? -r : r, later = r > 0 ? 16 : 0;
@@ -123,8 +124,8 @@ struct BertLayer {
   }
 };
 
-/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); spec text-encoders.md, sections 2 to 4. Without pooler and
-///         heads.
+/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); spec text-encoders.md, sections 2 to 4.
+///         Without pooler and heads.
 template <Backend B, class Keys>
 struct BertNetwork {
   Embedding<B> words, positions;
@@ -160,8 +161,8 @@ struct BertNetwork {
   /// Ids of the longest text that there are positions for.
   Index longest() const { return positions.weight.size(0) - first_position(); }
 
-  /// The states of the last layer, one row for every id. Throws config_error 101 for a text that is too long, shape_error 203 for
-  /// an unknown id.
+  /// The states of the last layer, one row for every id. Throws config_error 101 for a text that is too long,
+  /// shape_error 203 for an unknown id.
   TextFeatures<B> operator()(const TokenBatch& batch, const Context& context = {}) const {
     const Offsets offsets = token_offsets(batch);
     check_length(offsets.longest());
@@ -175,8 +176,9 @@ struct BertNetwork {
     }))};
   }
 
-  /// What a padded batch has at place `place` behind the end of each text, (texts, width): a piece of padding, which attends to the text
-  /// and is not attended to. Published SINC models with separate texts see it. Throws config_error 101 if there is no such position.
+  /// What a padded batch has at place `place` behind the end of each text, (texts, width): a piece of padding, which
+  /// attends to the text and is not attended to. Published SINC models with separate texts see it. Throws config_error
+  /// 101 if there is no such position.
   Tensor<B, 2> padding_states(const TokenBatch& batch, Index place) const requires(!Keys::relative_scores) {
     const Offsets offsets = token_offsets(batch), one = Offsets::equal(offsets.count(), 1);
     check_length(std::max(offsets.longest(), place + 1));
@@ -235,4 +237,4 @@ using Bert = BertNetwork<B, BertKeys>;
 template <Backend B>
 using Mpnet = BertNetwork<B, MpnetKeys>;
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// The WordPiece tokenizer of BERT, DistilBERT and MiniLM, and its MPNet variant: ids as the fast tokenizers of Hugging Face give
-/// them. Vocabularies are read by io/tokenizer_files.hpp.
+/// The WordPiece tokenizer of BERT, DistilBERT and MiniLM, and its MPNet variant: ids as the fast tokenizers of Hugging
+/// Face give them. Vocabularies are read by io/tokenizer_files.hpp.
 ///
 ///     const BertTokenizer bert(read_vocabulary("vocab.txt"));
 ///     bert.encode("a person walks.");   // [CLS] a person walks . [SEP]
 ///
 /// Source   Devlin et al. (2019), the published tokenizer; spec text-encoders.md 7 and 8
-/// Differs  the tables are those of Unicode 15, in the fast tokenizers of Unicode 8: newer punctuation and newer combining marks
-///          are known here
+/// Differs  the tables are those of Unicode 15, in the fast tokenizers of Unicode 8: newer punctuation and newer
+///          combining marks are known here
 #pragma once
 
 #include <memory>         // pieces that keep their place
@@ -18,7 +18,7 @@
 #include <motionlang/text/unicode.hpp>
 #include <motionlang/text/word_piece.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct BertTokenizerOptions {
   bool clean_text = true;  // drops control characters, any white space is a blank
@@ -57,8 +57,8 @@ class BertTokenizer {
  public:
   /// vocabulary   the piece of every id
   /// added        instead of options.special, as a tokenizer.json lists them
-  /// Throws       config_error 107, naming `source`: a piece stands twice, is empty or not UTF-8, or begin, end or unknown is
-  ///              no piece; 101 if options.longest leaves no room for a text
+  /// Throws       config_error 107, naming `source`: a piece stands twice, is empty or not UTF-8, or begin, end or
+  ///              unknown is no piece; 101 if options.longest leaves no room for a text
   explicit BertTokenizer(std::vector<std::string> vocabulary, BertTokenizerOptions options = {},
                          std::string_view source = "BertTokenizer", std::optional<std::vector<AddedToken>> added = {})
       : options_(std::move(options)), pieces_(std::make_shared<const std::vector<std::string>>(std::move(vocabulary))) {
@@ -126,7 +126,8 @@ class BertTokenizer {
     return ids;
   }
 
-  /// The words that ids spell, separated by blanks; special tokens are left out. Throws shape_error 203 for an id that is none.
+  /// The words that ids spell, separated by blanks; special tokens are left out. Throws shape_error 203 for an id that
+  /// is none.
   std::string decode(std::span<const Index> ids) const {
     std::string out;
     for (const Index id : ids) {
@@ -282,4 +283,4 @@ class BertTokenizer {
 
 static_assert(Tokenizer<BertTokenizer>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// A small text encoder of our own: word pieces, a transformer, one vector per caption. Below 2 MB, so that it can come with a
-/// motion model and be trained together with it.
+/// A small text encoder of our own: word pieces, a transformer, one vector per caption. Below 2 MB, so that it can come
+/// with a motion model and be trained together with it.
 #pragma once
 
 #include <motionlang/nn/embedding.hpp>
@@ -9,7 +9,7 @@
 #include <motionlang/text/text_encoder.hpp>
 #include <motionlang/text/word_piece.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct CaptionEncoderConfig {
   Index width = 128;
@@ -68,4 +68,4 @@ struct CaptionEncoder {
   const { return TextFeatures<C>::pooled((*this)(texts)); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -12,7 +12,7 @@
 #include <motionlang/nn/transformer_encoder.hpp>
 #include <motionlang/text/token_offsets.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct ClipTextConfig {
   Index vocabulary = 49408, width = 512, heads = 8, d_ff = 2048, layers = 12, context = 77, out = 512;
@@ -53,7 +53,8 @@ struct ClipBlock {
   }
 };
 
-/// Source  Radford et al. (2021), section 2.4; parameter names of OpenAI's state dict; spec text-encoders.md, section 5.
+/// Source  Radford et al. (2021), section 2.4; parameter names of OpenAI's state dict; spec text-encoders.md, section
+///         5.
 template <Backend B>
 struct ClipText {
   Embedding<B> token_embedding;
@@ -80,8 +81,9 @@ struct ClipText {
 
   Index longest() const { return positional_embedding.size(0); }
 
-  /// The normalised states of the last layer, one row for every id, and where the end tokens are: the first of the largest id. A row
-  /// depends on the ids before it only. Throws config_error 101 for a text longer than the context, shape_error 203 for an unknown id.
+  /// The normalised states of the last layer, one row for every id, and where the end tokens are: the first of the
+  /// largest id. A row depends on the ids before it only. Throws config_error 101 for a text longer than the context,
+  /// shape_error 203 for an unknown id.
   TextFeatures<B> operator()(const TokenBatch& batch) const {
     const Offsets offsets = token_offsets(batch);
     if (offsets.longest() > longest())
@@ -92,10 +94,11 @@ struct ClipText {
       for (Index i = 0; i < length; ++i) position_ids.push_back(i);
     }
     const Sequences<B> texts(token_embedding(batch.ids) + gather(positional_embedding, position_ids), offsets);
-    return {texts.with(detail::in_groups(texts, texts.offsets, {}, [&](Sequences<B> some) {
-              for (const auto& block : blocks) some.rows = block(some.rows, some.offsets);
-              return ln_final(some.rows);
-            })),
+    return {texts.with(detail::in_groups(texts, texts.offsets, {},
+                                         [&](Sequences<B> some) {
+                                           for (const auto& block : blocks) some.rows = block(some.rows, some.offsets);
+                                           return ln_final(some.rows);
+                                         })),
             end_positions(batch)};
   }
 
@@ -135,4 +138,4 @@ void prepare(ClipText<B>& network) {
   for (auto& block : network.blocks) prepare(block);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

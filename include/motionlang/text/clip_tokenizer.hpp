@@ -18,7 +18,7 @@
 #include <motionlang/text/text_repair.hpp>
 #include <motionlang/text/tokenizer.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What happens to a text before its words are looked for.
 enum class ClipCleaning {
@@ -38,7 +38,8 @@ using BytePairMerges = std::vector<std::pair<std::string, std::string>>;
 
 namespace detail {
 
-/// The symbol of a byte in vocabularies: printable bytes stand for themselves, the others for U+0100 ... in their order.
+/// The symbol of a byte in vocabularies: printable bytes stand for themselves, the others for U+0100 ... in their
+/// order.
 struct ByteSymbols {
   std::array<std::string, 256> symbol;      // of a byte, UTF-8
   std::array<unsigned char, 256> in_order;  // the bytes as the first ids have them: printable ones first
@@ -67,7 +68,8 @@ struct ByteSymbols {
 /// Byte pair encoding of single words: merges pairs of neighbours in the order of their rank. A constant table.
 class BytePairs {
  public:
-  /// Throws config_error 107, naming `source`, if a byte has no symbol and `unknown` < 0, or a merge names or makes no piece.
+  /// Throws config_error 107, naming `source`, if a byte has no symbol and `unknown` < 0, or a merge names or makes no
+  /// piece.
   BytePairs(const std::vector<std::string>& pieces, const BytePairMerges& merges, const std::string& word_end,
             Index unknown, std::string_view source) {
     std::unordered_map<std::string_view, Index> ids;
@@ -186,9 +188,9 @@ class ClipTokenizer {
   explicit ClipTokenizer(const BytePairMerges& merges, ClipTokenizerOptions options = {},
                          std::string_view source = "ClipTokenizer")
       : ClipTokenizer(openai_pieces(merges, options), merges, options, source) {}
-  /// Any ids. `added` instead of begin and end, as a tokenizer.json lists them: they are looked for before the words are.
-  /// Throws config_error 107, naming `source`, if begin or end is no piece, a piece stands twice or a merge needs a piece that
-  /// there is not; 101 if options.longest leaves no room for the frame
+  /// Any ids. `added` instead of begin and end, as a tokenizer.json lists them: they are looked for before the words
+  /// are. Throws config_error 107, naming `source`, if begin or end is no piece, a piece stands twice or a merge needs
+  /// a piece that there is not; 101 if options.longest leaves no room for the frame
   ClipTokenizer(std::vector<std::string> pieces, const BytePairMerges& merges, ClipTokenizerOptions options = {},
                 std::string_view source = "ClipTokenizer", const std::vector<AddedToken>& added = {})
       : options_(std::move(options)) {
@@ -242,7 +244,8 @@ class ClipTokenizer {
     single_ = std::move(single), pair_ = std::move(pair);
   }
 
-  /// The framed ids of a text, at most options().longest: a text that is longer loses its last words, or throws config_error 101.
+  /// The framed ids of a text, at most options().longest: a text that is longer loses its last words, or throws
+  /// config_error 101.
   std::vector<Index> encode(std::string_view text) const {
     return detail::framed_text("ClipTokenizer", single_, encode_words(text), options_.longest, options_.truncate);
   }
@@ -267,8 +270,8 @@ class ClipTokenizer {
     return ids;
   }
 
-  /// The text that ids spell, in lower case with a blank behind every word; begin and end are left out. Throws shape_error 203
-  /// for an id that is none.
+  /// The text that ids spell, in lower case with a blank behind every word; begin and end are left out. Throws
+  /// shape_error 203 for an id that is none.
   std::string decode(std::span<const Index> ids) const {
     std::string out;
     for (const Index id : ids) {
@@ -335,7 +338,8 @@ class ClipTokenizer {
     return pieces;
   }
 
-  /// What a word may begin with, in the order in which it is tried. Without case, as the original compares, the long s is an s.
+  /// What a word may begin with, in the order in which it is tried. Without case, as the original compares, the long s
+  /// is an s.
   std::size_t literal_at(std::string_view text) const {
     if (text.front() != '<' && text.front() != '\'') return 0;
     for (const std::string_view literal :
@@ -357,8 +361,9 @@ class ClipTokenizer {
     return at;
   }
 
-  /// Words: the literals, runs of letters, single numbers, runs of what is neither nor white space. U+0345 is lost in the original:
-  /// it is no letter, but without case it is the iota, which is one, so that neither kind of run takes it.
+  /// Words: the literals, runs of letters, single numbers, runs of what is neither nor white space. U+0345 is lost in
+  /// the original: it is no letter, but without case it is the iota, which is one, so that neither kind of run takes
+  /// it.
   void append_words(std::vector<Index>& ids, std::string_view text, detail::WordCache* cache) const {
     const auto kind_of = [&](char32_t c) {
       if (c == 0x345 && options_.cleaning == ClipCleaning::original) return CharClass::white_space;
@@ -404,4 +409,4 @@ class ClipTokenizer {
 
 static_assert(Tokenizer<ClipTokenizer>);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -4,8 +4,8 @@
 ///     const GloVe words = read_glove("glove/our_vab");                                       // io/glove_file.hpp
 ///     const TextFeatures<B> text = words.encode<B>(texts);                  // texts: "a/DET man/NOUN walk/VERB"
 ///
-/// A row is the vector of a word and, behind it, a one among the 15 tags. Texts are lists of word/tag, the second field of the caption
-/// files of HumanML3D. A caption without tags is read by approximation, see `caption_tokens`.
+/// A row is the vector of a word and, behind it, a one among the 15 tags. Texts are lists of word/tag, the second field
+/// of the caption files of HumanML3D. A caption without tags is read by approximation, see `caption_tokens`.
 /// Source  Guo et al. (CVPR 2022), word_vectorizer.py; spec text-encoders.md, section 6
 #pragma once
 
@@ -19,7 +19,7 @@
 #include <motionlang/text/text_encoder.hpp>
 #include <motionlang/text/word_piece.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class SpeechTag { verb, noun, det, adp, num, aux, pron, adj, adv, loc, body, obj, act, desc, other };
 inline constexpr Index speech_tags = 15;
@@ -55,8 +55,8 @@ inline std::optional<SpeechTag> motion_tag(std::string_view word) {
 /// Vectors of words, with "sos", "eos" and "unk" among them.
 class GloVe {
  public:
-  /// vectors has a row of `width` numbers for each word. Throws shape_error 205 if it has not, config_error 103 if sos, eos or unk is
-  /// missing or a word stands twice.
+  /// vectors has a row of `width` numbers for each word. Throws shape_error 205 if it has not, config_error 103 if sos,
+  /// eos or unk is missing or a word stands twice.
   GloVe(const std::vector<std::string>& words, std::vector<float> vectors, Index width)
       : vectors_(std::move(vectors)), width_(width) {
     if (width < 1 || vectors_.size() != words.size() * static_cast<std::size_t>(width))
@@ -109,8 +109,9 @@ class GloVe {
     return out;
   }
 
-  /// "word/tag word/tag" where every word has a slash; other texts are captions, in which a slash is a mark like any other
-  /// ("walks and/or runs"). Throws config_error 107 for a word with no tag or several beside one with a tag of the table.
+  /// "word/tag word/tag" where every word has a slash; other texts are captions, in which a slash is a mark like any
+  /// other ("walks and/or runs"). Throws config_error 107 for a word with no tag or several beside one with a tag of
+  /// the table.
   std::vector<TaggedWord> tokens(std::string_view text) const {
     std::vector<TaggedWord> out;
     std::string_view wrong;
@@ -131,8 +132,9 @@ class GloVe {
     if (tagged) raise<config_error>(107, "GloVe: '", wrong, "' is not word/tag");
     return caption_tokens(text);
   }
-  /// An approximation to what was done with spaCy: hyphens are deleted, words are lowered, those with digits are passed over; -s, -es,
-  /// -ed and -ing are taken away where the word is unknown and the rest is known. Tags come from the lists of `motion_tag` only.
+  /// An approximation to what was done with spaCy: hyphens are deleted, words are lowered, those with digits are passed
+  /// over; -s, -es, -ed and -ing are taken away where the word is unknown and the rest is known. Tags come from the
+  /// lists of `motion_tag` only.
   std::vector<TaggedWord> caption_tokens(std::string_view text) const {
     std::string joined(text);
     std::erase(joined, '-');
@@ -181,4 +183,4 @@ class GloVe {
   std::unordered_map<std::string, std::size_t> row_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -3,8 +3,8 @@
 ///
 ///     join_labels(labels, Conjunction::same_time)   // "walk and wave at the same time"
 ///
-/// `while_` and `during` put the second verb into its -ing form, for which a tagger of parts of speech is needed: a callable
-/// sentence -> words with their tags. Without one the words stay as they are.
+/// `while_` and `during` put the second verb into its -ing form, for which a tagger of parts of speech is needed: a
+/// callable sentence -> words with their tags. Without one the words stay as they are.
 ///
 /// Source   SINC (Athanasiou et al., ICCV 2023), rule_based_concat, gerund_augment; spec sinc.md 4
 /// Differs  the paper's evaluation says "while", its code "and ... at the same time"
@@ -17,7 +17,7 @@
 
 #include <motionlang/text/tagged_word.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// In the order in which training draws them.
 enum class Conjunction { while_, simultaneously, comma, same_time, during };
@@ -63,4 +63,4 @@ std::string join_labels(std::span<const std::string> labels, Conjunction conjunc
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -7,7 +7,8 @@
 /// Whole words, capitals kept, all at once. "left" as a verb is exchanged, too: words do not tell.
 ///
 /// Source   spec humanml3d-features.md 8; HumanML3D ships finished texts, no program
-/// Differs  from the texts of the published KIT annotations, which exchange inside of words: "upright" is "upleft" there
+/// Differs  from the texts of the published KIT annotations, which exchange inside of words: "upright" is "upleft"
+///          there
 #pragma once
 
 #include <array>        // words
@@ -18,7 +19,7 @@
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/version.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -102,4 +103,4 @@ inline std::string mirror_caption(std::string_view caption) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

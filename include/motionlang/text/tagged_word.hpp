@@ -6,7 +6,7 @@
 
 #include <motionlang/version.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A word as its lemma, with its part of speech: "walk" and "VERB". No tag: none was written.
 struct TaggedWord {
@@ -14,4 +14,4 @@ struct TaggedWord {
   bool operator==(const TaggedWord&) const = default;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

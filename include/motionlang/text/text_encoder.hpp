@@ -7,14 +7,15 @@
 
 #include <motionlang/nn/text_features.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Turns texts into vectors: one sequence of tokens for each, a single row if it pools.
-/// Laws     a text gives the same features alone and among others (but for last digits in bf16x3); "" is a text like any other
+/// Laws     a text gives the same features alone and among others (but for last digits in bf16x3); "" is a text like
+///          any other
 /// Models   CaptionEncoder, and yours
 template <class E, class B>
 concept TextEncoder = requires(const E& e, std::span<const std::string> texts) {
   { e.template encode<B>(texts) } -> std::same_as<TextFeatures<B>>;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

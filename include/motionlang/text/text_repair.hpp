@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-/// What the CLIP tokenizer does to a text before it looks for words: the deterministic steps of ftfy's repair, and HTML entities.
+/// What the CLIP tokenizer does to a text before it looks for words: the deterministic steps of ftfy's repair, and HTML
+/// entities.
 ///
 /// Source   spec text-encoders.md 9.1; ftfy (Speer 2019); html.unescape of Python, the rules of HTML5
-/// Differs  from ftfy: text that was decoded in the wrong encoding ("mojibake") stays as it is; the steps are repeated at most
-///          100 times
+/// Differs  from ftfy: text that was decoded in the wrong encoding ("mojibake") stays as it is; the steps are repeated
+///          at most 100 times
 #pragma once
 
 #include <optional>       // references that are none
@@ -13,7 +14,7 @@
 #include <motionlang/text/detail/html_entities.hpp>
 #include <motionlang/text/unicode.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -234,7 +235,8 @@ inline std::u32string repaired_once(std::u32string_view text) {
 
 }  // namespace detail
 
-/// Replaces HTML entities as browsers do: named ones also without their semicolon where HTML allows that, the longest name first.
+/// Replaces HTML entities as browsers do: named ones also without their semicolon where HTML allows that, the longest
+/// name first.
 inline std::string html_unescape(std::string_view text) {
   return detail::replace_references(text, [](std::string_view t, std::size_t at) -> std::optional<detail::Reference> {
     if (auto numeric = detail::numeric_reference(t, at)) return numeric;
@@ -254,8 +256,8 @@ inline std::string html_unescape(std::string_view text) {
   });
 }
 
-/// Repairs a text: entities, C1 controls, ligatures, wide forms, curly quotes, line ends, terminal escapes, control characters,
-/// NFC. Bytes that are not UTF-8 become U+FFFD.
+/// Repairs a text: entities, C1 controls, ligatures, wide forms, curly quotes, line ends, terminal escapes, control
+/// characters, NFC. Bytes that are not UTF-8 become U+FFFD.
 inline std::string repair_text(std::string_view text) {
   const auto plain = [](char c) { return (c >= ' ' && c <= '~' && c != '&') || c == '\n' || c == '\t'; };
   if (std::all_of(text.begin(), text.end(), plain)) return std::string(text);
@@ -277,4 +279,4 @@ inline std::string repair_text(std::string_view text) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

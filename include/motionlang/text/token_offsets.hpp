@@ -5,7 +5,7 @@
 #include <motionlang/core/offsets.hpp>
 #include <motionlang/text/tokenizer.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Throws shape_error 207 if the lengths are not those of the ids.
 inline Offsets token_offsets(const TokenBatch& batch) {
@@ -15,4 +15,4 @@ inline Offsets token_offsets(const TokenBatch& batch) {
   return offsets;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

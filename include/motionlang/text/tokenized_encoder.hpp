@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// A tokenizer and a network make a text encoder.
 ///
-///     const TokenizedEncoder clip(ClipTokenizer(...), load_clip_text<B>(weights), {.pooling = Pooling::end});         // MDM, STMC
-///     const TokenizedEncoder tokens(BertTokenizer(...), load_text_network<DistilBert<B>>(config, weights));           // TEMOS, TMR
-///     const TokenizedEncoder sentences(BertTokenizer(...), load_text_network<Mpnet<B>>(config, weights),
+///     const TokenizedEncoder clip(ClipTokenizer(...), load_clip_text<B>(weights), {.pooling = Pooling::end});
+///     // MDM, STMC
+///     const TokenizedEncoder tokens(BertTokenizer(...), load_text_network<DistilBert<B>>(config, weights));
+///     // TEMOS, TMR const TokenizedEncoder sentences(BertTokenizer(...), load_text_network<Mpnet<B>>(config, weights),
 ///                                      {.pooling = Pooling::mean, .normalize = true});
 #pragma once
 
@@ -11,17 +12,17 @@
 #include <motionlang/text/text_encoder.hpp>
 #include <motionlang/text/tokenizer.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct TextOptions {
   Pooling pooling = Pooling::none;
   bool normalize = false;  // pooled vectors get the length 1
-  Index width = 0;         // fill all texts up to so many ids, as MotionDiffuse wants (77); 0: no padding, as the mean wants
-  Index padding = 0;       // the id to fill up with
+  Index width = 0;    // fill all texts up to so many ids, as MotionDiffuse wants (77); 0: no padding, as the mean wants
+  Index padding = 0;  // the id to fill up with
 };
 
-/// The network takes a TokenBatch and gives TextFeatures<B>. Two things are optional: `until_end(batch)`, what suffices for the vector
-/// of the end token, and `project(rows)`, through which that vector goes.
+/// The network takes a TokenBatch and gives TextFeatures<B>. Two things are optional: `until_end(batch)`, what suffices
+/// for the vector of the end token, and `project(rows)`, through which that vector goes.
 template <Tokenizer T, class Network>
 struct TokenizedEncoder {
   T tokenizer;
@@ -54,4 +55,4 @@ struct TokenizedEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -12,7 +12,7 @@
 
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Turns a text into the ids that a network takes, framed by the marks for begin and end.
 /// Laws     every id is at least 0 and below size(); any bytes are a text, what is not UTF-8 counts as U+FFFD
@@ -30,8 +30,8 @@ struct TokenBatch {
   Index count() const { return static_cast<Index>(lengths.size()); }
   Index longest() const { return lengths.empty() ? 0 : *std::max_element(lengths.begin(), lengths.end()); }
 
-  /// (texts, width), filled up with `pad` on the right; width 0: that of the longest text. Throws shape_error 204 if a text is
-  /// longer.
+  /// (texts, width), filled up with `pad` on the right; width 0: that of the longest text. Throws shape_error 204 if a
+  /// text is longer.
   std::vector<Index> padded(Index pad, Index width = 0) const {
     if (width == 0) width = longest();
     if (width < longest()) raise<shape_error>(204, "padded: width ", width, ", a text of ", longest(), " ids");
@@ -54,8 +54,8 @@ TokenBatch tokenize(const T& tokenizer, std::span<const std::string> texts) {
   return out;
 }
 
-/// A string that becomes its id before words are looked for. Whether it takes the white space beside it along is no question
-/// here, since all our tokenizers drop white space.
+/// A string that becomes its id before words are looked for. Whether it takes the white space beside it along is no
+/// question here, since all our tokenizers drop white space.
 struct AddedToken {
   std::string content;
   Index id = 0;
@@ -148,9 +148,10 @@ inline std::size_t frame_size(std::span<const FramePart> frame) {
       std::count_if(frame.begin(), frame.end(), [](const FramePart& p) { return p.kind == FramePart::token; }));
 }
 
-/// The ids of a text in its frame, no more than `longest`: what is beyond is cut off, or throws config_error 101 unless `truncate`.
-inline std::vector<Index> framed_text(std::string_view tokenizer, std::span<const FramePart> frame, std::vector<Index> ids,
-                                      Index longest, bool truncate) {
+/// The ids of a text in its frame, no more than `longest`: what is beyond is cut off, or throws config_error 101 unless
+/// `truncate`.
+inline std::vector<Index> framed_text(std::string_view tokenizer, std::span<const FramePart> frame,
+                                      std::vector<Index> ids, Index longest, bool truncate) {
   const std::size_t around = frame_size(frame), room = static_cast<std::size_t>(longest) - around;
   if (ids.size() > room) {
     if (!truncate) raise<config_error>(101, tokenizer, ": a text of ", ids.size() + around, " ids, at most ", longest);
@@ -169,4 +170,4 @@ inline TokenPair framed_pair(std::string_view tokenizer, std::span<const FramePa
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

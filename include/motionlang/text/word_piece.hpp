@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// A small word-piece tokenizer whose vocabulary is learnt from the captions of a training set.
 ///
-/// For plain captions: ASCII letters are lowered, everything that is neither letter nor digit separates words. The tokenizers of
-/// BERT and CLIP, with their Unicode rules, are other headers.
+/// For plain captions: ASCII letters are lowered, everything that is neither letter nor digit separates words. The
+/// tokenizers of BERT and CLIP, with their Unicode rules, are other headers.
 #pragma once
 
 #include <algorithm>      // max
@@ -16,14 +16,15 @@
 #include <motionlang/core/shape.hpp>
 #include <motionlang/core/text_lines.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
 /// Splits a word from the left into the longest known pieces and appends their ids; `unknown` alone if that fails.
 /// find(text, first) is the id of a piece that begins the word (first) or continues it, -1 if there is none.
 template <class Find>
-void append_longest_pieces(std::vector<Index>& ids, std::string_view word, std::size_t longest, Index unknown, Find find) {
+void append_longest_pieces(std::vector<Index>& ids, std::string_view word, std::size_t longest, Index unknown,
+                           Find find) {
   const std::size_t before = ids.size();
   for (std::size_t at = 0; at < word.size();) {
     std::size_t length = std::min(word.size() - at, longest);
@@ -47,8 +48,8 @@ class WordPiece {
   static constexpr Index begin_id = 0, end_id = 1, unknown_id = 2;
 
   WordPiece() = default;
-  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice; `source` stands in
-  /// messages.
+  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice; `source`
+  /// stands in messages.
   explicit WordPiece(std::vector<std::string> vocabulary, std::string_view source = "WordPiece")
       : pieces_(std::move(vocabulary)) {
     if (pieces_.size() < 3 || pieces_[0] != "[CLS]" || pieces_[1] != "[SEP]" || pieces_[2] != "[UNK]") {
@@ -62,8 +63,8 @@ class WordPiece {
     }
   }
 
-  /// Learns a vocabulary: all letters, then the merges with the largest count(ab) / (count(a) count(b)) that occur at least
-  /// `least` times, until `size` pieces; ties go to the alphabetically first.
+  /// Learns a vocabulary: all letters, then the merges with the largest count(ab) / (count(a) count(b)) that occur at
+  /// least `least` times, until `size` pieces; ties go to the alphabetically first.
   /// Source  the WordPiece criterion as described for BERT (Schuster and Nakajima 2012)
   static WordPiece learn(std::span<const std::string> texts, Index size, Index least = 2) {
     std::map<std::string, Index> counts;
@@ -118,8 +119,8 @@ class WordPiece {
   const std::vector<std::string>& vocabulary() const { return pieces_; }
   Index size() const { return static_cast<Index>(pieces_.size()); }
 
-  /// [CLS] pieces [SEP], at most `longest` ids; every word is split greedily into the longest known pieces, a word that cannot be
-  /// split is [UNK]. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
+  /// [CLS] pieces [SEP], at most `longest` ids; every word is split greedily into the longest known pieces, a word that
+  /// cannot be split is [UNK]. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
   std::vector<Index> encode(std::string_view text, Index longest = 64) const {
     if (longest < 2) raise<config_error>(101, "WordPiece: at most ", longest, " ids, the frame has 2");
     std::vector<Index> ids{begin_id};
@@ -156,4 +157,4 @@ class WordPiece {
   std::size_t longest_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Word pieces as token vectors: a small vocabulary and a table that is trained together with what reads it. Stands where TEMOS and
-/// TMR have the last states of DistilBERT, when there is none: their own transformer makes texts of the pieces.
+/// Word pieces as token vectors: a small vocabulary and a table that is trained together with what reads it. Stands
+/// where TEMOS and TMR have the last states of DistilBERT, when there is none: their own transformer makes texts of the
+/// pieces.
 ///
 ///     WordPieceTokens<B> tokens(WordPiece::learn(captions, 800), 128, rng);
 ///     const auto latent = tmr.encode_text(tokens(captions).tokens);
@@ -11,7 +12,7 @@
 #include <motionlang/text/tokenizer.hpp>
 #include <motionlang/text/word_piece.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Backend B>
 struct WordPieceTokens {
@@ -38,4 +39,4 @@ struct WordPieceTokens {
   const { return (*this)(texts); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

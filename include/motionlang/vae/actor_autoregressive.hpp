@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-/// A decoder that writes one frame after the other, which ACTOR's is compared with (thesis table 3.4 a). It comes from the joeynmt
-/// project: pre-norm layers with ReLU, separate matrices of attention.
+/// A decoder that writes one frame after the other, which ACTOR's is compared with (thesis table 3.4 a). It comes from
+/// the joeynmt project: pre-norm layers with ReLU, separate matrices of attention.
 #pragma once
 
 #include <motionlang/nn/feed_forward.hpp>
 #include <motionlang/nn/layer_norm.hpp>
 #include <motionlang/vae/actor_gru.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Multi-head attention with a layer for each projection.
 template <Backend B>
@@ -143,4 +143,4 @@ struct ActorAutoregressiveDecoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -5,7 +5,7 @@
 #include <motionlang/nn/embedding.hpp>
 #include <motionlang/nn/sequence_vae.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// How action and time enter the decoder; all but the first are ablations (thesis table 3.4 c; spec actor.md 2.8).
 enum class ActorConditioning {
@@ -43,8 +43,8 @@ struct ActorDecoder {
     seqTransDecoder = copied_layers<TransformerDecoder<B>>(c, rng);
   }
 
-  /// What the frames of each motion attend to. z (motions, width). Throws shape_error 203 for a label that is no class, 204 unless each
-  /// motion has one.
+  /// What the frames of each motion attend to. z (motions, width). Throws shape_error 203 for a label that is no class,
+  /// 204 unless each motion has one.
   Sequences<B> memory(const Tensor<B, 2>& z, std::span<const Index> labels) const {
     if (std::ssize(labels) != z.size(0))
       raise<shape_error>(204, "ActorDecoder: ", labels.size(), " labels for ", z.size(0), " motions");
@@ -72,4 +72,4 @@ struct ActorDecoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -6,7 +6,7 @@
 
 #include <motionlang/nn/sequence_vae.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     [muQuery[y], sigmaQuery[y], W frames] + positions -> encoder -> rows 0 and 1 are mu and logvar
 /// Source  ACTOR (Petrovich, Black, Varol, ICCV 2021), section 3.1; spec actor.md 2.4
@@ -48,8 +48,8 @@ struct ActorEncoder {
 
 ///     W frames + positions -> encoder -> mean over the frames -> mu and logvar by a linear layer each
 /// Source  ACTOR, thesis table 3.4 b; spec actor.md 2.8, "average_encoder"
-/// The mean counts padding, as published: frames of zeros up to the longest motion of the batch, which attend to the real ones. So
-/// here a short motion does depend on what is encoded with it.
+/// The mean counts padding, as published: frames of zeros up to the longest motion of the batch, which attend to the
+/// real ones. So here a short motion does depend on what is encoded with it.
 template <Backend B>
 struct ActorAverageEncoder {
   Linear<B> mu_layer, sigma_layer, skelEmbedding;
@@ -74,8 +74,8 @@ struct ActorAverageEncoder {
 
   Sequences<B> sequence(const Sequences<B>& x) const { return add_positions(skelEmbedding(x), positions.rows()); }
 
-  /// padded_frames  of the batch, if it is padded beyond its longest motion: padding counts. Throws shape_error 203 for more than there are
-  ///                positions
+  /// padded_frames  of the batch, if it is padded beyond its longest motion: padding counts. Throws shape_error 203 for
+  ///                more than there are positions
   LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}, Index padded_frames = 0) const {
     auto dropped = [&](const Sequences<B>& s) { return s.with(dropout(s.rows, dropout_p, context)); };
     const Index longest = std::max(padded_frames, x.offsets.longest());
@@ -103,4 +103,4 @@ struct ActorAverageEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -5,7 +5,7 @@
 #include <motionlang/nn/embedding.hpp>
 #include <motionlang/nn/sequence_vae.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     h = gelu(W2 gelu(W1 [all numbers of the motion, one-hot y]));   mu and logvar from h
 /// Numbers are ordered by feature, then frame. Source  spec actor.md 2.8
@@ -34,7 +34,8 @@ struct ActorFullyConnectedEncoder {
   }
 };
 
-///     gelu(W3 gelu(W2 gelu(W1 [z, one-hot y]))): the last activation is as published, though features are negative as well
+///     gelu(W3 gelu(W2 gelu(W1 [z, one-hot y]))): the last activation is as published, though features are negative as
+///     well
 template <Backend B>
 struct ActorFullyConnectedDecoder {
   Linear<B> first, second, third;
@@ -61,4 +62,4 @@ struct ActorFullyConnectedDecoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// The latents of generated motions, which may share their noise: what differs between two motions is then the action alone, or the
-/// noise alone.
+/// The latents of generated motions, which may share their noise: what differs between two motions is then the action
+/// alone, or the noise alone.
 #pragma once
 
 #include <motionlang/tensor/index.hpp>
 #include <motionlang/tensor/ops.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Which latents share their noise. interpolate: one vector, scaled from -1 to 1 over the samples.
 enum class NoiseSharing { random, same, interpolate };
@@ -23,7 +23,8 @@ struct ActorSampling {
   }
 };
 
-/// Latents in the order sample, action: noise (noise_rows, latent) -> (samples actions, latent). Source  spec actor.md 9
+/// Latents in the order sample, action: noise (noise_rows, latent) -> (samples actions, latent). Source  spec actor.md
+/// 9
 /// Throws  config_error 101 for options that mean nothing, shape_error 204 for another number of rows
 template <Backend B>
 Tensor<B, 2> actor_latents(const Tensor<B, 2>& noise, Index actions, const ActorSampling& o = {}) {
@@ -46,4 +47,4 @@ Tensor<B, 2> actor_latents(const Tensor<B, 2>& noise, Index actions, const Actor
   return gather(noise, rows) * Tensor<B, 2>::from(scale, {std::ssize(scale), 1});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -7,22 +7,24 @@
 #include <motionlang/loss/reconstruction.hpp>
 #include <motionlang/nn/sequence_vae.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// Weights of the loss; rcxyz is 0 for models that were trained without a body. vel and velxyz exist but are not used in published
-/// models.
+/// Weights of the loss; rcxyz is 0 for models that were trained without a body. vel and velxyz exist but are not used
+/// in published models.
 struct ActorLossWeights {
   double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
 };
-/// What rcxyz and velxyz compare: `actor_points` of the motions, and of those that the model wrote. Published models take vertices
-/// without the translation.
+/// What rcxyz and velxyz compare: `actor_points` of the motions, and of those that the model wrote. Published models
+/// take vertices without the translation.
 template <Backend B>
 struct ActorLossPoints {
   Sequences<B> wanted, written;
 };
 
-///     rc, rcxyz     mean square over all frames and their numbers (the padding of the translation's row counts), or over points
-///     kl            KL(N(mu, exp(logvar)) || N(0, 1)), SUMMED over batch and coordinates: its weight grows with the batch
+///     rc, rcxyz     mean square over all frames and their numbers (the padding of the translation's row counts), or
+///                   over points
+///     kl            KL(N(mu, exp(logvar)) || N(0, 1)), SUMMED over batch and coordinates: its weight grows with the
+///                   batch
 ///     vel, velxyz   mean square of the steps from frame to frame
 /// Terms whose weight is not 0. Source  ACTOR, src/models/tools/losses.py; spec actor.md 6.1
 /// Throws  config_error 102 if a term needs points and there are none
@@ -43,4 +45,4 @@ LossTerms<B> actor_losses(const LatentGaussian<B>& latent, const Sequences<B>& x
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -4,8 +4,9 @@
 ///     const IdSequences tokens = tokenizer.tokens(normalized);       // a quarter as many as frames
 ///     const Sequences<B> motion = tokenizer.motions(tokens);         // normalised features
 ///
-/// Source  Guo et al., "TM2T: stochastic and tokenized modeling for the reciprocal generation of 3D human motions and texts" (ECCV 2022),
-///         section 3.1; networks/modules.py, networks/trainers.py (VQTokenizerTrainerV3); spec tm2t.md 1, 2
+/// Source  Guo et al., "TM2T: stochastic and tokenized modeling for the reciprocal generation of 3D human motions and
+///         texts" (ECCV 2022), section 3.1; networks/modules.py, networks/trainers.py (VQTokenizerTrainerV3); spec
+///         tm2t.md 1, 2
 #pragma once
 
 #include <motionlang/loss/adversarial.hpp>
@@ -15,7 +16,7 @@
 #include <motionlang/nn/vector_quantizer.hpp>
 #include <motionlang/tensor/id_sequences.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// The ids of motion tokens: codes, then the marks of beginning and end, and of padding.
 struct MotionVocabulary {
@@ -42,8 +43,8 @@ struct VqEncoder {
   Sequences<B> operator()(const Sequences<B>& x) const { return main(x); }
 };
 
-/// Residual blocks, then for each further number of channels twice the length and a convolution; a last one at the end. Where the
-/// latent is not as wide as the first number says, a convolution comes before.
+/// Residual blocks, then for each further number of channels twice the length and a convolution; a last one at the end.
+/// Where the latent is not as wide as the first number says, a convolution comes before.
 /// Differs from the table of the paper: three residual blocks, not two, as published.
 template <Backend B>
 struct VqDecoder {
@@ -153,8 +154,8 @@ struct MotionTokenizer {
 };
 
 ///     mean |x^ - x| + quantisation [- lambda mean D(x^)]
-/// With a discriminator (published: from epoch 10 on) its norms go by the statistics of the decoded motions; it takes its own step
-/// before, with `hinge_discriminator_loss` times lambda.
+/// With a discriminator (published: from epoch 10 on) its norms go by the statistics of the decoded motions; it takes
+/// its own step before, with `hinge_discriminator_loss` times lambda.
 template <Backend B>
 LossTerms<B> tokenizer_losses(const typename MotionTokenizer<B>::Result& result, const Sequences<B>& x,
                               VqDiscriminator<B>* discriminator = nullptr, double lambda_adv = 0.5) {
@@ -166,4 +167,4 @@ LossTerms<B> tokenizer_losses(const typename MotionTokenizer<B>::Result& result,
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -6,10 +6,11 @@
 
 #include <motionlang/nn/sequence_vae.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// Learned tokens, projection and transformer, under the names of the published state dicts (the systems spell the third token
-/// differently). Unlike TEMOS' encoder it has no positions over the whole sequence: parts that need some get their own (`placed`).
+/// Learned tokens, projection and transformer, under the names of the published state dicts (the systems spell the
+/// third token differently). Unlike TEMOS' encoder it has no positions over the whole sequence: parts that need some
+/// get their own (`placed`).
 /// Source  specs teach.md 2.1, sinc.md 2.1
 template <Backend B, class Keys>
 struct PartedTextEncoder {
@@ -57,4 +58,4 @@ struct PartedTextEncoder {
   static Tensor<B, 2> row(const Tensor<B, 1>& t) { return reshape<2>(t, {1, t.size(0)}); }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

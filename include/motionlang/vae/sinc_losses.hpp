@@ -4,18 +4,21 @@
 
 #include <motionlang/vae/text_motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published weights: divergences weigh 32 times as much as in TEMOS. Source  spec sinc.md 3
 inline TemosLossOptions sinc_loss_options() { return {.kl = 32e-5, .feats = "rfeats"}; }
 
 /// texts    how many latents the text of each motion has; if one each, these are temos_losses
 ///
-///     kl_text2motion_multi, kl_motion2text_multi, kl_text_multi     the mean over the texts of a motion, then over motions
-///     latent_manifold_multi     smooth_l1 of each text against its motion: the sum over all texts / (motions * most texts of one)
+///     kl_text2motion_multi, kl_motion2text_multi, kl_text_multi     the mean over the texts of a motion, then over
+///     motions
+///     latent_manifold_multi     smooth_l1 of each text against its motion: the sum over all texts / (motions * most
+///                               texts of one)
 /// and recons_rfeats2rfeats, recons_text2rfeats, kl_motion as ever.
 /// separate_latents   the names that end in _multi, also where every motion of the batch has one text
-/// Source  spec sinc.md 3; a motion with fewer texts than another has empty latents, which count as 0 in the mean, as published
+/// Source  spec sinc.md 3; a motion with fewer texts than another has empty latents, which count as 0 in the mean, as
+///         published
 template <Backend B>
 LossTerms<B> sinc_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion, const Offsets& texts,
                          bool separate_latents, const TemosLossOptions& options = sinc_loss_options()) {
@@ -51,4 +54,4 @@ LossTerms<B> sinc_losses(const TextMotionBranches<B>& branches, const Sequences<
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -6,10 +6,10 @@
 
 #include <motionlang/vae/parted_text_encoder.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
-/// What becomes of several labels: one sentence (text/joined_labels.hpp; the released models); one sequence of separate texts ("SINC-STE");
-/// a latent for each label, all of them memory of the decoder.
+/// What becomes of several labels: one sentence (text/joined_labels.hpp; the released models); one sequence of separate
+/// texts ("SINC-STE"); a latent for each label, all of them memory of the decoder.
 enum class SincMode { single, separate_texts, separate_latents };
 
 /// The labels of a batch of motions, as texts.
@@ -20,7 +20,8 @@ struct SincTexts {
   std::optional<Tensor<B, 2>> end{};  // (texts, text_dim): see SincTextEncoder::joined
   Index padded_tokens = 0;            // of the batch, if it is padded beyond its longest text
 
-  /// How many texts each motion has. Throws shape_error 205 unless `motion` counts from 0 without gaps and has one number for each text.
+  /// How many texts each motion has. Throws shape_error 205 unless `motion` counts from 0 without gaps and has one
+  /// number for each text.
   Offsets per_motion() const {
     if (motion.empty()) return Offsets::equal(states.count(), 1);
     if (std::ssize(motion) != states.count())
@@ -63,9 +64,10 @@ struct SincTextEncoder {
     return concat_tokens(tokens, positions ? text.placed(words, context) : words);
   }
   /// What enters the first layer, for the texts of each motion together.
-  /// legacy_mask  As published, where the mask is shifted by one behind the first text: of each further text that is shorter than the
-  ///              batch is padded to, the last token is hidden and the last place of its padding seen (`texts.end`: the state of the
-  ///              language model there, distilbert.padding_states(batch, last place)); a motion with fewer texts than another sees one row of zeros for each that it lacks
+  /// legacy_mask  As published, where the mask is shifted by one behind the first text: of each further text that is
+  ///              shorter than the batch is padded to, the last token is hidden and the last place of its padding seen
+  ///              (`texts.end`: the state of the language model there, distilbert.padding_states(batch, last place)); a
+  ///              motion with fewer texts than another sees one row of zeros for each that it lacks
   /// Throws       config_error 101 if `texts.end` is needed and not there
   Sequences<B> joined(const SincTexts<B>& texts, bool legacy_mask) const {
     const Offsets of_motion = texts.per_motion(), &words = texts.states.offsets;
@@ -98,8 +100,8 @@ struct SincTextEncoder {
     }
     return {gather(table, pick), Offsets(lengths)};
   }
-  /// A distribution for each motion; for each text in mode separate_latents. Throws shape_error 205 for a motion of several texts in
-  /// mode single.
+  /// A distribution for each motion; for each text in mode separate_latents. Throws shape_error 205 for a motion of
+  /// several texts in mode single.
   LatentGaussian<B> operator()(const SincTexts<B>& texts, SincMode mode, bool legacy_mask = true,
                                const Context& context = {}) const {
     const Offsets of_motion = texts.per_motion();
@@ -111,4 +113,4 @@ struct SincTextEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -4,7 +4,7 @@
 
 #include <motionlang/vae/parted_text_encoder.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct TeachTextKeys {
   static constexpr const char* separation_token = "seperation_token";  // published so
@@ -21,8 +21,8 @@ struct TeachPast {
 ///     [mu, logvar, past, z, separation, text] -> encoder -> mu, logvar          past = encoder(W p + positions)
 /// Past and text have positions of their own; the tokens and z have none.
 /// Source   TEACH (Athanasiou, Petrovich, Black, Varol, 3DV 2022), section 3.2; spec teach.md 2.1
-/// Differs  from the paper, as published: the past goes through the transformer of the text. That which the paper has for it stands
-///          in the checkpoints and is never called
+/// Differs  from the paper, as published: the past goes through the transformer of the text. That which the paper has
+///          for it stands in the checkpoints and is never called
 template <Backend B>
 struct TeachTextEncoder {
   PartedTextEncoder<B, TeachTextKeys> text;
@@ -64,4 +64,4 @@ struct TeachTextEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -6,7 +6,7 @@
 
 #include <motionlang/vae/text_motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// A batch. The features of a pair are canonicalised and normalised as one motion and then cut.
 template <Backend B>
@@ -37,7 +37,8 @@ struct TeachLossOptions {
   double velocity = 0;  // of a term that published code has, with 0.5, but cannot run
 };
 
-///     velocity_text2rfeats, velocity_rfeats2rfeats     smooth_l1 of the steps from frame to frame, without height and velocity of the
+///     velocity_text2rfeats, velocity_rfeats2rfeats     smooth_l1 of the steps from frame to frame, without height and
+///     velocity of the
 ///                                                      root (columns 0 to 2), in the mean over sequences
 template <Backend B>
 LossTerms<B> teach_velocity_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion, double weight) {
@@ -54,7 +55,8 @@ LossTerms<B> teach_velocity_losses(const TextMotionBranches<B>& branches, const 
   return out;
 }
 
-/// The terms of temos_losses (and velocities, if they have a weight) for the first action, whose names end in _0, and the second, _1.
+/// The terms of temos_losses (and velocities, if they have a weight) for the first action, whose names end in _0, and
+/// the second, _1.
 /// Source  spec teach.md 3
 template <Backend B>
 LossTerms<B> teach_losses(const TeachBranches<B>& branches, const TeachPairs<B>& pairs,
@@ -80,4 +82,4 @@ LossTerms<B> teach_losses(const TeachBranches<B>& branches, const TeachPairs<B>&
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -4,7 +4,7 @@
 
 #include <motionlang/nn/sequence_vae.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// Names of the published state dict, and what differs between the modalities.
 struct TemosMotionKeys {
@@ -71,4 +71,4 @@ using TemosMotionEncoder = TemosEncoder<B, TemosMotionKeys>;
 template <Backend B>
 using TemosTextEncoder = TemosEncoder<B, TemosTextKeys>;
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

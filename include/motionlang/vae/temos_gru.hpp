@@ -5,7 +5,7 @@
 #include <motionlang/nn/gru.hpp>
 #include <motionlang/nn/sequence_vae.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     h = GRU(W x);   mu and logvar from the last frame's h
 /// Source  spec temos.md 10
@@ -67,4 +67,4 @@ struct TemosGruDecoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

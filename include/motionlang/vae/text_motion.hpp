@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// One latent space for texts and motions: the two branches of a training step, their losses, and motions from texts. TEMOS
-/// and TMR; TEACH and SINC build on it.
+/// One latent space for texts and motions: the two branches of a training step, their losses, and motions from texts.
+/// TEMOS and TMR; TEACH and SINC build on it.
 ///
 ///     text   -> N_T -> z_T -> frames      both decoded with the same decoder to the lengths of the motions
 ///     motion -> N_M -> z_M -> frames
@@ -13,7 +13,7 @@
 #include <motionlang/loss/reconstruction.hpp>
 #include <motionlang/nn/sequence_vae.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// What one modality of a batch became.
 template <Backend B>
@@ -58,11 +58,12 @@ TransformerConfig transformer_of(const Config& c) {
           .dropout = c.dropout};
 }
 
-/// Over what a reconstruction is averaged: the padded batch (TEMOS, TMR, SINC), or each sequence on its own and then all (TEACH).
+/// Over what a reconstruction is averaged: the padded batch (TEMOS, TMR, SINC), or each sequence on its own and then
+/// all (TEACH).
 enum class ReconstructionMean { padded_batch, sequences };
 
-/// Weights and switches of TEMOS' loss; the rows of thesis table 4.3 are `cross_modal_kl`, `gaussian_kl` and `embedding` off, and a
-/// model without motion encoder.
+/// Weights and switches of TEMOS' loss; the rows of thesis table 4.3 are `cross_modal_kl`, `gaussian_kl` and
+/// `embedding` off, and a model without motion encoder.
 struct TemosLossOptions {
   double recons = 1, kl = 1e-5, latent = 1e-5;
   bool cross_modal_kl = true, gaussian_kl = true;
@@ -89,7 +90,8 @@ LossTerms<B> reconstruction_losses(const TextMotionBranches<B>& branches, const 
 }
 
 ///     recons_text2F, recons_F2F     smooth_l1 in the mean over the padded batch, or over sequences
-///     kl_text2motion, kl_motion2text, kl_text, kl_motion     KL(T || M), KL(M || T), KL(T || N(0, 1)), KL(M || N(0, 1))
+///     kl_text2motion, kl_motion2text, kl_text, kl_motion     KL(T || M), KL(M || T), KL(T || N(0, 1)), KL(M || N(0,
+///     1))
 ///     latent_manifold               smooth_l1(z_T, z_M)
 /// Those terms that model and options have; the names are the published ones.
 /// Source  TEMOS, section 3.3; spec temos.md 6.1
@@ -137,7 +139,7 @@ struct TmrLossOptions {
 template <Backend B>
 LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                         const Tensor<B, 2>* sentences = nullptr, const TmrLossOptions& options = {},
-                         const Tensor<B, 0>* temperature = nullptr) {
+                        const Tensor<B, 0>* temperature = nullptr) {
   const auto parts = temos_losses(branches, motion,
                                   TemosLossOptions{.cross_modal_kl = options.cross_modal_kl,
                                                    .gaussian_kl = options.gaussian_kl,
@@ -173,9 +175,11 @@ Tensor<B, 2> sampled_latents(const LatentGaussian<B>& texts, const Philox& rng, 
   return texts.sample(broadcast_to<2>(eps, texts.mu.shape()), sampling.fact);
 }
 
-/// Motions from texts: `samples` for each, features as the model was trained on. `model` has encode_text(tokens) and decode(z, lengths).
+/// Motions from texts: `samples` for each, features as the model was trained on. `model` has encode_text(tokens) and
+/// decode(z, lengths).
 /// tokens  a sequence for each text;   lengths  of the motions, one for each text
-/// Noise   one vector for each sample, the same for all texts, as published: a text gives the same motion alone and among others
+/// Noise   one vector for each sample, the same for all texts, as published: a text gives the same motion alone and
+///         among others
 template <Backend B, class Model>
 std::vector<Sequences<B>> text_to_motion(const Model& model, const Sequences<B>& tokens, const Offsets& lengths,
                                          const Philox& rng, Index samples = 1, const LatentSampling& sampling = {}) {
@@ -185,8 +189,8 @@ std::vector<Sequences<B>> text_to_motion(const Model& model, const Sequences<B>&
   return out;
 }
 
-/// Motions between two texts: `steps` latents on the line from that of one to that of the other, all of `length` frames.
-/// The first and the last are those of text_to_motion. Throws what interpolate_rows throws.
+/// Motions between two texts: `steps` latents on the line from that of one to that of the other, all of `length`
+/// frames. The first and the last are those of text_to_motion. Throws what interpolate_rows throws.
 template <Backend B, class Model>
 Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts, Index steps, Index length,
                                const Philox& rng, const LatentSampling& sampling = {}) {
@@ -199,4 +203,4 @@ Sequences<B> interpolate_texts(const Model& model, const Sequences<B>& two_texts
   return interpolate_texts(model, two_texts, steps, length, Philox{}, {.mean = true});
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -4,7 +4,7 @@
 
 #include <motionlang/nn/sequence_vae.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 ///     [tokens, W x] + positions -> encoder -> mu, logvar
 /// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.1; spec tmr.md 2.1
@@ -39,4 +39,4 @@ struct TmrEncoder {
   }
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A program that is compiled without exceptions and run-time types: no_exceptions <weights> [timeline]. What is wrong ends it, with a message.
+// A program that is compiled without exceptions and run-time types: no_exceptions <weights> [timeline]. What is wrong
+// ends it, with a message.
 #include <cstdio>
 #include <cstdlib>
 

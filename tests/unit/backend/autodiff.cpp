@@ -1,5 +1,5 @@
-// The tape: which gradients come back, shared subexpressions, graphs that are deep or walked twice. That gradients are right is
-// checked by tests/ops and tests/laws.
+// The tape: which gradients come back, shared subexpressions, graphs that are deep or walked twice. That gradients are
+// right is checked by tests/ops and tests/laws.
 #include <thread>
 
 #include <motionlang/backend/autodiff.hpp>
@@ -147,7 +147,8 @@ TEST_CASE("constants and the function that returns its input need no checkpoint"
   const auto c = Vector::from({3}, {1});
   CHECK(ml::checkpoint([](const Vector& v) { return v * v; }, c).data().node == nullptr);
   CHECK(ml::checkpoint([](const Vector& v) { return v; }, x).data().node == x.data().node);
-  CHECK(ml::backward(ml::sum(ml::checkpoint([](const Vector& v, const Vector& w) { return v * w; }, x, c)))[x].item() == 3);
+  CHECK(ml::backward(ml::sum(ml::checkpoint([](const Vector& v, const Vector& w) { return v * w; }, x, c)))[x].item() ==
+        3);
   CHECK(ml::backward(ml::sum(ml::checkpoint([&](const Vector& v) { return v * x; }, c)))[x].item() == 3);
 }
 
@@ -155,7 +156,8 @@ TEST_CASE("a checkpoint refuses results that are not among its inputs") {
   const auto x = variable({2});
   const auto y = x * x;
   const auto hidden = ml::checkpoint([&](const Vector& v) { return v * y; }, x);
-  CHECK_ERROR(ml::backward(ml::sum(hidden + y)), "[motionlang.config.102] backward: what is calculated again uses a result");
+  CHECK_ERROR(ml::backward(ml::sum(hidden + y)),
+              "[motionlang.config.102] backward: what is calculated again uses a result");
 }
 
 TEST_CASE("layer norms and attention are calculated again where a product needs their result: no value changes") {
@@ -164,8 +166,9 @@ TEST_CASE("layer norms and attention are calculated again where a product needs 
   const auto loss = [](const ml::Tensor<A, 2>& y, const ml::Tensor<A, 2>& w) {
     return ml::sum(ml::square(ml::linear<A>(y, w, nullptr)));
   };
-  for (const auto& y : {ml::layer_norm(x * 2.0, gain, shift),
-                        ml::self_attention(x * 2.0, ml::Offsets{4, 2}, {.heads = 2, .dropout = {.p = 0.5, .key = 7}})}) {
+  for (const auto& y :
+       {ml::layer_norm(x * 2.0, gain, shift),
+        ml::self_attention(x * 2.0, ml::Offsets{4, 2}, {.heads = 2, .dropout = {.p = 0.5, .key = 7}})}) {
     const auto w = tensors::normal<A, 2>({5, y.size(1)}, 2);
     const auto kept = ml::variable<A>(ml::value_of(y));  // this is not calculated again
     CHECK(tensors::same_bits(ml::backward(loss(y, w))[w], ml::backward(loss(kept, w))[w]));

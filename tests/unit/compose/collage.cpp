@@ -41,7 +41,8 @@ static_assert(ml::Denoiser<Known, B>);
 struct KnownUses : Known {
   mutable Offsets uses{};
   using Known::operator();
-  ml::Sequences<B> operator()(const ml::Sequences<B>& x, const Offsets& times, std::span<const Index> t, const Text& text) const {
+  ml::Sequences<B> operator()(const ml::Sequences<B>& x, const Offsets& times, std::span<const Index> t,
+                              const Text& text) const {
     uses = times;
     auto y = (*this)(ml::repeat_sequences(x, times), t, text);
     seen.back() = x.offsets;
@@ -61,7 +62,7 @@ const ml::Timeline timeline{{{"one", 0, 20, BodyParts::all()},
 
 template <class D>
 ml::Collage<B, D> collage(const D& denoiser, const ml::PlanOptions& options = {}, double guidance = 2.5,
-                              const ml::Timeline& t = timeline, Index rows_at_once = ml::usual_rows_at_once) {
+                          const ml::Timeline& t = timeline, Index rows_at_once = ml::usual_rows_at_once) {
   auto plan = ml::plan_timelines(std::span(&t, 1), options);
   return {denoiser, std::move(plan), layout, texts({1, 2, 3}), texts({0}), guidance, rows_at_once};
 }
@@ -102,11 +103,14 @@ TEST_CASE("around a cut both texts are added and the transition is subtracted") 
   CHECK(guided.span()[2] == 3);  // 0 + 3 (1 - 0)
 }
 
-TEST_CASE("one call per step, the longest first; crops without a text go through the network once, and without guidance nothing goes twice") {
+TEST_CASE(
+    "one call per step, the longest first; crops without a text go through the network once, and without guidance "
+    "nothing goes twice") {
   const Known guided, plain;
   collage(guided, {.overlap = 4}).step(Matrix::zeros({30, 5}), 7);
   CHECK(guided.seen.size() == 1);
-  CHECK(guided.seen.back() == Offsets{22, 22, 14, 14, 12, 12, 4, 4, 4});  // three texts with and without, three transitions
+  // three texts with and without, three transitions
+  CHECK(guided.seen.back() == Offsets{22, 22, 14, 14, 12, 12, 4, 4, 4});
   CHECK(guided.steps == std::vector<Index>(9, 7));
   collage(plain, {.overlap = 4}, 1).step(Matrix::zeros({30, 5}), 7);
   CHECK(plain.seen.back() == Offsets{22, 14, 12, 4, 4, 4});
@@ -153,7 +157,9 @@ TEST_CASE("no more rows at once than wanted, but one crop at least; the answer i
   CHECK_ERROR(answer(says, -1), "[motionlang.config.101] Collage: -1 rows at once");
 }
 
-TEST_CASE("where a sequence depends on the others, there are the two calls of the published code: all crops, and all without texts") {
+TEST_CASE(
+    "where a sequence depends on the others, there are the two calls of the published code: all crops, and all without "
+    "texts") {
   const auto calls = [](ml::BatchMates mates, const Text& words) {
     const Known d{.properties = {.mates = mates}};
     const ml::Collage<B, Known> c(d, ml::plan_timelines(std::span(&timeline, 1)), layout, words, texts({0}), 2.5, 1);
@@ -194,7 +200,8 @@ TEST_CASE("texts that begin and end together share their unconditional crop, equ
 TEST_CASE("a layout that does not give each number to one body part is refused") {
   const Known says{.says_text = true};
   auto of = [&](const ml::FeatureLayout& wrong) {
-    return ml::Collage<B, Known>(says, ml::plan_timelines(std::span(&timeline, 1)), wrong, texts({1, 2, 3}), texts({0}), 1);
+    return ml::Collage<B, Known>(says, ml::plan_timelines(std::span(&timeline, 1)), wrong, texts({1, 2, 3}), texts({0}),
+                                 1);
   };
   auto wrong = layout;
   wrong.size = 4;
@@ -208,7 +215,8 @@ TEST_CASE("what a collage answers does not depend on the order of its texts") {
   auto turned = timeline;
   std::rotate(turned.intervals.begin(), turned.intervals.begin() + 1, turned.intervals.end());
   const auto x = normal<B, 2>({30, 5}, 4);
-  const ml::Collage<B, Known> c(says, ml::plan_timelines(std::span(&turned, 1)), layout, texts({2, 3, 1}), texts({0}), 2.5);
+  const ml::Collage<B, Known> c(says, ml::plan_timelines(std::span(&turned, 1)), layout, texts({2, 3, 1}), texts({0}),
+                                2.5);
   CHECK(same_bits(c.step(x, 0).x0, collage(says).step(x, 0).x0));
 }
 

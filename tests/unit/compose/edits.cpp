@@ -11,7 +11,8 @@ namespace {
 /// Texts one after the other, ten frames each.
 Timeline chain(std::vector<std::string> texts) {
   Timeline t;
-  for (Index i = 0; const std::string& text : texts) t.intervals.push_back({text, 10 * i, 10 * i + 10, BodyParts::all()}), ++i;
+  for (Index i = 0; const std::string& text : texts)
+    t.intervals.push_back({text, 10 * i, 10 * i + 10, BodyParts::all()}), ++i;
   return t;
 }
 ml::BatchPlan plan(const std::vector<Timeline>& timelines, Index overlap = 4) {
@@ -40,7 +41,8 @@ std::vector<ml::FrameRange> crops_of(const ml::BatchPlan& p, std::size_t m = 0) 
 }  // namespace
 
 TEST_CASE("an edit goes one crop further with every step") {
-  const auto before = plan({chain({"a", "b", "c", "d", "e", "f", "g"})}), after = plan({chain({"a", "b", "c", "X", "e", "f", "g"})});
+  const auto before = plan({chain({"a", "b", "c", "d", "e", "f", "g"})}),
+             after = plan({chain({"a", "b", "c", "X", "e", "f", "g"})});
   ml::EditSpread s(before, 70, after, 70);
   CHECK(range(s, 70) == std::pair<Index, Index>{28, 41});  // the crop of X: 30 to 40 and two frames on each side
   // the frames of X are made of its crop, of its neighbours and of the transitions on both sides

@@ -25,8 +25,8 @@ TEST_CASE("a text that is too long becomes parts of equal length; others stay") 
                                                       "nod # 15 # 21 # head\n"));
   CHECK(ml::divide_long_texts(timeline, 25) == timeline);
   CHECK(ml::divide_long_texts(timeline, 1).intervals.size() == 25 + 10 + 11);
-  CHECK_THROWS_WITH_AS(ml::divide_long_texts(timeline, 0), doctest::Contains("[motionlang.config.101] divide_long_texts: parts of 0"),
-                       ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::divide_long_texts(timeline, 0),
+                       doctest::Contains("[motionlang.config.101] divide_long_texts: parts of 0"), ml::config_error);
   CHECK_THROWS_WITH_AS(ml::divide_long_texts(parsed("walk # 0 # 1000001\n"), 10),
                        doctest::Contains("'walk' of 1000001 frames makes 100001 parts, expected 100000 at most"),
                        ml::config_error);

@@ -163,9 +163,10 @@ TEST_CASE("gaps are filled with the unconditional text, or refused") {
 
 TEST_CASE("hidden texts are named, or their transitions left out") {
   const auto t = parsed("walk # 0 # 30 # legs\nblink # 10 # 20");
-  check_timeline_error(t, {},
-                       "[motionlang.timeline.506] plan_timeline: 'blink' (10 to 20) owns no body part at frame 10: other texts hide it; "
-                       "give it parts that no text with fewer parts takes (line 2, column 1)");
+  check_timeline_error(
+      t, {},
+      "[motionlang.timeline.506] plan_timeline: 'blink' (10 to 20) owns no body part at frame 10: other texts hide it; "
+      "give it parts that no text with fewer parts takes (line 2, column 1)");
   const auto plan = ml::plan_timeline(t, {.hidden = ml::HiddenTexts::ignore});
   CHECK(plan.crops == std::vector<ml::Crop>{{0, {0, 30}}, {1, {5, 25}}});
   CHECK(plan.add.size() == 5);
@@ -182,7 +183,8 @@ TEST_CASE("timelines that cannot be planned") {
                        "[motionlang.timeline.508] timeline: 'A' needs a crop of 65 frames");
   CHECK_NOTHROW(ml::plan_timeline(worked_example, {.longest_crop = 65}));
   check_timeline_error(parsed("a # 0 # 30 # legs\n  b # 10 # 60 # head"), {.longest_crop = 54},
-                       "508] timeline: 'b' needs a crop of 55 frames with its overlap; the denoiser accepts 54 (line 2, column 3). Divide it into shorter ones");
+                       "508] timeline: 'b' needs a crop of 55 frames with its overlap; the denoiser accepts 54 (line "
+                       "2, column 3). Divide it into shorter ones");
   CHECK_THROWS_AS(ml::plan_timeline(worked_example, {.overlap = -1}), ml::config_error);
   ml::Timeline crowd;
   for (ml::Index i = 0; i < 4000; ++i) crowd.intervals.push_back({"x", i, 8000 - i, {}});

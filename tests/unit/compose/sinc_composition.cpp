@@ -98,7 +98,8 @@ TEST_CASE("SINC composition: clips on SMPL's joints, hands with their arms") {
   CHECK(owner(kicks, 0) == doctest::Approx(0.2));
   CHECK(owner(kicks, 23) == doctest::Approx(0.1));
   CHECK(kicks.root[0].x == 0.2);
-  CHECK_ERROR(ml::compose_motions(a, {}, still(smpl, 0, 30), {}), "[motionlang.config.102] compose_motions: 'still' has 24");
+  CHECK_ERROR(ml::compose_motions(a, {}, still(smpl, 0, 30), {}),
+              "[motionlang.config.102] compose_motions: 'still' has 24");
   const ml::Motion kit = still(ml::kit21_skeleton(), 0);
   CHECK_ERROR(ml::compose_motions(kit, {}, kit, {}), "is not on SMPL's 24 joints");
 }

@@ -89,13 +89,15 @@ TEST_CASE("every mistake is found, with line and column") {
   CHECK(refusal("wave # 2 # 1 # legs", file) ==
         "504] mtt.txt:1:12: the interval 2 to 1 s is empty or ends before it starts");
   CHECK(refusal("wave # 1 # 1").starts_with("504]"));
-  CHECK(refusal("wave # 1.01 # 1.02", file) == "504] mtt.txt:1:15: the interval 1.01 to 1.02 s has no frame");  // at 20 fps
+  // at 20 fps
+  CHECK(refusal("wave # 1.01 # 1.02", file) == "504] mtt.txt:1:15: the interval 1.01 to 1.02 s has no frame");
   CHECK(refusal("", file) == "507] mtt.txt: no line");
   CHECK(refusal(" \n\n\t\n").starts_with("507]"));
   CHECK(refusal("a # -4e7 # -3e7\nb # 3e7 # 4e7", file).starts_with("502] mtt.txt:2:1: a timeline that lasts "));
   CHECK(refusal("w\xE4lk # 0 # 1", file) == "501] mtt.txt:1:1: the text is not UTF-8");
   CHECK_THROWS_WITH_AS(ml::parse_timeline("a # 0 # 1\n\n b # 0 # 1"),
-                       doctest::Contains("[motionlang.timeline.509] timeline:3:2: 2 timelines where one is expected"), ml::timeline_error);
+                       doctest::Contains("[motionlang.timeline.509] timeline:3:2: 2 timelines where one is expected"),
+                       ml::timeline_error);
   CHECK_THROWS_WITH_AS(ml::parse_timelines("a # 0 # 1", {.fps = 0}), doctest::Contains("[motionlang.config.101]"),
                        ml::config_error);
 }

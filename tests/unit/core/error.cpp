@@ -41,7 +41,8 @@ TEST_CASE("lists: what stands between, and how an item is written") {
   CHECK(ml::join_text(std::vector<std::string>{"", "b"}) == ", b");
   CHECK(ml::join_text(std::vector<int>{1, 2, 3}, ";") == "1;2;3");
   CHECK(ml::join_text(std::vector<ml::Shape>{{1}, {2, 3}}, " or ") == "(1) or (2, 3)");
-  CHECK(ml::join_text(std::vector<int>{1, 2}, ", ", [](int n) { return ml::concat_text("no. ", n); }) == "no. 1, no. 2");
+  CHECK(ml::join_text(std::vector<int>{1, 2}, ", ", [](int n) { return ml::concat_text("no. ", n); }) ==
+        "no. 1, no. 2");
 }
 
 TEST_CASE("a message begins with family and id") {

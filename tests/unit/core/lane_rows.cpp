@@ -73,5 +73,6 @@ struct All {
 }  // namespace
 
 TEST_CASE("rows into lanes and lanes into rows, whole and in part, in registers of every width") {
-  All<ml::Lane<float, 16>, ml::Lane<float>, ml::Lane<float, 64>, ml::Lane<double, 16>, ml::Lane<double>, ml::Lane<double, 64>>::check();
+  All<ml::Lane<float, 16>, ml::Lane<float>, ml::Lane<float, 64>, ml::Lane<double, 16>, ml::Lane<double>,
+      ml::Lane<double, 64>>::check();
 }

@@ -47,7 +47,8 @@ TEST_CASE(
   CHECK(tensors::distance(small(1, 0).generate(action, rng).rows, null) < 1e-12);
 }
 
-TEST_CASE("the published GRU, which runs over its batch, is asked for the motions with actions and without in two calls") {
+TEST_CASE(
+    "the published GRU, which runs over its batch, is asked for the motions with actions and without in two calls") {
   const auto mdm = small(1, 1, ml::MdmArch::gru);
   REQUIRE(mdm.denoiser.config.gru_over_batch);
   const std::vector<Index> actions{2, 0};

@@ -1,4 +1,5 @@
-// Schedules and respacing: end values, the published and the corrected noise, what is refused. The laws are in tests/laws.
+// Schedules and respacing: end values, the published and the corrected noise, what is refused. The laws are in
+// tests/laws.
 #include <motionlang/diffusion/gaussian.hpp>
 
 #include "../../support/check_error.hpp"

@@ -19,6 +19,6 @@ TEST_CASE("a sequence has a path in each release") {
   CHECK(ml::amass_paths("./HDM05/bd/a") == Paths{"./HDM05/bd/a", "./MPI_HDM05/bd/a"});
   CHECK(ml::amass_paths("SSM/a/MPI_Limits") ==
         Paths{"SSM/a/MPI_Limits", "SSM_synced/a/MPI_Limits", "SSM/a/PosePrior"});  // one direction at a time
-  CHECK(ml::amass_paths("KIT/3/SSM_walk.npz") == Paths{"KIT/3/SSM_walk.npz"});      // whole folders only
+  CHECK(ml::amass_paths("KIT/3/SSM_walk.npz") == Paths{"KIT/3/SSM_walk.npz"});     // whole folders only
   CHECK(ml::amass_paths("") == Paths{""});
 }

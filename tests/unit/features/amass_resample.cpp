@@ -7,8 +7,8 @@
 #include "../../support/lists.hpp"
 
 namespace ml = motionlang;
-using lists::view;
 using doctest::Approx, doctest::Contains;
+using lists::view;
 
 TEST_CASE("amass_resample: number of frames and where they lie") {
   // Frame i of the result stands at 3 i + 1 of the source: every third one, from the second.

@@ -11,8 +11,8 @@
 #include "../../support/synthetic_motion.hpp"
 
 namespace ml = motionlang;
-using lists::largest_difference, lists::largest_distance, lists::view;
 using doctest::Approx;
+using lists::largest_difference, lists::largest_distance, lists::view;
 
 namespace {
 

@@ -42,8 +42,8 @@ TEST_CASE("guoh3dfeats, also of another skeleton") {
 TEST_CASE("rifke, smplvelp and ACTOR's frames") {
   const auto rifke = ml::rifke_layout();
   CHECK(rifke.size == 67);
-  CHECK(rifke.ranges(spine) == Ranges{{7, 10}, {16, 19}, {25, 28}});                           // spine1, 2, 3
-  CHECK(rifke.ranges(legs) == Ranges{{0, 7}, {10, 16}, {19, 25}, {28, 34}, {64, 67}});         // height; turn and velocity
+  CHECK(rifke.ranges(spine) == Ranges{{7, 10}, {16, 19}, {25, 28}});                    // spine1, 2, 3
+  CHECK(rifke.ranges(legs) == Ranges{{0, 7}, {10, 16}, {19, 25}, {28, 34}, {64, 67}});  // height; turn and velocity
   CHECK(ml::rifke_layout(ml::smpl_part_of_joint).size == 73);
   const auto mmm = ml::rifke_layout(ml::kit_part_of_joint);
   CHECK(mmm.size == 64);
@@ -53,7 +53,8 @@ TEST_CASE("rifke, smplvelp and ACTOR's frames") {
   CHECK(velp.size == 135);
   CHECK(velp.ranges(legs).front() == ml::IndexRange{0, 21});  // the root's height and velocity, pelvis, hips
   CHECK(velp.ranges(head) == Ranges{{75, 81}, {93, 99}});
-  const auto quaternions = ml::smplvelp_layout(std::span(ml::smpl_part_of_joint).first<22>(), ml::PoseRepresentation::rotquat);
+  const auto quaternions =
+      ml::smplvelp_layout(std::span(ml::smpl_part_of_joint).first<22>(), ml::PoseRepresentation::rotquat);
   CHECK(quaternions.size == 3 + 4 * 22);
   const auto actor = ml::actor_layout();
   CHECK(actor.size == 150);

@@ -36,7 +36,8 @@ TEST_CASE("every feature vector gives the poses back") {
     const auto joints = f.joints_of(rows);
     REQUIRE(std::ssize(joints) == frames * f.joints);
     const auto n = static_cast<std::size_t>(f.joints);
-    const auto truth = n == 21 ? ml::retarget(motion, ml::kit21_skeleton()).positions() : ml::detail::first_joints(motion, n);
+    const auto truth =
+        n == 21 ? ml::retarget(motion, ml::kit21_skeleton()).positions() : ml::detail::first_joints(motion, n);
     for (const std::size_t frame : {std::size_t{0}, std::size_t{20}, std::size_t{37}}) {
       const auto a = spans(joints, frame, n), b = spans(truth, frame, n);
       for (std::size_t j = 0; j < n; ++j) {
@@ -53,8 +54,9 @@ TEST_CASE("every feature vector gives the poses back") {
     };
     CHECK(way(joints) == doctest::Approx(way(truth)).epsilon(f.name == "guoh3d" ? 0.2 : 1e-6));
     CHECK(joints[0].y == doctest::Approx(truth[0].y).epsilon(0.2));  // upright
-    const auto left = [n](std::span<const ml::Vec3<double>> p) {  // of the right hip, seen from behind
-      const auto across = p[n == 21 ? 11 : 1] - p[n == 21 ? 16 : 2], up = p[n == 21 ? 4 : 15] - p[0], ahead = p[37 * n] - p[0];
+    const auto left = [n](std::span<const ml::Vec3<double>> p) {     // of the right hip, seen from behind
+      const auto across = p[n == 21 ? 11 : 1] - p[n == 21 ? 16 : 2], up = p[n == 21 ? 4 : 15] - p[0],
+                 ahead = p[37 * n] - p[0];
       return ml::dot(ml::cross(up, ahead), across);
     };
     CHECK(left(truth) > 0);
@@ -200,17 +202,17 @@ TEST_CASE("the tables of meanings have the ranges and units of the publications"
     std::string_view begins, unit;
   };
   const std::vector<Published> published{
-      {"guoh3d", 0, {0, 1}, "half the turn", "rad/frame"},    // humanml3d-features.md 6
+      {"guoh3d", 0, {0, 1}, "half the turn", "rad/frame"},  // humanml3d-features.md 6
       {"guoh3d", 1, {1, 3}, "velocity of the root", "m/frame"},
       {"guoh3d", 4, {67, 193}, "rotation", "1"},
       {"guoh3d", 6, {259, 263}, "left ankle, left foot", "1"},
-      {"kit", 2, {3, 4}, "height of the root", "m/640"},      // there and 10
+      {"kit", 2, {3, 4}, "height of the root", "m/640"},  // there and 10
       {"kit", 5, {184, 247}, "velocity", "m/640/frame"},
-      {"rifke", 1, {1, 64}, "position", "m"},                 // tmr.md 4.1
+      {"rifke", 1, {1, 64}, "position", "m"},  // tmr.md 4.1
       {"rifke", 2, {64, 65}, "turn of the heading to the next frame", "rad/frame"},
       {"rifke64", 2, {61, 62}, "turn of the heading since the frame before", "rad/frame"},  // temos.md 4.1
       {"rifke64", 3, {62, 64}, "velocity of the root since", "m/640/frame"},
-      {"smplvelp", 1, {1, 3}, "velocity", "m/frame"},         // temos.md 4.2
+      {"smplvelp", 1, {1, 3}, "velocity", "m/frame"},  // temos.md 4.2
       {"smplvelp-published", 2, {3, 9}, "rotation in the world", "1"},
       {"smplrifke", 2, {3, 4}, "turn of the heading to the next frame", "rad/frame"},  // mdm.md 6
       {"smplrifke", 5, {136, 205}, "position relative to the pelvis", "m"},
@@ -237,7 +239,8 @@ TEST_CASE("rows and rates that are not finite are refused by every feature vecto
 }
 
 TEST_CASE("unknown names and other skeletons are refused") {
-  CHECK_ERROR(ml::motion_features("guo"), "[motionlang.config.103] motion_features: 'guo' is none of guoh3d, kit, rifke");
+  CHECK_ERROR(ml::motion_features("guo"),
+              "[motionlang.config.103] motion_features: 'guo' is none of guoh3d, kit, rifke");
   ml::Motion none;
   CHECK_ERROR(ml::motion_features("guoh3d").from_motion(none), "[motionlang.config.103]");
 }

@@ -10,8 +10,8 @@
 #include "../../support/synthetic_motion.hpp"
 
 namespace ml = motionlang;
-using lists::largest_difference, lists::largest_distance, lists::view;
 using doctest::Approx;
+using lists::largest_difference, lists::largest_distance, lists::view;
 using Joints = std::vector<ml::Vec3<double>>;
 
 namespace {
@@ -89,7 +89,8 @@ TEST_CASE("actor: there and back") {
         const ml::ActorFeatureOptions options{ml::parse_pose_representation(name), translation, global};
         const auto rows = ml::actor_frame_features(view(vectors), view(motion.root), 24, options);
         CHECK(std::ssize(rows) == 6 * ml::size(options.rotations) * (23 + (global ? 1 : 0) + (translation ? 1 : 0)));
-        CHECK(largest_difference(rows, ml::actor_frame_features(view(matrices), view(motion.root), 24, options)) < 1e-7);
+        CHECK(largest_difference(rows, ml::actor_frame_features(view(matrices), view(motion.root), 24, options)) <
+              1e-7);
         const auto back = ml::actor_inverse(view(rows), 24, options);
         REQUIRE(back.rotations.size() == matrices.size());
         REQUIRE(back.root.size() == 6);

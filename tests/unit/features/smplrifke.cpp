@@ -8,8 +8,8 @@
 #include "../../support/synthetic_motion.hpp"
 
 namespace ml = motionlang;
-using lists::view;
 using doctest::Approx, doctest::Contains;
+using lists::view;
 
 namespace {
 

@@ -101,7 +101,8 @@ TEST_CASE("almost opposite directions: the rotation is exact to what is near the
 TEST_CASE("distance and slerp have finite derivatives at equal rotations") {
   using D = ml::Dual<double>;
   const auto q = ml::from_axis_angle(ml::Vec3{0.6, 0.0, 0.8}, 0.7);
-  const ml::Quaternion<D> moving{D(q.w, 0.1), D(q.x, -0.2), D(q.y, 0.3), D(q.z, 0.4)}, still{D(q.w), D(q.x), D(q.y), D(q.z)};
+  const ml::Quaternion<D> moving{D(q.w, 0.1), D(q.x, -0.2), D(q.y, 0.3), D(q.z, 0.4)},
+      still{D(q.w), D(q.x), D(q.y), D(q.z)};
   CHECK(ml::distance(moving, still).value == 0);
   CHECK(ml::distance(moving, still).derivative == 0);
   const auto between = ml::slerp(still, still, D(0.3, 1.0));

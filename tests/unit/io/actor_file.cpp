@@ -1,4 +1,5 @@
-// Checkpoints of ACTOR and of its classifiers: sizes from shapes, options beside them, what is passed over, what is refused.
+// Checkpoints of ACTOR and of its classifiers: sizes from shapes, options beside them, what is passed over, what is
+// refused.
 #include <fstream>
 
 #include <motionlang/io/actor_file.hpp>
@@ -82,7 +83,8 @@ TEST_CASE("ACTOR: how long the motions were that a run learned from") {
   CHECK(longest({option("num_frames", 40), option("max_len", 100)}) == 40);
   CHECK(longest({option("num_frames", -2), option("min_len", 60), option("max_len", 100)}) == 100);
   CHECK(longest({option("num_frames", -1), option("max_len", 90)}) == 90);
-  CHECK(longest({option("num_frames", -1), option("max_len", -1)}) == 4998);  // 5000 positions, of which tokens have two
+  // 5000 positions, of which tokens have two
+  CHECK(longest({option("num_frames", -1), option("max_len", -1)}) == 4998);
   CHECK(longest({option("num_frames", -2)}) == 4998);
   CHECK(longest({option("num_frames", 9000)}) == 4998);
   for (const std::int64_t none : {-3, 0, 1})

@@ -158,10 +158,11 @@ TEST_CASE("a gender that was saved as an object of Python") {
   const std::string header = "{'descr': '|O', 'fortran_order': False, 'shape': (), }\n";
   const std::string_view version("\1\0", 2), behind("\0", 1);
   const auto file_with = [&](const std::string& element) {
-    const std::string npy = ml::concat_text("\x93NUMPY", version, static_cast<char>(header.size()), behind, header,
-                                            "cnumpy.core.multiarray\n_reconstruct\n(cnumpy\nndarray\n(I0\ntS'b'\ntR(I1\n(t"
-                                            "cnumpy\ndtype\n(S'O8'\nI0\nI1\ntRI00\n(",
-                                            element, "ltb.");
+    const std::string npy =
+        ml::concat_text("\x93NUMPY", version, static_cast<char>(header.size()), behind, header,
+                        "cnumpy.core.multiarray\n_reconstruct\n(cnumpy\nndarray\n(I0\ntS'b'\ntR(I1\n(t"
+                        "cnumpy\ndtype\n(S'O8'\nI0\nI1\ntRI00\n(",
+                        element, "ltb.");
     const std::vector<ml::NamedArray> arrays{{"poses.npy", matrix(2, 156)},
                                              {"trans.npy", matrix(2, 3)},
                                              {"mocap_framerate.npy", ml::NpyArray::scalar(59.0)}};
@@ -172,7 +173,8 @@ TEST_CASE("a gender that was saved as an object of Python") {
     return folder / "a.npz";
   };
   CHECK(ml::read_amass_sequence(file_with("S'female'\n")).gender == "female");
-  CHECK_THROWS_WITH_AS(ml::read_amass_sequence(file_with("I3\n")), doctest::Contains("a text expected, found"), ml::io_error);
+  CHECK_THROWS_WITH_AS(ml::read_amass_sequence(file_with("I3\n")), doctest::Contains("a text expected, found"),
+                       ml::io_error);
 }
 
 TEST_CASE("parameters of smplx: its names, betas for each frame, and a rate that the file does not say") {
@@ -230,7 +232,9 @@ TEST_CASE("parameters of smplx: its names, betas for each frame, and a rate that
 TEST_CASE("poses in parts are those of one array") {
   const TemporaryFolder folder;
   std::vector<double> root(2 * 3, 1), body(2 * 63, 2), hands(2 * 90, 3);
-  const auto array = [](const std::vector<double>& v) { return ml::NpyArray::of(std::span<const double>(v), {2, std::ssize(v) / 2}); };
+  const auto array = [](const std::vector<double>& v) {
+    return ml::NpyArray::of(std::span<const double>(v), {2, std::ssize(v) / 2});
+  };
   std::vector<ml::NamedArray> arrays{{"root_orient", array(root)},
                                      {"pose_body", array(body)},
                                      {"pose_hand", array(hands)},
@@ -240,10 +244,12 @@ TEST_CASE("poses in parts are those of one array") {
   CHECK(ml::amass_poses(ml::NpzArchive::open(folder / "a.npz")) == "root_orient");
   const ml::AmassSequence s = ml::read_amass_sequence(folder / "a.npz");
   REQUIRE((s.frames == 2 && s.columns == 156 && s.poses.size() == 2 * 156));
-  CHECK((s.poses[156] == 1 && s.poses[156 + 3] == 2 && s.poses[156 + 65] == 2 && s.poses[156 + 66] == 3 && s.poses.back() == 3));
+  CHECK((s.poses[156] == 1 && s.poses[156 + 3] == 2 && s.poses[156 + 65] == 2 && s.poses[156 + 66] == 3 &&
+         s.poses.back() == 3));
   arrays[2].array = matrix(3, 90);
   ml::write_npz(folder / "b.npz", arrays);
-  CHECK_THROWS_WITH_AS(ml::read_amass_sequence(folder / "b.npz"), doctest::Contains("parts of the poses have 2 and 3 rows"), ml::io_error);
+  CHECK_THROWS_WITH_AS(ml::read_amass_sequence(folder / "b.npz"),
+                       doctest::Contains("parts of the poses have 2 and 3 rows"), ml::io_error);
   arrays = {
       {"root_orient", {'f', 8, {0, INT64_MAX}, {}}}, {"pose_body", {'f', 8, {0, 63}, {}}}, {"trans", matrix(0, 3)}};
   ml::write_npz(folder / "c.npz", arrays);

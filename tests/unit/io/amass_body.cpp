@@ -56,7 +56,8 @@ TEST_CASE("the vertices are those of the model, turned to Y up") {
     REQUIRE(a.size() == b.size());
     double worst = 0;
     for (std::size_t i = 0; i < a.size(); i += 3)
-      worst = std::max(worst, norm(ml::z_up_to_y_up({a[i], a[i + 1], a[i + 2]}) - ml::Vec3<double>{b[i], b[i + 1], b[i + 2]}));
+      worst = std::max(worst,
+                       norm(ml::z_up_to_y_up({a[i], a[i + 1], a[i + 2]}) - ml::Vec3<double>{b[i], b[i + 1], b[i + 2]}));
     CHECK(worst < 1e-9);
   }
 }
@@ -81,13 +82,15 @@ TEST_CASE("parts are found by their joints, and what a body does not have is nam
   CHECK(on_smpl.left_out == Names{"left hand", "right hand"});
   CHECK(ml::amass_on_body(sequence_of(72), "s", body_of(ml::BodyKind::smplh)).left_out == Names{"hands"});
   CHECK(ml::amass_on_body(sequence_of(66), "b", body_of(ml::BodyKind::smplh)).left_out.empty());
-  CHECK(ml::amass_on_body(sequence_of(69), "o", body_of(ml::BodyKind::smplh)).left_out == Names{"joints after the 22nd"});
+  CHECK(ml::amass_on_body(sequence_of(69), "o", body_of(ml::BodyKind::smplh)).left_out ==
+        Names{"joints after the 22nd"});
 }
 
 TEST_CASE("a hand of zeros is none: it keeps the mean pose of the body's") {
   auto body = body_of(ml::BodyKind::smplh);
   const auto mean = synthetic::wave(3, 45);
-  body.left_hand = body.right_hand = ml::HandPoses<B>{ml::Tensor<B, 2>::zeros({1, 45}), ml::Tensor<B, 1>::from(mean, {45})};
+  body.left_hand = body.right_hand =
+      ml::HandPoses<B>{ml::Tensor<B, 2>::zeros({1, 45}), ml::Tensor<B, 1>::from(mean, {45})};
   auto sequence = sequence_of(156);
   for (Index f = 0; f < frames; ++f) std::fill_n(sequence.poses.begin() + f * 156 + 66, 45, 0.0);
   const auto clip = ml::amass_on_body(sequence, "a", body);
@@ -107,5 +110,6 @@ TEST_CASE("betas: as many as both have; what is refused") {
   CHECK_ERROR(ml::amass_on_body(sequence, "a", body), "'right_thumb3' in frame 0 is not finite");
   ml::Body<B> other;
   other.model = synthetic::body<B>();
-  CHECK_ERROR(ml::amass_on_body(sequence, "a", other), "[motionlang.config.106] amass_on_body: a body of 4 joints is none of SMPL");
+  CHECK_ERROR(ml::amass_on_body(sequence, "a", other),
+              "[motionlang.config.106] amass_on_body: a body of 4 joints is none of SMPL");
 }

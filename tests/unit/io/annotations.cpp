@@ -196,7 +196,8 @@ TEST_CASE("annotations: the published ones of KIT-ML") {
   CHECK(most == 19);
   CHECK(mirrored == 5766 / 2);
   CHECK(compared == 12164 / 2);
-  // The published texts are exchanged inside of words, too: "upright" is "upleft", "degreeleftwards" is "degreerightwards".
+  // The published texts are exchanged inside of words, too: "upright" is "upleft", "degreeleftwards" is
+  // "degreerightwards".
   MESSAGE("captions mirrored otherwise than published: ", compared - same, " of ", compared);
   CHECK(compared - same == 9);
   const bool same_bytes = ml::annotations_json(motions) == ml::read_file(folder / "kitml-annotations.json");

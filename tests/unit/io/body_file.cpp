@@ -70,7 +70,9 @@ TEST_CASE("fewer coefficients of shape are the first ones") {
   CHECK(distance(body.model.shapedirs, ml::slice(synthetic::body<B>().shapedirs, 1, 0, 1)) < 1e-15);
   CHECK(BodyFolder().read(tiny(), {.betas = 0}).model.shapedirs.shape() == ml::Shape{15, 0});
   CHECK_ERROR(BodyFolder().read(tiny(), {.betas = 3}), "[motionlang.config.101]");
-  const auto coefficients = [](const ml::BodyFileOptions& o) { return BodyFolder().read(tiny(), o).model.shapedirs.size(1); };
+  const auto coefficients = [](const ml::BodyFileOptions& o) {
+    return BodyFolder().read(tiny(), o).model.shapedirs.size(1);
+  };
   CHECK(coefficients({.betas = 0, .most_betas = 1}) == 1);
   CHECK(coefficients({.betas = 1, .most_betas = 16}) == 2);
   CHECK(coefficients({.betas = 2, .most_betas = 1}) == 2);
@@ -119,7 +121,7 @@ TEST_CASE("hands") {
 TEST_CASE("hands from MANO's own files") {
   const BodyFolder folder;
   ml::write_npz(folder / "MANO_LEFT.npz", {{{"hands_components", array(numbers(90), {2, 45})},
-                                           {"hands_mean", array(synthetic::wave(3, 45), {45})}}});
+                                            {"hands_mean", array(synthetic::wave(3, 45), {45})}}});
   auto body = folder.read(chain(52, 2, 10), {.betas = 10});
   CHECK(!body.left_hand);
   body.left_hand = ml::read_hand<B>(folder / "MANO_LEFT.npz");

@@ -209,7 +209,8 @@ TEST_CASE("BVH: written for the strictest reader") {
   for (const auto& node : nodes) {
     ends += node.end_site ? 1 : 0;
     if (node.end_site)
-      CHECK(ml::norm(node.offset) == Approx(std::min(10.0, ml::norm(nodes[static_cast<std::size_t>(node.parent)].offset))));
+      CHECK(ml::norm(node.offset) ==
+            Approx(std::min(10.0, ml::norm(nodes[static_cast<std::size_t>(node.parent)].offset))));
   }
   for (int j = 0; j < walk.skeleton.size(); ++j) leaves += walk.skeleton.children(j).empty() ? 1 : 0;
   CHECK(ends == leaves);
@@ -296,7 +297,8 @@ TEST_CASE("BVH: where bones end is kept, mirrored and scaled with the clip; a ch
   check_equal(ml::to_bvh(motion, {.end_length = 0.5}).nodes[2].offset, {0, 10, 0});  // not longer than the bone before
   motion.skeleton.ends.resize(1);
   CHECK_THROWS_WITH_AS(motion.validate(), doctest::Contains("1 ends of 2 joints"), ml::config_error);
-  CHECK_THROWS_WITH_AS(ml::parse_bvh(with(two_joints, "Zrotation Xrotation Yrotation\n  JOINT", "Zrotation Xrotation Xrotation\n  JOINT")),
+  CHECK_THROWS_WITH_AS(ml::parse_bvh(with(two_joints, "Zrotation Xrotation Yrotation\n  JOINT",
+                                          "Zrotation Xrotation Xrotation\n  JOINT")),
                        doctest::Contains("joint 'hips' has a channel twice"), ml::io_error);
 }
 
@@ -392,12 +394,13 @@ TEST_CASE("BVH: a small file cannot ask for much memory, nor for numbers that ov
 
 TEST_CASE("BVH: every way to write a number gives the double nearest to it") {
   auto value = [](const std::string& number) {
-    return ml::parse_bvh("HIERARCHY ROOT r { OFFSET 0 0 0 CHANNELS 1 Yposition } MOTION Frames: 1 Frame Time: 1 " + number)
+    return ml::parse_bvh("HIERARCHY ROOT r { OFFSET 0 0 0 CHANNELS 1 Yposition } MOTION Frames: 1 Frame Time: 1 " +
+                         number)
         .values.at(0);
   };
-  for (const char* number : {"0.1", "-0.1", "179.999999", "5.", ".5", "-.5", "007", "123456789012345", "1234567890.12345",
-                             "0.000000000000001", "1234567890123456", "0.12345678901234567890", "1e-3", "-2.5E+2",
-                             "9007199254740993", "72057594037927945.5"}) {
+  for (const char* number : {"0.1", "-0.1", "179.999999", "5.", ".5", "-.5", "007", "123456789012345",
+                             "1234567890.12345", "0.000000000000001", "1234567890123456", "0.12345678901234567890",
+                             "1e-3", "-2.5E+2", "9007199254740993", "72057594037927945.5"}) {
     CAPTURE(number);
     CHECK(value(number) == std::strtod(number, nullptr));
   }

@@ -208,7 +208,8 @@ TEST_CASE("what cannot be drawn is an error") {
   ml::Motion motion = synthetic::walk({.frames = 2});
   CHECK_THROWS_WITH_AS(ml::film_strip_svg(motion, {}, {.width = 10}), doctest::Contains("101"), ml::config_error);
   const std::vector<ml::Track> never{{"walk", std::nan(""), 1}};
-  CHECK_THROWS_WITH_AS(ml::film_strip_svg(motion, never), doctest::Contains("film strip: track 'walk'"), ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::film_strip_svg(motion, never), doctest::Contains("film strip: track 'walk'"),
+                       ml::config_error);
   CHECK_THROWS_WITH_AS(ml::film_strip_svg(motion, {}, {.width = INFINITY}), doctest::Contains("film strip: width inf"),
                        ml::config_error);
   ml::Motion far = motion;

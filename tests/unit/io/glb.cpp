@@ -133,9 +133,14 @@ TEST_CASE("the frame rate is that of the keys, where they are at frames") {
     std::vector<float> times, others;  // of the arm, of its hand
     double rate;
   };
-  for (const auto& keys : {Keys{{0, 0.05F, 0.1F, 0.15F}, {0, 0.15F}, 20}, {{0, 0.05F, 0.1F, 0.15F}, {0.07F}, 30},
-                           {{0, 0.05F, 0.1F}, {0.15F}, 30}, {{0, 0.05F, 0.15F}, {0}, 30}, {{0, 0.5F, 1}, {0}, 30},
-                           {{0, 1e-4F}, {0}, 30}, {{0.05F, 0.1F, 0.15F}, {0.15F}, 30}, {{0}, {0}, 30}}) {
+  for (const auto& keys : {Keys{{0, 0.05F, 0.1F, 0.15F}, {0, 0.15F}, 20},
+                           {{0, 0.05F, 0.1F, 0.15F}, {0.07F}, 30},
+                           {{0, 0.05F, 0.1F}, {0.15F}, 30},
+                           {{0, 0.05F, 0.15F}, {0}, 30},
+                           {{0, 0.5F, 1}, {0}, 30},
+                           {{0, 1e-4F}, {0}, 30},
+                           {{0.05F, 0.1F, 0.15F}, {0.15F}, 30},
+                           {{0}, {0}, 30}}) {
     Builder b = two_joints();
     b.document.erase("animations");
     const auto animate = [&](int node, const std::vector<float>& times) {
@@ -528,8 +533,11 @@ TEST_CASE("hostile documents") {
   refused([](json& d) { d["bufferViews"][1]["byteOffset"] = 18446744073709551600ull; }, "402");
   refused([](json& d) { d["bufferViews"][1]["byteStride"] = 4; }, "403");
   refused([](json& d) { d["bufferViews"][1]["buffer"] = 1; }, "no element 1 among 1");
-  refused([](json& d) { d["bufferViews"][1]["buffer"] = 1, d["buffers"].push_back({{"byteLength", 40}}); },
-          "buffers[1]: the buffer is not in this file");
+  refused(
+      [](json& d) {
+        d["bufferViews"][1]["buffer"] = 1, d["buffers"].push_back({{"byteLength", 40}});
+      },
+      "buffers[1]: the buffer is not in this file");
   refused([](json& d) { d["buffers"][0]["uri"] = "http://example.org/"; }, "404");
   refused([](json& d) { d["buffers"][0]["uri"] = "data:application/octet-stream,AAAA"; }, "404");
   refused([](json& d) { d["buffers"][0]["uri"] = "data:;base64,AA*A"; }, "buffers[0]: character 2 is not of base64");

@@ -142,7 +142,8 @@ TEST_CASE("the bones of a VRM avatar are those that the file names, not its node
   }
   zero["extensions"]["VRM"]["humanoid"]["humanBones"].push_back({{"bone", "jaw"}, {"node", -1}});
   const auto walk = synthetic::walk({.frames = 11});
-  const auto plain = ml::GlbFile(rig_of(rigs::glb_of(skeleton)).with(std::span(&walk, 1)), "plain").motion("walk", walk.fps);
+  const auto plain =
+      ml::GlbFile(rig_of(rigs::glb_of(skeleton)).with(std::span(&walk, 1)), "plain").motion("walk", walk.fps);
   for (const auto& document : {one, zero}) {
     const auto rig = rig_of(ml::detail::glb_file(document.dump(), {binary.begin(), binary.end()}));
     CHECK(rig.table().name == "VRM");
@@ -154,7 +155,8 @@ TEST_CASE("the bones of a VRM avatar are those that the file names, not its node
     CHECK(synthetic::largest_distance(moved, plain) < 1e-9);
   }
   one["extensions"]["VRMC_vrm"]["humanoid"]["humanBones"]["hips"]["node"] = 999;
-  CHECK_ERROR(rig_of(ml::detail::glb_file(one.dump(), {binary.begin(), binary.end()})), "humanBones.hips.node: node 999 of ");
+  CHECK_ERROR(rig_of(ml::detail::glb_file(one.dump(), {binary.begin(), binary.end()})),
+              "humanBones.hips.node: node 999 of ");
 }
 
 TEST_CASE("several skins: the one with a body is taken") {

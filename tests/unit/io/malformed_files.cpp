@@ -1,4 +1,5 @@
-// The malformed files of the golden cases: each is refused for what is wrong with it, not for something that it only looks like.
+// The malformed files of the golden cases: each is refused for what is wrong with it, not for something that it only
+// looks like.
 #include <map>
 
 #include <motionlang/io/weight_file.hpp>
@@ -9,7 +10,8 @@ namespace ml = motionlang;
 
 namespace {
 
-const std::filesystem::path folder = std::filesystem::path(__FILE__).parent_path() / "../../golden/cases/containers/malformed";
+const std::filesystem::path folder =
+    std::filesystem::path(__FILE__).parent_path() / "../../golden/cases/containers/malformed";
 
 struct Reason {
   int id;
@@ -22,7 +24,8 @@ const std::map<std::string, Reason> reasons{
     {"legacy_os_system.pt", {404, "names posix.system: the file tries to execute code at byte 315 (GLOBAL)"}},
     {"legacy_truncated_pickle.pt", {402, "ends inside integer at byte 119 (BININT1)"}},
     {"legacy_truncated_storage.pt", {402, "a storage needs 24 bytes at byte 339, the file has 358"}},
-    {"legacy_wrong_magic.pt", {404, "not the magic number of PyTorch's older files, although pickles follow it, at byte 2 (LONG1)"}},
+    {"legacy_wrong_magic.pt",
+     {404, "not the magic number of PyTorch's older files, although pickles follow it, at byte 2 (LONG1)"}},
     {"npy_header_too_long.npy", {402, "npy header needs 60000 bytes at byte 10, the file has 176"}},
     {"npy_magic.npy", {404, "not a file of weights: neither safetensors, PyTorch, NumPy, nor a pickle"}},
     {"npy_negative_shape.npy", {403, "npy header: a size that is not negative expected at byte 61"}},
@@ -49,12 +52,15 @@ const std::map<std::string, Reason> reasons{
     {"pt_missing_storage.pt", {403, "storage '0' is not in the file at byte 109 (BINPERSID)"}},
     {"pt_negative_stride.pt", {405, "a tensor with a negative size or stride at byte 126 (TUPLE2)"}},
     {"pt_no_pickle.pt", {403, "a zip archive without data.pkl (PyTorch) and .npy (NumPy)"}},
-    {"pt_offset_out_of_range.pt", {405, "a tensor of shape (2, 3) reaches behind the end of its storage at byte 161 (REDUCE)"}},
+    {"pt_offset_out_of_range.pt",
+     {405, "a tensor of shape (2, 3) reaches behind the end of its storage at byte 161 (REDUCE)"}},
     {"pt_os_system.pt", {404, "names posix.system: the file tries to execute code at byte 169 (GLOBAL)"}},
     {"pt_pickle_cut.pt", {402, "a line without end at byte 64 (GLOBAL)"}},
     {"pt_short_storage.pt", {405, "storage '0' has 20 bytes, not 6 times 4 at byte 109 (BINPERSID)"}},
-    {"pt_size_out_of_range.pt", {405, "a tensor of shape (64, 3) reaches behind the end of its storage at byte 161 (REDUCE)"}},
-    {"pt_stride_out_of_range.pt", {405, "a tensor of shape (2, 3) reaches behind the end of its storage at byte 161 (REDUCE)"}},
+    {"pt_size_out_of_range.pt",
+     {405, "a tensor of shape (64, 3) reaches behind the end of its storage at byte 161 (REDUCE)"}},
+    {"pt_stride_out_of_range.pt",
+     {405, "a tensor of shape (2, 3) reaches behind the end of its storage at byte 161 (REDUCE)"}},
     {"pt_truncated.pt", {403, "no end record of a zip archive from byte 0 on: not a zip, or cut off"}},
     {"pt_wrong_crc.pt", {403, "data.pkl at byte 64: checksum 2415502470, the directory says 2415502457"}},
     {"st_bad_dtype.safetensors", {404, "byte 22: unknown dtype 'Q32'"}},

@@ -1,4 +1,5 @@
-// Model folders of ours: what is written comes back, nothing half written stays, wrong entries are named with both values.
+// Model folders of ours: what is written comes back, nothing half written stays, wrong entries are named with both
+// values.
 #include <motionlang/io/model_folder.hpp>
 #include <motionlang/io/module_file.hpp>
 #include <motionlang/io/weight_file.hpp>
@@ -13,7 +14,8 @@ namespace {
 
 ml::ModelFolder sample() {
   ml::ModelFolder m;
-  m.system = "stmc", m.license = "MIT", m.provenance = "drawn at random", m.features = "smplrifke", m.text_encoder = "clip";
+  m.system = "stmc", m.license = "MIT", m.provenance = "drawn at random", m.features = "smplrifke",
+  m.text_encoder = "clip";
   m.fps = 12.5;
   m.config["diffusion"]["denoiser"]["latent_dim"] = 32;
   m.others["commit"] = "abc";
@@ -67,7 +69,8 @@ TEST_CASE("nothing is overwritten, and nothing half written stays") {
 
 TEST_CASE("who gets a model has to know its licence and where it comes from") {
   const TemporaryFolder folder;
-  for (std::string ml::ModelFolder::*member : {&ml::ModelFolder::license, &ml::ModelFolder::provenance, &ml::ModelFolder::system}) {
+  for (std::string ml::ModelFolder::*member :
+       {&ml::ModelFolder::license, &ml::ModelFolder::provenance, &ml::ModelFolder::system}) {
     ml::ModelFolder m = sample();
     m.*member = "";
     CHECK_ERROR(ml::write_model_folder(folder / "model", m, tensors().views()), "is empty");
@@ -93,8 +96,10 @@ TEST_CASE("wrong entries are named with file, key and both values") {
   refused(R"({"format": "motionlang", "system": 3})", "m/config.json: system: expected a string, found number");
   refused(R"({"format": "motionlang", "system": "stmc"})", "has no member 'config'");
   refused(R"({"format": "motionlang", "system": "stmc", "config": []})", "config: expected an object");
-  refused(R"({"format": "motionlang", "system": "stmc", "fps": 0, "config": {}})", "m/config.json: fps is 0, not in (0, 1000]");
-  refused(R"({"format": "motionlang", "system": "stmc", "fps": "20", "config": {}})", "fps: expected a number, found string");
+  refused(R"({"format": "motionlang", "system": "stmc", "fps": 0, "config": {}})",
+          "m/config.json: fps is 0, not in (0, 1000]");
+  refused(R"({"format": "motionlang", "system": "stmc", "fps": "20", "config": {}})",
+          "fps: expected a number, found string");
   const TemporaryFolder folder;
   CHECK_ERROR(ml::read_model_folder(folder.path), "[motionlang.io.401]");
 }

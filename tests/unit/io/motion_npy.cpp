@@ -124,7 +124,8 @@ TEST_CASE("arrays from files; what is refused") {
     CAPTURE(width);
     std::vector<double> features(static_cast<std::size_t>(4 * width));
     features.back() = std::numeric_limits<double>::infinity();
-    const std::string place = ml::concat_text("[motionlang.numeric.301] array: number ", width - 1, " of frame 3 is not finite");
+    const std::string place =
+        ml::concat_text("[motionlang.numeric.301] array: number ", width - 1, " of frame 3 is not finite");
     CHECK_ERROR(ml::motion_from_array(rows_of(features, width)), place.c_str());
   }
 }

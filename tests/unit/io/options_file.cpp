@@ -92,12 +92,15 @@ TEST_CASE("whole numbers of more than 64 bits are their digits") {
 }
 
 TEST_CASE("YAML: long texts that programs fold, a byte order mark, numbers that no number can hold") {
-  CHECK(listed("a:\n  note: one two\n    three\n    four\n  b: 2\nc: 'it''s\n  long'\n") == "a/note=one two three four;a/b=2;c=it's long;");
+  CHECK(listed("a:\n  note: one two\n    three\n    four\n  b: 2\nc: 'it''s\n  long'\n") ==
+        "a/note=one two three four;a/b=2;c=it's long;");
   CHECK(listed("- one\n  two\n- 3\n") == "0=one two;1=3;");
   CHECK_ERROR(ml::parse_options("a: 1\n  2\n", "x"), "[motionlang.io.403] x:2");
   CHECK_ERROR(ml::parse_options("a: [1,\n  2]\n", "x"), "[motionlang.io.403] x:2");
-  CHECK(listed("\xEF\xBB\xBF" "activation: relu\n") == "activation=relu;");
-  CHECK(listed("\xEF\xBB\xBF" "{\"a\": 1}") == "a=1;");
+  CHECK(listed("\xEF\xBB\xBF"
+               "activation: relu\n") == "activation=relu;");
+  CHECK(listed("\xEF\xBB\xBF"
+               "{\"a\": 1}") == "a=1;");
   CHECK(listed("a: 12e45678\nb: 99999999999999999999999x\n") == "a=12e45678;b=99999999999999999999999x;");
 }
 

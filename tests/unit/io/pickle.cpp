@@ -1,4 +1,5 @@
-// The pickle reader: values of every protocol, and files that must be refused. The files are made by tests/tools/make_pickles.py.
+// The pickle reader: values of every protocol, and files that must be refused. The files are made by
+// tests/tools/make_pickles.py.
 #include <motionlang/io/pickle_arrays.hpp>
 
 #include "../../support/check_error.hpp"
@@ -22,15 +23,16 @@ using namespace std::string_view_literals;
 template <class T>
 std::string array(const char* type, const std::vector<T>& values) {
   const std::string_view raw(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
-  return ml::concat_text("cnumpy.core.numeric\n_frombuffer\n(C", static_cast<char>(raw.size()), raw, "cnumpy\ndtype\n(S'", type,
-                         "'\ntR(I", values.size(), "\ntS'C'\ntR");
+  return ml::concat_text("cnumpy.core.numeric\n_frombuffer\n(C", static_cast<char>(raw.size()), raw,
+                         "cnumpy\ndtype\n(S'", type, "'\ntR(I", values.size(), "\ntS'C'\ntR");
 }
 std::string places(const std::vector<std::int32_t>& values) { return array("<i4", values); }
 const std::string four = array<double>("<f8", {1, 2, 4, 8});
 
 /// A matrix of SciPy with 2 rows and 3 columns, and its arrays.
 std::string sparse(const std::string& type, const std::vector<std::pair<std::string, std::string>>& arrays) {
-  std::string text = ml::concat_text("cscipy.sparse._", type.substr(0, 3), "\n", type, "\n)\x81(dS'_shape'\n(I2\nI3\nts");
+  std::string text =
+      ml::concat_text("cscipy.sparse._", type.substr(0, 3), "\n", type, "\n)\x81(dS'_shape'\n(I2\nI3\nts");
   for (const auto& [name, opcodes] : arrays) text += ml::concat_text("S'", name, "'\n", opcodes, "s");
   return text + "b.";
 }
@@ -129,11 +131,13 @@ TEST_CASE("a list of allowed names") {
   constexpr std::string_view allowed[] = {"numpy.", "collections.OrderedDict"};
   CHECK(parse("cnumpy.core\nx\n.", {.allowed = allowed}).root().name() == "numpy.core.x");
   CHECK(parse("ccollections\nOrderedDict\n.", {.allowed = allowed}).root().is(PickleKind::name));
-  CHECK_ERROR(parse("ccollections\nOrderedDic\n.", {.allowed = allowed}), "which is not allowed here at byte 0 (GLOBAL)");
+  CHECK_ERROR(parse("ccollections\nOrderedDic\n.", {.allowed = allowed}),
+              "which is not allowed here at byte 0 (GLOBAL)");
 }
 
 TEST_CASE("what executes code is refused") {
-  CHECK_ERROR(ml::Pickle::open(sample("os_system.pkl")), "posix.system: the file tries to execute code at byte 2 (GLOBAL)");
+  CHECK_ERROR(ml::Pickle::open(sample("os_system.pkl")),
+              "posix.system: the file tries to execute code at byte 2 (GLOBAL)");
   CHECK_ERROR(ml::Pickle::open(sample("eval_p0.pkl")), "__builtin__.eval: the file tries to execute code");
   CHECK_ERROR(parse("\x80\x04\x8c\x0asubprocess\x8c\x05Popen\x93."),
               "[motionlang.io.404] x.pkl: pickle: names subprocess.Popen");
@@ -144,7 +148,8 @@ TEST_CASE("damaged files are refused with the place") {
   auto refuse = [](std::string_view bytes, const char* text) { CHECK_ERROR(parse(bytes), text); };
   refuse("", "[motionlang.io.402] x.pkl: pickle: ends inside opcode at byte 0");
   refuse("M\x01", "[motionlang.io.402] x.pkl: pickle: ends inside integer at byte 0 (BININT2)");
-  refuse("NX\x09\0\0\0abc"sv, "[motionlang.io.402] x.pkl: pickle: text of 9 bytes where 3 are left at byte 1 (BINUNICODE)");
+  refuse("NX\x09\0\0\0abc"sv,
+         "[motionlang.io.402] x.pkl: pickle: text of 9 bytes where 3 are left at byte 1 (BINUNICODE)");
   refuse(".", "[motionlang.io.403] x.pkl: pickle: nothing on the stack at byte 0 (STOP)");
   refuse("K\x01(.", "nothing on the stack at byte 3 (STOP)");
   refuse("h\x05.", "[motionlang.io.403] x.pkl: pickle: memo 5 was never written at byte 0 (BINGET)");
@@ -171,7 +176,8 @@ TEST_CASE("damaged files are refused with the place") {
   refuse("X\x02\0\0\0\xff\xfe."sv, "not UTF-8");
   refuse("I5", "[motionlang.io.402] x.pkl: pickle: a line without end");
   refuse("T\xff\xff\xff\xff.", "a negative length");
-  refuse("\x95\xff\0\0\0\0\0\0\0N."sv, "[motionlang.io.402] x.pkl: pickle: a frame of 255 bytes where 2 are left at byte 0 (FRAME)");
+  refuse("\x95\xff\0\0\0\0\0\0\0N."sv,
+         "[motionlang.io.402] x.pkl: pickle: a frame of 255 bytes where 2 are left at byte 0 (FRAME)");
   refuse("c_codecs\nencode\n(X\x03\0\0\0\xe2\x98\x83X\x06\0\0\0latin1tR."sv, "bytes outside Latin-1");
   refuse("c_codecs\nencode\n(X\x01\0\0\0aX\x06\0\0\0rot_13tR."sv, "an encoding other than Latin-1");
   CHECK_ERROR(ml::Pickle::open(sample("huge_text.pkl")), "[motionlang.io.402]");
@@ -207,7 +213,8 @@ TEST_CASE("sparse matrices: as a list of entries, which may name a place twice, 
   CHECK(dense(sparse("coo_matrix", {{"row", row}, {"col", column}, {"data", four}})) == full);
   CHECK(dense(sparse("coo_array", {{"coords", "(" + row + column + "t"}, {"data", four}})) == full);
   CHECK(dense(sparse("csr_array", {{"indptr", places({0, 2, 4})}, {"indices", column}, {"data", four}})) == full);
-  CHECK(dense(sparse("csc_matrix", {{"indptr", places({0, 3, 3, 4})}, {"indices", places({0, 1, 1, 0})}, {"data", four}})) ==
+  CHECK(dense(sparse("csc_matrix",
+                     {{"indptr", places({0, 3, 3, 4})}, {"indices", places({0, 1, 1, 0})}, {"data", four}})) ==
         std::vector<double>{1, 0, 8, 6, 0, 0});
 
   const auto refused = [](const std::string& bytes, const char* text) {
@@ -218,7 +225,8 @@ TEST_CASE("sparse matrices: as a list of entries, which may name a place twice, 
   refused(sparse("coo_matrix", {{"row", places({0, -1, 1, 1})}, {"col", column}, {"data", four}}), "entry -1, 2");
   refused(sparse("coo_matrix", {{"row", row}, {"col", places({0})}, {"data", four}}), "arrays do not fit together");
   refused(sparse("coo_matrix", {{"row", row}, {"data", four}}), "[motionlang.io.406] x.pkl: no entry 'col'");
-  refused(sparse("csr_matrix", {{"indptr", places({0, 2, 3})}, {"indices", column}, {"data", four}}), "do not fit together");
+  refused(sparse("csr_matrix", {{"indptr", places({0, 2, 3})}, {"indices", column}, {"data", four}}),
+          "do not fit together");
   refused(sparse("csr_matrix", {{"indptr", places({0, 2, 4})}, {"indices", places({0, 2, 0})}, {"data", four}}),
           "do not fit together");
   refused(sparse("lil_matrix", {}), "[motionlang.io.404] x.pkl: a sparse matrix of class scipy.sparse._lil.lil_matrix");
@@ -227,7 +235,8 @@ TEST_CASE("sparse matrices: as a list of entries, which may name a place twice, 
 TEST_CASE("a value of another kind, an entry that is missing") {
   const auto file = parse("\x80\x02}X\x01\0\0\0aK\x01s."sv);
   CHECK_ERROR(file.root()["b"], "[motionlang.io.406] x.pkl: no entry 'b' in the dictionary at byte 2");
-  CHECK_ERROR(file.root()["a"].text(), "[motionlang.io.407] x.pkl: a text expected, found a whole number at byte 9 (BININT1)");
+  CHECK_ERROR(file.root()["a"].text(),
+              "[motionlang.io.407] x.pkl: a text expected, found a whole number at byte 9 (BININT1)");
   CHECK_ERROR(file.root().integer(), "found a dictionary");
   CHECK_ERROR(file.root()[0], "[motionlang.io.407]");
   CHECK_ERROR(file.root()["a"].state(), "[motionlang.io.407]");

@@ -1,6 +1,6 @@
-// What was written is read again, on real motions: BVH, GLB, AMASS and joint positions of every .bvh and .amc file and of every
-// animation of every .glb file below the folder that the environment variable MOTIONLANG_MOTIONS names. The motions are not part of the
-// repository.
+// What was written is read again, on real motions: BVH, GLB, AMASS and joint positions of every .bvh and .amc file and
+// of every animation of every .glb file below the folder that the environment variable MOTIONLANG_MOTIONS names. The
+// motions are not part of the repository.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -64,7 +64,8 @@ double table_difference(const fs::path& path) {
   return again.nodes.size() == file.nodes.size() ? worst : std::numeric_limits<double>::infinity();
 }
 
-/// The motions of a file: none of other files, of .amc without the .asf of their subject and of a character without animations.
+/// The motions of a file: none of other files, of .amc without the .asf of their subject and of a character without
+/// animations.
 std::vector<ml::Motion> read(const fs::path& path) {
   std::vector<ml::Motion> motions;
   const std::string stem = path.stem().string();
@@ -102,7 +103,8 @@ struct RoundTrips {
     amass.add(difference(body, ml::read_amass(temporary / "m.npz").motion, body_joints()));
 
     ml::write_joints_npy(temporary / "m.npy", motion);
-    joints = std::max(joints, lists::largest_distance(motion.positions(), ml::read_joints_npy(temporary / "m.npy").positions));
+    joints = std::max(joints,
+                      lists::largest_distance(motion.positions(), ml::read_joints_npy(temporary / "m.npy").positions));
   }
 };
 
@@ -126,14 +128,15 @@ TEST_CASE("round trips: every motion of a folder") {
     }
     if (entry.path().extension() == ".bvh") r.table = std::max(r.table, table_difference(entry.path()));
   }
-  MESSAGE(r.motions, " motions of ", r.files, " files; BVH tables: ", r.table, " units or degrees; BVH motions: ", r.bvh.degrees,
-          " degrees, ", 100 * r.bvh.metres, " units; GLB: ", r.glb.degrees, " degrees, ", r.glb.metres, " m; AMASS: ", r.amass.degrees,
-          " degrees, ", r.amass.metres, " m; joints: ", r.joints, " m");
+  MESSAGE(r.motions, " motions of ", r.files, " files; BVH tables: ", r.table,
+          " units or degrees; BVH motions: ", r.bvh.degrees, " degrees, ", 100 * r.bvh.metres,
+          " units; GLB: ", r.glb.degrees, " degrees, ", r.glb.metres, " m; AMASS: ", r.amass.degrees, " degrees, ",
+          r.amass.metres, " m; joints: ", r.joints, " m");
   CHECK(r.files > 0);
   CHECK(r.table <= 1e-6);  // six decimals
   CHECK(r.bvh.degrees < 1e-4);
   CHECK(100 * r.bvh.metres < 1e-4);  // centimetres
-  CHECK(r.glb.degrees < 0.05);  // times of keys are float32: after half a minute a microsecond of what turns fast
+  CHECK(r.glb.degrees < 0.05);       // times of keys are float32: after half a minute a microsecond of what turns fast
   CHECK(r.glb.metres < 1e-4);
   CHECK(r.amass.degrees < 1e-6);
   CHECK(r.amass.metres < 1e-9);

@@ -52,7 +52,8 @@ TEST_CASE("names are in the order of their numbers") {
 
 TEST_CASE("ACTOR: the checkpoint with the largest number, also beside .pt files and without opt.yaml") {
   const Folder f;
-  for (const char* name : {"checkpoint_0900.pth.tar", "checkpoint_5000.pth.tar", "checkpoint_10000.pth.tar", "other.pt"})
+  for (const char* name :
+       {"checkpoint_0900.pth.tar", "checkpoint_5000.pth.tar", "checkpoint_10000.pth.tar", "other.pt"})
     f.add(name);
   CHECK(f.run().system == "actor");
   CHECK(f.weights() == "checkpoint_10000.pth.tar");

@@ -40,7 +40,8 @@ std::string refusal(const std::string& bytes) {
 }
 
 void check_refused(const std::string& bytes, const std::string& beginning) {
-  CHECK_MESSAGE(refusal(bytes).starts_with("[motionlang.io." + beginning), refusal(bytes), " should be ", beginning, ": ", bytes.substr(8));
+  CHECK_MESSAGE(refusal(bytes).starts_with("[motionlang.io." + beginning), refusal(bytes), " should be ", beginning,
+                ": ", bytes.substr(8));
 }
 
 /// A header with one tensor "a".
@@ -66,7 +67,8 @@ TEST_CASE("the example of the specification") {  // weights.md 10.1
   CHECK_THROWS_WITH_AS(file.tensor("c"), doctest::Contains("[motionlang.io.406]"), ml::io_error);
   const auto named = read(file_of(R"({"layers.0.weight":{"dtype":"U8","shape":[1],"data_offsets":[0,1]}})", "x"));
   CHECK_THROWS_WITH_AS(named.tensor("layers.0.wieght"),
-                       "[motionlang.io.406] test: no tensor 'layers.0.wieght' among 1; the file has 'layers.0.weight'", ml::io_error);
+                       "[motionlang.io.406] test: no tensor 'layers.0.wieght' among 1; the file has 'layers.0.weight'",
+                       ml::io_error);
   CHECK_THROWS_WITH_AS(named.tensor("bias"), "[motionlang.io.406] test: no tensor 'bias' among 1", ml::io_error);
 
   const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -1,4 +1,5 @@
-// Files of tokenizers: vocab.txt, merges.txt, gzip, tokenizer.json, tokenizer_config.json, vocab.json, and folders of them.
+// Files of tokenizers: vocab.txt, merges.txt, gzip, tokenizer.json, tokenizer_config.json, vocab.json, and folders of
+// them.
 #include <motionlang/io/tokenizer_json.hpp>
 
 #include "../../support/check_error.hpp"

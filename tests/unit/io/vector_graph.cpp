@@ -54,7 +54,8 @@ TEST_CASE("VectorGraph: a graph that gets more vectors finds as many as one that
   const auto wanted = ml::VectorScan(rows, width).search(queries, 10);
   auto graph = ml::VectorGraph::build(std::span(rows).first(width), width);
   for (const Index have : {Index{40}, Index{41}, Index{2500}, count})
-    graph = ml::VectorGraph::extended(graph.bytes(), graph.count(), std::span(rows).first(static_cast<std::size_t>(have * width)), width);
+    graph = ml::VectorGraph::extended(graph.bytes(), graph.count(),
+                                      std::span(rows).first(static_cast<std::size_t>(have * width)), width);
   const auto found = graph.search(queries, 10);
   Index same = 0;
   for (std::size_t q = 0; q < found.size(); ++q) {

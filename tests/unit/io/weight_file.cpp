@@ -1,5 +1,5 @@
-// Files of weights: what open_weights finds in every format, what it skips, and what it refuses. The golden cases "container read"
-// and "container reject" have many more files. Samples are made by tests/tools/make_weights.py.
+// Files of weights: what open_weights finds in every format, what it skips, and what it refuses. The golden cases
+// "container read" and "container reject" have many more files. Samples are made by tests/tools/make_weights.py.
 #include <ctime>
 
 #include <motionlang/io/key_report.hpp>
@@ -150,7 +150,10 @@ TEST_CASE("checkpoints: the tensors are found, other entries are told, classes t
 
 TEST_CASE("each of several values of one class is skipped by its own keys, the first thousand are told") {
   std::string pickle = "\x80\x02(dS'layers'\n(l";
-  for (int i = 0; i < 1001; ++i) pickle += "cnobody\nLayer\n)\x81" "a";
+  for (int i = 0; i < 1001; ++i)
+    pickle +=
+        "cnobody\nLayer\n)\x81"
+        "a";
   pickle += "sS'x'\n(lI1\naI2\nas.";
   const auto file = ml::WeightFile::from_bytes(std::as_bytes(std::span(pickle)), "x.pkl");
   CHECK(file.names() == std::vector<std::string>{"x"});
@@ -225,7 +228,8 @@ TEST_CASE("joblib dumps, packed as a whole, as joblib 1.2 writes them") {
     const auto file = open(name);
     CHECK(file.format() == "joblib");
     CHECK(file.names() == std::vector<std::string>{"0/poses", "0/trans"});
-    CHECK(floats(file, "0/poses") == std::vector<float>{0, 0.25F, 0.5F, 0.75F, 1, 1.25F, 1.5F, 1.75F, 2, 2.25F, 2.5F, 2.75F});
+    CHECK(floats(file, "0/poses") ==
+          std::vector<float>{0, 0.25F, 0.5F, 0.75F, 1, 1.25F, 1.5F, 1.75F, 2, 2.25F, 2.5F, 2.75F});
     CHECK(ml::values_of<double>(file.tensor("0/trans")) == std::vector<double>{0, 1, 2, 3, 4, 5});
     CHECK(value<std::string>(file, "0/g") == "male");
   }
@@ -307,7 +311,8 @@ TEST_CASE("objects that share a large state, and numbers of NumPy that cannot be
   const auto refused = [](const std::string& pickle, const ml::WeightOptions& options) {
     const std::clock_t start = std::clock();
     const auto bytes = std::as_bytes(std::span(pickle));
-    CHECK_ERROR(ml::WeightFile::from_bytes(bytes, "x.pkl", {}, options), "[motionlang.io.405] x.pkl: more values to look at");
+    CHECK_ERROR(ml::WeightFile::from_bytes(bytes, "x.pkl", {}, options),
+                "[motionlang.io.405] x.pkl: more values to look at");
     CHECK((std::clock() - start) / CLOCKS_PER_SEC < 5);
   };
   std::string state("\x80\x02(comegaconf.nodes\nAnyNode\nq\0}q\1(", 34);
@@ -352,7 +357,8 @@ TEST_CASE("names that do not match are listed with the most similar of the other
 namespace {
 
 /// spec_zip.pt with `more` behind its data.pkl, and with a member of that name and content unless the name is empty.
-std::vector<std::byte> changed_archive(std::string_view more, const std::string& name = "", std::string_view content = "") {
+std::vector<std::byte> changed_archive(std::string_view more, const std::string& name = "",
+                                       std::string_view content = "") {
   const auto zip = ml::ZipArchive::open(sample("spec_zip.pt"));
   ml::ZipWriter out;
   for (const ml::ZipEntry& e : zip.entries()) {
@@ -372,7 +378,8 @@ TEST_CASE("PyTorch: what follows the pickle is told, two roots are refused") {
   CHECK(floats(file, "h") == std::vector<float>{1, -2.5F});
   CHECK(file.skipped() == Skipped{{"", "4 bytes behind the end of data.pkl"}});
   CHECK(ml::WeightFile::from_bytes(changed_archive(""), "x.pt").skipped().empty());
-  CHECK_ERROR(ml::WeightFile::from_bytes(changed_archive("", "other/data.pkl", "\x80\x02}."), "x.pt"), "'other/data.pkl' at byte");
+  CHECK_ERROR(ml::WeightFile::from_bytes(changed_archive("", "other/data.pkl", "\x80\x02}."), "x.pt"),
+              "'other/data.pkl' at byte");
 }
 
 TEST_CASE("PyTorch: tensors that are negated on reading, whole modules") {
@@ -389,13 +396,19 @@ TEST_CASE("PyTorch: tensors that are negated on reading, whole modules") {
     return zip.finish();
   };
   CHECK(floats(ml::WeightFile::from_bytes(archive("}"), "x.pt"), "w") == six);
-  CHECK_ERROR(ml::WeightFile::from_bytes(archive("}U\x03neg\x88s"), "x.pt"), "skipped: torch._utils._rebuild_tensor_v2 at 'w' (");
-  CHECK_ERROR(ml::WeightFile::from_bytes(archive("}U\x03neg\x88s"), "x.pt", {}, {.path = {}, .strict = true}), "a tensor that is negated");
+  CHECK_ERROR(ml::WeightFile::from_bytes(archive("}U\x03neg\x88s"), "x.pt"),
+              "skipped: torch._utils._rebuild_tensor_v2 at 'w' (");
+  CHECK_ERROR(ml::WeightFile::from_bytes(archive("}U\x03neg\x88s"), "x.pt", {}, {.path = {}, .strict = true}),
+              "a tensor that is negated");
 
-  const std::string_view module = "\x80\x02" "ctorch.nn.modules.linear\nLinear\n)\x81}b.";
+  const std::string_view module =
+      "\x80\x02"
+      "ctorch.nn.modules.linear\nLinear\n)\x81}b.";
   CHECK_ERROR(ml::WeightFile::from_bytes(std::as_bytes(std::span(module)), "x.pkl"),
               "skipped: torch.nn.modules.linear.Linear (of a whole module or model, save its state_dict())");
   const std::string legacy = "\x80\x02" + std::string(ml::detail::torch_legacy_number);
-  const std::string with_source = legacy + "\x80\x02M\xe9\x03.\x80\x02}U\x0dlittle_endian\x88s.\x80\x02(U\x06moduleK\x01tQ)\x81.";
-  CHECK_ERROR(ml::WeightFile::from_bytes(std::as_bytes(std::span(with_source)), "x.pt"), "a whole module with its source code");
+  const std::string with_source =
+      legacy + "\x80\x02M\xe9\x03.\x80\x02}U\x0dlittle_endian\x88s.\x80\x02(U\x06moduleK\x01tQ)\x81.";
+  CHECK_ERROR(ml::WeightFile::from_bytes(std::as_bytes(std::span(with_source)), "x.pt"),
+              "a whole module with its source code");
 }

@@ -1,4 +1,5 @@
-// The numbers and properties of spec body-models.md 8: forward pass, joints, and gradients by shape and rotation vectors.
+// The numbers and properties of spec body-models.md 8: forward pass, joints, and gradients by shape and rotation
+// vectors.
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/geometry/so3.hpp>

@@ -19,8 +19,8 @@ using tensors::same_bits;
 
 namespace {
 
-/// Vertices at x = 0, 1, 2; joints at 0 and 1; the last vertex follows the second joint, the middle one both by half. The one
-/// shape direction stretches the bar.
+/// Vertices at x = 0, 1, 2; joints at 0 and 1; the last vertex follows the second joint, the middle one both by half.
+/// The one shape direction stretches the bar.
 ml::BodyModel<B> bar() {
   const auto template_ = Matrix::from({0, 0, 0, 1, 0, 0, 2, 0, 0}, {3, 3});
   return {template_,
@@ -76,12 +76,14 @@ TEST_CASE("poses of a batch do not meet") {
   CHECK(distance(ml::slice(both.vertices, 0, 1, 2), model(no_shape, pose(-1, 0.5), nowhere).vertices) < 1e-15);
 }
 
-TEST_CASE_TEMPLATE("a pose gets the same bits in any batch, on any number of threads, prepared or not", S, float, double) {
+TEST_CASE_TEMPLATE("a pose gets the same bits in any batch, on any number of threads, prepared or not", S, float,
+                   double) {
   using F = ml::EigenBackend<S>;
   using F2 = ml::Tensor<F, 2>;
   using F3 = ml::Tensor<F, 3>;
   constexpr Index vertices = 131, most = 300;  // no multiple of four, or of a block
-  for (const auto& [joints, shapes, posed] : std::vector<std::tuple<Index, Index, bool>>{{3, 2, true}, {3, 0, true}, {1, 2, false}}) {
+  for (const auto& [joints, shapes, posed] :
+       std::vector<std::tuple<Index, Index, bool>>{{3, 2, true}, {3, 0, true}, {1, 2, false}}) {
     ml::Philox rng{.seed = 2};
     ml::BodyModel<F> model{.v_template = F2::randn({vertices, 3}, rng),
                            .shapedirs = F2::randn({3 * vertices, shapes}, rng),
@@ -118,8 +120,8 @@ TEST_CASE("a body of many vertices is made in blocks, prepared or not, and is th
   using A = ml::Autodiff<B>;
   ml::Philox rng{.seed = 1};
   constexpr Index joints = 3, poses = 300;
-  for (const auto& [vertices, shapes, posed] : std::vector<std::tuple<Index, Index, bool>>{
-           {512, 0, false}, {600, 0, true}, {512, 4, false}, {600, 4, true}}) {
+  for (const auto& [vertices, shapes, posed] :
+       std::vector<std::tuple<Index, Index, bool>>{{512, 0, false}, {600, 0, true}, {512, 4, false}, {600, 4, true}}) {
     for (const bool with_extra : {false, true}) {
       ml::BodyModel<B> model{.v_template = Matrix::randn({vertices, 3}, rng),
                              .shapedirs = Matrix::randn({3 * vertices, shapes}, rng),

@@ -11,8 +11,8 @@
 #include "../../support/synthetic_motion.hpp"
 
 namespace ml = motionlang;
-using lists::largest_distance, lists::view;
 using doctest::Approx;
+using lists::largest_distance, lists::view;
 using Joints = std::vector<ml::Vec3<double>>;
 
 namespace {

@@ -206,7 +206,8 @@ TEST_CASE("the cycle of a periodic walk is found, and going round it walks on") 
     CHECK(loop->cost < 1e-9);
     CHECK(synthetic::largest_distance(ml::go_round(clip, *loop, 90), walk) < 1e-6);
     CHECK(ml::go_round(clip, *loop, 30).frames() == 30);
-    CHECK_ERROR(ml::go_round(clip, ml::Loop{5, 45}, 90), "[motionlang.config.101] go_round: loop 5 ... 45 in 45 frames");
+    CHECK_ERROR(ml::go_round(clip, ml::Loop{5, 45}, 90),
+                "[motionlang.config.101] go_round: loop 5 ... 45 in 45 frames");
   }
 }
 

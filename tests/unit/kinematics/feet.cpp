@@ -165,8 +165,10 @@ TEST_CASE("KIT's joints have legs, too") {
   CHECK(ml::known_legs(other).empty());
   const auto walk = ml::retarget(synthetic::walk({.frames = 80}), ml::kit21_skeleton());
   const auto sliding = drifting(walk, 0.3), fixed = ml::fix_feet(sliding, ml::known_legs(walk.skeleton));
-  const std::vector<ml::ContactJoint> feet{
-      {13, ml::smpl_ankle_contact}, {18, ml::smpl_ankle_contact}, {15, ml::smpl_toe_contact}, {20, ml::smpl_toe_contact}};
+  const std::vector<ml::ContactJoint> feet{{13, ml::smpl_ankle_contact},
+                                           {18, ml::smpl_ankle_contact},
+                                           {15, ml::smpl_toe_contact},
+                                           {20, ml::smpl_toe_contact}};
   const double before = ml::motion_quality(sliding, feet).feet.speed;
   CHECK(before > 0.3);
   CHECK(ml::motion_quality(fixed, feet).feet.speed < 0.5 * before);

@@ -6,8 +6,8 @@
 namespace ml = motionlang;
 
 TEST_CASE("fingers as programs name them") {
-  for (const char* name : {"left_index1", "LeftHandIndex1", "mixamorig:LeftHandIndex1", "index_01_l", "DEF-f_index.01.L", "lIndex1",
-                           "leftIndexProximal", "J_Bip_L_Index1", "L_Index1"})
+  for (const char* name : {"left_index1", "LeftHandIndex1", "mixamorig:LeftHandIndex1", "index_01_l",
+                           "DEF-f_index.01.L", "lIndex1", "leftIndexProximal", "J_Bip_L_Index1", "L_Index1"})
     CHECK_MESSAGE(ml::finger_of(name) == "left_index1", name);
   CHECK(ml::finger_of("rMid2") == "right_middle2");
   CHECK(ml::finger_of("RightHandMiddle3") == "right_middle3");
@@ -17,8 +17,8 @@ TEST_CASE("fingers as programs name them") {
 }
 
 TEST_CASE("what is no joint of a finger") {
-  for (const char* name : {"", "l", "left_hand", "LeftHand", "LeftArm", "hand_l", "index_04_leaf_l", "LeftHandIndex4", "LeftHandIndex1_end",
-                           "index_metacarpal_l", "LeftInHandIndex", "index1", "string1", "lowerarm_twist_01_l", "left_right_index1",
-                           "LeftHandIndex99999999999999999999"})
+  for (const char* name : {"", "l", "left_hand", "LeftHand", "LeftArm", "hand_l", "index_04_leaf_l", "LeftHandIndex4",
+                           "LeftHandIndex1_end", "index_metacarpal_l", "LeftInHandIndex", "index1", "string1",
+                           "lowerarm_twist_01_l", "left_right_index1", "LeftHandIndex99999999999999999999"})
     CHECK_MESSAGE(ml::finger_of(name).empty(), name);
 }

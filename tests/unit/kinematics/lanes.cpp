@@ -1,4 +1,5 @@
-// Forward kinematics of batches: registers against one pose at a time, tensors against registers, gradients against differences.
+// Forward kinematics of batches: registers against one pose at a time, tensors against registers, gradients against
+// differences.
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/autodiff.hpp>
@@ -49,12 +50,14 @@ TEST_CASE_TEMPLATE("several poses at a time are the same poses", S, float, doubl
 
 TEST_CASE("registers of every width give the same joints") {
   constexpr Index poses = 37;
-  for (const auto* skeleton : {&ml::smpl24_skeleton(), &ml::kit21_skeleton()}) {  // pairs of joints, and one that is alone
+  // pairs of joints, and one that is alone
+  for (const auto* skeleton : {&ml::smpl24_skeleton(), &ml::kit21_skeleton()}) {
     const Index n = skeleton->size();
     const auto rot6d = normals<float>(poses * n * 6, 1), root = normals<float>(poses * 3, 2);
     const auto joints_of = [&]<class L>() {
       std::vector<float> joints(static_cast<std::size_t>(poses * n * 3));
-      ml::detail::PoseArrays<float>(*skeleton, rot6d.data(), root.data(), poses, joints.data()).template place<L>(0, poses);
+      ml::detail::PoseArrays<float>(*skeleton, rot6d.data(), root.data(), poses, joints.data())
+          .template place<L>(0, poses);
       return joints;
     };
     const auto narrow = joints_of.operator()<ml::Lane<float, 16>>();

@@ -310,7 +310,8 @@ TEST_CASE("place_on_floor ignores single low frames and leaves empty clips alone
   CHECK(ml::place_on_floor(empty) == 0);
 }
 
-TEST_CASE("place_on_floor: a rest pose below the floor tells nothing of it, as where the root of a BVH file has OFFSET 0") {
+TEST_CASE(
+    "place_on_floor: a rest pose below the floor tells nothing of it, as where the root of a BVH file has OFFSET 0") {
   const auto lowest = [](const ml::Motion& m) {
     double y = 1;
     for (const auto& p : m.positions()) y = std::min(y, p.y);

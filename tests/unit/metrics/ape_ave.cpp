@@ -10,8 +10,8 @@ using Joints = std::vector<ml::Vec3<double>>;
 
 namespace {
 
-/// 22 joints, Z up: hips and shoulders across x, so that SINC's heading is the same in every frame; the rest at the root.
-/// All joints go along x by `speed` each frame, and up by f(t).
+/// 22 joints, Z up: hips and shoulders across x, so that SINC's heading is the same in every frame; the rest at the
+/// root. All joints go along x by `speed` each frame, and up by f(t).
 template <class F>
 Joints walk(int frames, double speed, F height) {
   Joints out;

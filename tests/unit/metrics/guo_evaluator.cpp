@@ -1,4 +1,5 @@
-// Guo's evaluator: published sizes, the zeros behind a motion, the order of rows, what is trained; the loss of shifted pairs.
+// Guo's evaluator: published sizes, the zeros behind a motion, the order of rows, what is trained; the loss of shifted
+// pairs.
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>

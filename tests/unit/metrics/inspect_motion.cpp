@@ -238,7 +238,7 @@ TEST_CASE("spikes of one frame are found and mended") {
   auto m = walk();
   m.root[30].x += 0.5;
   m.rotations(45)[16] = synthetic::about_z(1.5) * m.rotations(45)[16];  // the left arm
-  REQUIRE(faults(m) == only(ml::Fault::spike));  // and the way back is no jump
+  REQUIRE(faults(m) == only(ml::Fault::spike));                         // and the way back is no jump
   CHECK(ml::inspect_motion(m).cure.spikes == std::vector<ml::Index>{30, 45});
   CHECK(ml::inspect_motion(m).findings[0].moment == Approx(1));
   auto expected = walk();

@@ -36,7 +36,8 @@ TEST_CASE("decode_one: the most probable symbols up to the end or the last step"
 }
 
 TEST_CASE("decode_one: draws follow the numbers, marks are drawn again") {
-  // after 0: 0.65 -> a (0.1 to 0.7); after a: 0.02 is the beginning, 0.1 the end, 0.38 the padding, 0.5 is a; 0.9 is b; b: the end
+  // after 0: 0.65 -> a (0.1 to 0.7); after a: 0.02 is the beginning, 0.1 the end, 0.38 the padding, 0.5 is a; 0.9 is b;
+  // b: the end
   std::vector<double> numbers{0.65, 0.02, 0.1, 0.38, 0.5, 0.9};
   std::size_t at = 0;
   auto next_number = [&] { return numbers.at(at++); };

@@ -1,4 +1,5 @@
-// Training that calculates layers again: the same gradients for less memory, and steps that take nothing from the system.
+// Training that calculates layers again: the same gradients for less memory, and steps that take nothing from the
+// system.
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/autodiff.hpp>

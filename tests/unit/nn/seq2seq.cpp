@@ -1,5 +1,5 @@
-// The models from sequence to sequence: sequences alone and packed, causality, shared projections and their gradients, files with
-// copies, the published sizes.
+// The models from sequence to sequence: sequences alone and packed, causality, shared projections and their gradients,
+// files with copies, the published sizes.
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>

@@ -1,4 +1,5 @@
-// Transformer blocks: configurations, dropout, depth, module paths of errors. Attention itself is in tests/laws and tests/ops.
+// Transformer blocks: configurations, dropout, depth, module paths of errors. Attention itself is in tests/laws and
+// tests/ops.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/nn/transformer_decoder.hpp>
 

@@ -1,4 +1,5 @@
-// Collections of clips: adding, removing, renaming; clips, moments and captions that are found, with a hand-made encoder.
+// Collections of clips: adding, removing, renaming; clips, moments and captions that are found, with a hand-made
+// encoder.
 #include <doctest/doctest.h>
 
 #include <set>
@@ -180,7 +181,8 @@ TEST_CASE("MotionIndex: what is refused, and changes nothing") {
   c = acted_clip("d.bvh", {{4, 20}}, index.model(), {1});
   c.caption_vectors.clear();
   CHECK_ERROR(index.add(c), "0 numbers for 1 vectors of 9");
-  for (const FrameSlice& none : {FrameSlice{0, 0}, FrameSlice{-1, 5}, FrameSlice{std::numeric_limits<ml::Index>::max(), 1}}) {
+  for (const FrameSlice& none :
+       {FrameSlice{0, 0}, FrameSlice{-1, 5}, FrameSlice{std::numeric_limits<ml::Index>::max(), 1}}) {
     ml::EncodedClip wrong = c;
     wrong.moments = {none};
     CHECK_ERROR(index.add(wrong), "[motionlang.shape.205] MotionIndex");
@@ -197,7 +199,8 @@ TEST_CASE("MotionIndex: what is refused, and changes nothing") {
   const ml::MotionIndex whole(action_model({}, 0));
   CHECK_ERROR(ml::MotionSearch(whole).moments(action_vector(0), 1),
               "[motionlang.config.102] MotionSearch: this index has no moments");
-  CHECK_ERROR(ml::MotionSearch(index).captions(action_vector(0), -1), "[motionlang.config.101] MotionSearch: the -1 nearest");
+  CHECK_ERROR(ml::MotionSearch(index).captions(action_vector(0), -1),
+              "[motionlang.config.101] MotionSearch: the -1 nearest");
   CHECK_ERROR(ml::MotionSearch(index).clips(std::vector<float>(16, 1), 1),
               "[motionlang.shape.204] MotionSearch: a query of 16 numbers, the index has 9");
 }

@@ -1,5 +1,5 @@
-// ACTOR: published names and sizes, every network of table 3.4, motions in a batch as if each were alone, losses, noise of generated
-// motions, training.
+// ACTOR: published names and sizes, every network of table 3.4, motions in a batch as if each were alone, losses, noise
+// of generated motions, training.
 #include <map>
 
 #include <motionlang/backend/autodiff.hpp>

@@ -134,8 +134,10 @@ TEST_CASE("a learned temperature takes the place of the other, and has a gradien
   const auto frames = small::motions<A>(263);
   const auto log_temperature = ml::variable<A>(ml::Tensor<B, 0>(-1.5));
   const auto tau = exp(log_temperature);
-  const auto branches = on_tape.branches(small::texts<A>(), frames, ml::TextMotionNoise<A>::draw(3, 8, ml::Philox{.seed = 5}));
-  const auto g = ml::backward(ml::tmr_losses<A>(branches, frames, nullptr, {}, &tau).sum_of("contrastive"))[log_temperature];
+  const auto branches =
+      on_tape.branches(small::texts<A>(), frames, ml::TextMotionNoise<A>::draw(3, 8, ml::Philox{.seed = 5}));
+  const auto g =
+      ml::backward(ml::tmr_losses<A>(branches, frames, nullptr, {}, &tau).sum_of("contrastive"))[log_temperature];
   constexpr double h = 1e-5;
   CHECK(g.item() == doctest::Approx((loss(-1.5 + h) - loss(-1.5 - h)) / (2 * h)).epsilon(1e-6));
 }

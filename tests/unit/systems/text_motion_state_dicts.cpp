@@ -1,4 +1,5 @@
-// Names, shapes and numbers of parameters of TEMOS and TMR at their published sizes. Source: spec temos.md 3.1 and 10, tmr.md 3.1.
+// Names, shapes and numbers of parameters of TEMOS and TMR at their published sizes. Source: spec temos.md 3.1 and 10,
+// tmr.md 3.1.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/systems/temos.hpp>
 #include <motionlang/systems/tmr.hpp>

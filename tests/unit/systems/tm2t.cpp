@@ -1,4 +1,5 @@
-// TM2T as a whole, with small random models: motions to tokens to texts, texts to tokens to motions, the step of inverse alignment.
+// TM2T as a whole, with small random models: motions to tokens to texts, texts to tokens to motions, the step of
+// inverse alignment.
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>

@@ -1,5 +1,5 @@
-// Numbers that are moved and not calculated with, element by element against their definition: all backends share the code. Sizes are
-// those of some threads' work, and not multiples of what is moved at once.
+// Numbers that are moved and not calculated with, element by element against their definition: all backends share the
+// code. Sizes are those of some threads' work, and not multiples of what is moved at once.
 #include <doctest/doctest.h>
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/tensor/index.hpp>

@@ -53,7 +53,8 @@ TEST_CASE("joining goes sequence by sequence, and the parts can be taken off aga
   CHECK_ERROR(ml::concat_tokens(a, column({1}, {1})), "[motionlang.shape.204] concat_tokens: 2 sequences and 1");
   CHECK_ERROR(ml::concat_tokens(ml::Sequences<B>(Matrix::zeros({0, 1}), Offsets{}), a),
               "[motionlang.shape.204] concat_tokens: 0 sequences and 2");
-  CHECK_ERROR(ml::repeat_for_rows(a.rows, Offsets{3}), "[motionlang.shape.204] repeat_for_rows: 2 rows for 1 sequences");
+  CHECK_ERROR(ml::repeat_for_rows(a.rows, Offsets{3}),
+              "[motionlang.shape.204] repeat_for_rows: 2 rows for 1 sequences");
   CHECK_ERROR(ml::last_rows(joined, Offsets{3, 1}), "[motionlang.shape.207] last_rows: 3 of 2 rows of sequence 0");
   CHECK_ERROR(ml::last_rows(joined, Offsets{1}), "[motionlang.shape.204]");
   CHECK_ERROR(ml::drop_tokens(joined, 3), "[motionlang.shape.207]");

@@ -1,4 +1,5 @@
-// BERT's and MPNet's tokenizer on a small vocabulary: ids, frames, added tokens, limits, decoding. Spec text-encoders.md 12.2.
+// BERT's and MPNet's tokenizer on a small vocabulary: ids, frames, added tokens, limits, decoding. Spec
+// text-encoders.md 12.2.
 #include <motionlang/text/bert_tokenizer.hpp>
 
 #include "../../support/check_error.hpp"

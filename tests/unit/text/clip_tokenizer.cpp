@@ -1,4 +1,5 @@
-// CLIP's tokenizer with a few merges: ids, cleaning, frames, threads. The repair of texts. Spec text-encoders.md 9 and 12.2.
+// CLIP's tokenizer with a few merges: ids, cleaning, frames, threads. The repair of texts. Spec text-encoders.md 9 and
+// 12.2.
 #include <motionlang/text/clip_tokenizer.hpp>
 
 #include <thread>

@@ -1,4 +1,5 @@
-// Text networks of mapped files: weights are packed once, their memory in the file is given back, and nothing else changes.
+// Text networks of mapped files: weights are packed once, their memory in the file is given back, and nothing else
+// changes.
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/eigen.hpp>
@@ -102,7 +103,8 @@ TEST_CASE("Text networks: CLIP's weights that are put together are packed when t
   for (const ml::DType stored : {ml::DType::F32, ml::DType::F16}) {
     const TemporaryFolder folder;
     ml::TensorStore store;
-    for (const auto& [name, t] : hugging_face(numbers)) store.add(name, t.first, std::span<const double>(t.second), stored);
+    for (const auto& [name, t] : hugging_face(numbers))
+      store.add(name, t.first, std::span<const double>(t.second), stored);
     ml::write_safetensors(folder.path / "model.safetensors", store.views());
     const auto network = ml::load_clip_text<B>(tiny_clip, ml::SafetensorsFile::open(folder.path / "model.safetensors"));
     check_packed_once(network.blocks);
@@ -113,7 +115,8 @@ TEST_CASE("Text networks: CLIP's weights that are put together are packed when t
 }
 
 TEST_CASE("Text networks: prepare packs what is multiplied with, and leaves embeddings") {
-  auto network = ml::load_text_network<ml::Bert<B>>(tiny_bert, file_of(by_formula(bert_shapes<ml::BertKeys>()), ml::DType::F32));
+  auto network =
+      ml::load_text_network<ml::Bert<B>>(tiny_bert, file_of(by_formula(bert_shapes<ml::BertKeys>()), ml::DType::F32));
   const auto before = network(texts).tokens.rows;
   CHECK(network.layers[0].up.weight.data().attached() == nullptr);
   prepare(network);

@@ -165,7 +165,8 @@ TEST_CASE("config.json") {
   CHECK(c.context == 77);
   CHECK(c.activation == ml::Activation::quick_gelu);
 
-  const auto partial = ml::parse_json(R"({"model_type": "clip", "projection_dim": 768, "text_config": {"hidden_size": 768,
+  const auto partial =
+      ml::parse_json(R"({"model_type": "clip", "projection_dim": 768, "text_config": {"hidden_size": 768,
     "intermediate_size": 3072, "num_attention_heads": 12, "hidden_act": "gelu"}})");
   const auto l14 = ml::clip_text_config(ml::JsonView(partial, "config.json"));
   CHECK((l14.width == 768 && l14.d_ff == 3072 && l14.heads == 12 && l14.out == 768));

@@ -43,7 +43,8 @@ static_assert(ml::Tokenizer<Letters>);
 void check_batches(const auto& network) {
   const std::vector<std::vector<Index>> texts{{2, 5, 6, 3}, {2, 3}, {2, 6, 5, 3}, {2, 9, 9, 9, 9, 9, 3}};
   ml::TokenBatch all;
-  for (Index copies = B::rows_in_cache() / 12; copies > 0; --copies) {  // of 17 rows: more than one group goes through the layers
+  // of 17 rows: more than one group goes through the layers
+  for (Index copies = B::rows_in_cache() / 12; copies > 0; --copies) {
     for (const auto& t : texts) {
       all.ids.insert(all.ids.end(), t.begin(), t.end());
       all.lengths.push_back(std::ssize(t));
@@ -74,8 +75,8 @@ TEST_CASE("a text has the same bits alone and in a batch; words have an order; l
   CHECK(tiny<B, ml::MpnetKeys>().longest() == 14);  // rows 0 and 1 are of padding
 }
 
-TEST_CASE_TEMPLATE("networks of the BERT family are trained: gradients are central differences", Keys, ml::DistilBertKeys,
-                   ml::BertKeys) {
+TEST_CASE_TEMPLATE("networks of the BERT family are trained: gradients are central differences", Keys,
+                   ml::DistilBertKeys, ml::BertKeys) {
   using D = ml::ReferenceBackend<double>;
   using A = ml::Autodiff<D>;
   auto network = tiny<D, Keys>();

@@ -1,6 +1,6 @@
-// The tokenizers on the published vocabularies: the 40 strings of spec text-encoders.md 12.1, whose ids come from the original
-// implementations, and all captions of KIT-ML. The data are not part of the repository: the test runs where the environment
-// variable MOTIONLANG_DATA names a folder with tokenizers/ and text/kitml-annotations.json.
+// The tokenizers on the published vocabularies: the 40 strings of spec text-encoders.md 12.1, whose ids come from the
+// original implementations, and all captions of KIT-ML. The data are not part of the repository: the test runs where
+// the environment variable MOTIONLANG_DATA names a folder with tokenizers/ and text/kitml-annotations.json.
 #include <doctest/doctest.h>
 
 #include <cstdlib>
@@ -128,9 +128,9 @@ TEST_CASE("published tokenizers: CLIP's context") {
   CHECK(p->clip.decode(p->clip.encode("A person walks, slowly.")) == "a person walks , slowly .");
 }
 
-// Digests of the ids that tests/tools/reference_tokenizers.py finds, a plain program in Python which shares no code or table with
-// the library and reproduces the 40 strings of the spec. Captions are plain ASCII, so a second set has one of the 40 strings in the
-// middle of each.
+// Digests of the ids that tests/tools/reference_tokenizers.py finds, a plain program in Python which shares no code or
+// table with the library and reproduces the 40 strings of the spec. Captions are plain ASCII, so a second set has one
+// of the 40 strings in the middle of each.
 TEST_CASE("published tokenizers: 12,164 captions of KIT-ML") {
   const Published* p = published();
   if (p == nullptr) return;
@@ -171,8 +171,12 @@ TEST_CASE("published tokenizers: 50,000 mixtures of entities, marks, controls an
   for (std::string& text : mixed) {
     for (std::size_t size = 1 + below(12); size > 0; --size) text += fragments[below(fragments.size())];
   }
-  CHECK(digest(mixed, [&](const std::string& t) { return p->bert.encode(t); }) == "50000 texts, 475137 ids, 7479e1c8831d241e");
-  CHECK(digest(mixed, [&](const std::string& t) { return p->mpnet.encode(t); }) == "50000 texts, 478938 ids, b01e54937f3dc874");
-  CHECK(digest(mixed, [&](const std::string& t) { return p->clip.encode_words(t); }) == "50000 texts, 522208 ids, bb6a813b4c929f92");
-  CHECK(digest(mixed, [&](const std::string& t) { return p->clip_hf.encode_words(t); }) == "50000 texts, 647995 ids, 77c15c94ae18f43f");
+  CHECK(digest(mixed, [&](const std::string& t) { return p->bert.encode(t); }) ==
+        "50000 texts, 475137 ids, 7479e1c8831d241e");
+  CHECK(digest(mixed, [&](const std::string& t) { return p->mpnet.encode(t); }) ==
+        "50000 texts, 478938 ids, b01e54937f3dc874");
+  CHECK(digest(mixed, [&](const std::string& t) { return p->clip.encode_words(t); }) ==
+        "50000 texts, 522208 ids, bb6a813b4c929f92");
+  CHECK(digest(mixed, [&](const std::string& t) { return p->clip_hf.encode_words(t); }) ==
+        "50000 texts, 647995 ids, 77c15c94ae18f43f");
 }

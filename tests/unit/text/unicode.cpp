@@ -1,4 +1,5 @@
-// Classes of characters, lower case, NFD and NFC: single cases, and with utf8proc every code point and random sequences.
+// Classes of characters, lower case, NFD and NFC: single cases, and with utf8proc every code point and random
+// sequences.
 #include <motionlang/text/unicode.hpp>
 
 #include <doctest/doctest.h>

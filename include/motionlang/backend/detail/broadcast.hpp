@@ -6,7 +6,8 @@
 
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// The result as a matrix (outer, inner); in each operand an axis is either walked along or repeated.
 struct BroadcastPattern {
@@ -39,4 +40,5 @@ inline std::optional<BroadcastPattern> broadcast_pattern(const Shape& a, const S
   return p;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

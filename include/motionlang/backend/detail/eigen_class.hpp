@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// What a model needs of the Eigen backend: its operations, and of the bodies those of the kernels, arithmetic among them. Those
-/// that include Eigen, functions and maxima, come with <motionlang/backend/eigen.hpp>.
+/// What a model needs of the Eigen backend: its operations, and of the bodies those of the kernels, arithmetic among
+/// them. Those that include Eigen, functions and maxima, come with <motionlang/backend/eigen.hpp>.
 #pragma once
 
 #include <motionlang/backend/dense_ops.hpp>
 #include <motionlang/backend/kernel_ops.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
 struct EigenBackend : DenseOps<S>, KernelOps<S> {
@@ -24,13 +24,13 @@ struct EigenBackend : DenseOps<S>, KernelOps<S> {
   static tensor max(const tensor& a, int axis);
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END
 
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::EigenBackend<float>;
 extern template struct motionlang::EigenBackend<double>;
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 static_assert(Backend<EigenBackend<float>> && Backend<EigenBackend<double>>);
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

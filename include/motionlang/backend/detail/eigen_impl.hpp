@@ -9,7 +9,7 @@
 #include <motionlang/backend/detail/kernels.hpp>
 #include <motionlang/core/parallel.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -109,4 +109,4 @@ Dense<S> EigenBackend<S>::max(const tensor& a, int axis) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

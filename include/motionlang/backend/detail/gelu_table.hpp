@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 /// What gelu(x) lacks to relu(x), as polynomials of degree 4 around 0, 1/4, 2/4, ... 31/4.
 ///
-/// gelu(x) = x Phi(x) = max(x, 0) - g(|x|),   g(c) = c (1 - Phi(c)) (Hendrycks and Gimpel 2016, Phi: normal distribution function).
-/// g is bounded by 0.17 and dies out above c = 5.5. Processors that look up 32 numbers in one instruction so take 14 instructions.
+/// gelu(x) = x Phi(x) = max(x, 0) - g(|x|),   g(c) = c (1 - Phi(c)) (Hendrycks and Gimpel 2016, Phi: normal
+/// distribution function). g is bounded by 0.17 and dies out above c = 5.5. Processors that look up 32 numbers in one
+/// instruction so take 14 instructions.
 #pragma once
 
 #include <motionlang/core/concepts.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// g(i / 4 + d) = sum over n of by_power[n][i] d^n for |d| <= 1/8. Wrong by 5e-8 at most, by 1e-7 of g for i = 0.
 struct GeluTable {
@@ -29,8 +31,8 @@ constexpr GeluTable make_gelu_table() {
       q[n] = -p[n - 1] / n;
       g[n] = c * q[n] + q[n - 1];
     }
-    // Polynomials that are small for |u| <= 1, u = d / (1/8), are taken away: u^2 T_4(u) / 8 for u^6 (it keeps g(0) = 0),
-    // T_5(u) / 16 for u^5.
+    // Polynomials that are small for |u| <= 1, u = d / (1/8), are taken away: u^2 T_4(u) / 8 for u^6 (it keeps g(0) =
+    // 0), T_5(u) / 16 for u^5.
     constexpr double square = GeluTable::width * GeluTable::width / 4;
     g[4] += g[6] * square, g[2] -= g[6] * square * square / 8;
     g[3] += g[5] * square * 20 / 16, g[1] -= g[5] * square * square * 5 / 16;
@@ -42,4 +44,5 @@ constexpr GeluTable make_gelu_table() {
 }
 inline constexpr GeluTable gelu_table = make_gelu_table();
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

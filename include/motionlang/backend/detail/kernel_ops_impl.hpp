@@ -20,12 +20,12 @@
 #include <motionlang/core/rows_together.hpp>
 #include <motionlang/core/thread_object.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Memory that the kernels of a parallel region may scribble on, a piece for every thread. The caller takes it, so that a
-/// region that ran before takes nothing from the system, whichever threads do the work.
+/// Memory that the kernels of a parallel region may scribble on, a piece for every thread. The caller takes it, so that
+/// a region that ran before takes nothing from the system, whichever threads do the work.
 template <class S>
 class Scratch {
  public:
@@ -58,8 +58,8 @@ struct Panels {
   }
 };
 
-/// The panels of a weight that was prepared, and those of the weight that was prepared after it: probably multiplied with next. Of these only
-/// the place is known, for the cache: they may be gone.
+/// The panels of a weight that was prepared, and those of the weight that was prepared after it: probably multiplied
+/// with next. Of these only the place is known, for the cache: they may be gone.
 template <class S>
 struct PreparedPanels {
   PreparedPanels(Panels<S> p, Index t) : panels(std::move(p)), taps(t) {}
@@ -91,8 +91,8 @@ template <class S>
 void pack_into(Panels<S>& p, const S* b, Index stride_k, Index stride_n, std::atomic<bool>* finite = nullptr) {
   const Index k = p.k, n = p.n;
   const bool bf16 = p.kernels == nullptr;
-  // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B. A column is both, but only
-  // as transposed is it looked at.
+  // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B. A column
+  // is both, but only as transposed is it looked at.
   const bool as_it_lies = stride_n == 1 && finite == nullptr;
   const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
   const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;
@@ -145,8 +145,9 @@ Dense<S> window_matrix(const Dense<S>& weight) {
   return DenseOps<S>::permute(weight, axes).reshaped(Shape{weight.shape()[0], weight.shape()[1] * weight.shape()[2]});
 }
 
-/// Tiles for a product of m x k and k x n in bf16x3, if there are any that are faster than multiply-adds: of less, splitting panels and rows
-/// takes as long as is saved. That depends on the product, not on how its rows are shared: the same numbers for any number of threads.
+/// Tiles for a product of m x k and k x n in bf16x3, if there are any that are faster than multiply-adds: of less,
+/// splitting panels and rows takes as long as is saved. That depends on the product, not on how its rows are shared:
+/// the same numbers for any number of threads.
 template <class S>
 const FloatTiles* float_tiles(Index m, Index n, Index k) {
   if (precision_of<S>() != Precision::bf16x3) return nullptr;
@@ -163,9 +164,10 @@ Scratch<S> gemm_scratch(const Panels<S>& p, Index rows) {
   const FloatTiles* tiles = float_tiles<S>(rows, p.n, p.k);
   return Scratch<S>(std::max(tiles == nullptr ? 0 : tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
 }
-/// Whether every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that threads share. Its rows
-/// a thread finds where it wrote them, in its cache. Those of others come slowly: with 16 threads a byte costs about what five of panels do,
-/// which are fetched ahead. Not if the rows are few and there is much more of the panels, or the rows do not fill tiles.
+/// Whether every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that
+/// threads share. Its rows a thread finds where it wrote them, in its cache. Those of others come slowly: with 16
+/// threads a byte costs about what five of panels do, which are fetched ahead. Not if the rows are few and there is
+/// much more of the panels, or the rows do not fill tiles.
 inline bool takes_own_rows(Index each, Index a_bytes, Index panel_bytes, Index rows_at_once, Index tile_rows) {
   const bool fills_tiles = each > 0 && 4 * each >= 3 * tile_rows * parts(each, tile_rows);
   return each >= std::max(tile_rows, rows_at_once / 4) || (fills_tiles && 5 * a_bytes >= panel_bytes);
@@ -194,7 +196,8 @@ void for_blocks(Index rows, Index panels, bool split, const Sharing& how, const 
 struct NothingBehind {
   void operator()(Index, Index, Index, Index) const {}
 };
-/// g with the right-hand side `p`; then behind(r0, r1, c0, c1) for every thread's blocks of rows and columns, by that thread.
+/// g with the right-hand side `p`; then behind(r0, r1, c0, c1) for every thread's blocks of rows and columns, by that
+/// thread.
 template <class S, class F = NothingBehind>
 void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F& behind = {}) {
   if (g.m == 0 || g.n == 0) return;
@@ -229,8 +232,8 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
   run_floats(*p.kernels, parallel_width() > 2 ? 3 : 1);
 }
 
-/// How many of `count` products of m x k and k x n are made by one thread each: as long as there is one for every thread. The rest is made by
-/// all of them, one after the other.
+/// How many of `count` products of m x k and k x n are made by one thread each: as long as there is one for every
+/// thread. The rest is made by all of them, one after the other.
 inline Index products_apart(Index count, Index m, Index n, Index k) {
   return worth_threads(count * m, n, k) ? count - count % parallel_width() : 0;
 }
@@ -245,8 +248,8 @@ void for_products(Index count, Index apart, const F& product) {
   for (Index i = apart; i < count; ++i) product(i);
 }
 
-/// Packed sequences with rows of zeros at both ends of each. The windows of such a sequence lie in memory as the rows of a matrix do, but
-/// overlap.
+/// Packed sequences with rows of zeros at both ends of each. The windows of such a sequence lie in memory as the rows
+/// of a matrix do, but overlap.
 template <class S>
 struct WithMargins {
   const Offsets& inside;
@@ -268,7 +271,8 @@ struct WithMargins {
   Index at(Index s) const { return (inside.begin(s) + 2 * margin * s) * width; }
 };
 
-/// f(place of a window's first number, its row among all windows) for every window of `size` numbers; those of a sequence by one thread.
+/// f(place of a window's first number, its row among all windows) for every window of `size` numbers; those of a
+/// sequence by one thread.
 template <class S, class F>
 void for_windows(const WithMargins<S>& margins, const Offsets& windows, Index stride, Index size, const F& f) {
   parallel_ranges(windows.count(), windows.longest() * size, [&](Index first, Index last) {
@@ -322,7 +326,8 @@ template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
   with_attention_kernels<S>([&](const auto& kernel) {
     const Scratch<S> scratch(kernel.attention_scratch(k.longest(), t.width));
-    // Few heads: the queries of each are split, so that every thread has as many tasks. Each task packs keys and values.
+    // Few heads: the queries of each are split, so that every thread has as many tasks. Each task packs keys and
+    // values.
     const Index heads = q.count() * t.heads, threads = parallel_width();
     const Index equal = heads < 4 * threads ? threads / std::gcd(heads, threads) : 1;
     const Index pieces = std::clamp<Index>(equal, 1, std::max<Index>(1, parts(q.longest(), kernel.tile_rows)));
@@ -342,8 +347,9 @@ void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, co
   });
 }
 
-/// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums in the same
-/// order as with panels of the weight, so the same bits (of multiply-adds; tiles do not treat both sides alike).
+/// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums
+/// in the same order as with panels of the weight, so the same bits (of multiply-adds; tiles do not treat both sides
+/// alike).
 template <class S>
 Dense<S> exchanged_linear(const Dense<S>& x, const Dense<S>& weight, const S* bias, Activation act, const S* residual) {
   const Index n = weight.shape()[0], k = weight.shape()[1], m = x.shape()[0];
@@ -752,4 +758,4 @@ void KernelOps<S>::adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const De
   parallel_ranges(parameter.count(), 1, [&](Index a, Index b) { detail::kernels<S>().adamw(t, a, b); });
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

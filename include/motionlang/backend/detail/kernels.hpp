@@ -25,7 +25,8 @@
 #include <motionlang/core/error.hpp>
 #include <motionlang/core/instruction_set.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// c (m x n) = act(a (m x k) B + bias + residual). B is packed in panels.
 template <class S>
@@ -44,7 +45,8 @@ struct Gemm {
   const std::byte* after = nullptr;  // what is read after this product: a panel's share of it is fetched meanwhile
   Index after_bytes = 0;
 
-  /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if there is no `after`.
+  /// Where in `after` a thread goes on that has multiplied panels first, first + 1, ... of `count`; `otherwise` if
+  /// there is no `after`.
   const std::byte* following(Index first, Index count, const void* otherwise) const {
     return after == nullptr ? static_cast<const std::byte*>(otherwise) : after + after_bytes / 64 * first / count * 64;
   }
@@ -62,7 +64,8 @@ struct Attention {
   Index heads = 1, width = 0;
   bool causal = false;
   Dropout dropout{};
-  const S* relative_scores = nullptr;  // forward only: (heads, 2 reach + 1), the number of distance d in column d + reach
+  // forward only: (heads, 2 reach + 1), the number of distance d in column d + reach
+  const S* relative_scores = nullptr;
   Index reach = 0;
 };
 template <class S>
@@ -145,8 +148,8 @@ struct Kernels {
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
-/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels that
-/// are the same for all instruction sets, but for numbers below 2^-126.
+/// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels
+/// that are the same for all instruction sets, but for numbers below 2^-126.
 struct Bf16Kernels {
   const char* name;
   Index tile_rows;
@@ -168,7 +171,8 @@ struct Bf16Kernels {
 inline constexpr Index bf16_columns = 32;
 constexpr Index bf16_depth(Index k) { return std::max<Index>(32, (k + 31) / 32 * 32); }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 
 // GCC and clang spell "generate code for these instructions" differently.
 #if defined(__clang__)
@@ -221,7 +225,8 @@ MOTIONLANG_TARGET_POP
 #define MOTIONLANG_TILE_ROWS 14
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
 MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512 ",avx512bf16,amx-tile,amx-bf16")
-namespace motionlang::inline MOTIONLANG_ABI::detail::avx512 {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::avx512 {
 #include <motionlang/backend/detail/bf16_x86.inc>
 //
 #include <motionlang/backend/detail/float_tiles.inc>
@@ -236,14 +241,16 @@ inline const Kernels<float>& table_with_tiles() {
   }();
   return t;
 }
-}
+}  // namespace detail::avx512
+MOTIONLANG_NAMESPACE_END
 MOTIONLANG_TARGET_POP
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
 #undef MOTIONLANG_INLINE
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// The kernels of one instruction set, or nothing if this processor or this build does not have it.
 template <class S>
@@ -262,8 +269,8 @@ const Kernels<S>* kernels_for(Isa isa) {
   }
   return &portable::table<S>();
 }
-/// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the speed of
-/// products in float); else float instructions.
+/// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the
+/// speed of products in float); else float instructions.
 inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
   if (isa == Isa::portable) return &portable::bf16_table<portable::WideningTile>();
 #if defined(MOTIONLANG_WIDE_KERNELS)
@@ -288,7 +295,8 @@ inline const Bf16Kernels* bf16_kernels_for(Isa isa) {
 template <class K>
 const K* present(const K* kernels) {
   if (kernels == nullptr)
-    raise<config_error>(103, "MOTIONLANG_KERNELS: compiled without optimisation, a program has only the portable kernels");
+    raise<config_error>(103,
+                        "MOTIONLANG_KERNELS: compiled without optimisation, a program has only the portable kernels");
   return kernels;
 }
 
@@ -307,4 +315,5 @@ inline const Bf16Kernels*& current_bf16_kernels() {
   return chosen;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

@@ -20,7 +20,7 @@
 #include <motionlang/backend/xtensor.hpp>
 #include <motionlang/core/parallel.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -127,4 +127,4 @@ Dense<S> XtensorBackend<S>::max(const tensor& a, int axis) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

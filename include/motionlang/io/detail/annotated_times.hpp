@@ -7,7 +7,8 @@
 
 #include <motionlang/core/error.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// Throws io_error 403 unless 0 <= start <= end are times, with the place in the message.
 inline void require_times(std::string_view place, double start, double end) {
@@ -15,4 +16,5 @@ inline void require_times(std::string_view place, double start, double end) {
     raise<io_error>(403, place, ": from ", start, " to ", end, " seconds");
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

@@ -3,13 +3,13 @@
 /// skipped line by line.
 #pragma once
 
-#include <array>    // order of axes
+#include <array>  // order of axes
 
 #include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/geometry/degree.hpp>
 #include <motionlang/io/detail/text_scanner.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 /// One number of a bone in an AMC frame: along or about an axis (0, 1, 2). A changing length (dof "l") is read, not
 /// used.
@@ -242,4 +242,4 @@ class AsfParser {
 };
 
 }  // namespace detail
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

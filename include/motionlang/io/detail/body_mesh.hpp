@@ -5,7 +5,8 @@
 #include <motionlang/io/detail/skinned_mesh.hpp>
 #include <motionlang/kinematics/body_motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// The four largest weights of a vertex with their joints, as shares of 65535.
 struct FourWeights {
@@ -68,4 +69,5 @@ SkinnedMesh<std::uint16_t> body_mesh(const Body<B>& body, std::span<const typena
   return mesh;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

@@ -9,10 +9,11 @@
 
 #include <motionlang/version.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
-/// FNV-1a over words of 64 bits in four lanes, then over the lanes, the rest and the length. Every step can be undone, so one changed
-/// word always changes the result.
+/// FNV-1a over words of 64 bits in four lanes, then over the lanes, the rest and the length. Every step can be undone,
+/// so one changed word always changes the result.
 inline std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_t before = 0xCBF29CE484222325u) {
   constexpr std::uint64_t prime = 0x100000001B3u;
   std::uint64_t lanes[4] = {before, before ^ 1u, before ^ 2u, before ^ 3u}, words[4];
@@ -34,4 +35,5 @@ inline std::string hexadecimal(std::uint64_t value) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Deflate (RFC 1951) in its plainest form: matches found by one table of three bytes, the codes that the standard fixes.
-/// For pictures of a few flat colours, where nothing better is needed, and not zlib, which would have to be linked. Unpacking is in
-/// inflate.hpp.
+/// Deflate (RFC 1951) in its plainest form: matches found by one table of three bytes, the codes that the standard
+/// fixes. For pictures of a few flat colours, where nothing better is needed, and not zlib, which would have to be
+/// linked. Unpacking is in inflate.hpp.
 #pragma once
 
 #include <algorithm>  // min
@@ -15,7 +15,8 @@
 
 #include <motionlang/version.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// The bits of a deflate stream, least significant first.
 class BitWriter {
@@ -50,7 +51,8 @@ class FixedCodes {
     if (symbol < 280) return bits_.put_code(symbol - 256, 7);
     bits_.put_code(0xC0 + symbol - 280, 8);
   }
-  /// length  3 ... 258; distance 1 ... 32768. Both in groups that double in size, lengths four to a size, distances two.
+  /// length  3 ... 258; distance 1 ... 32768. Both in groups that double in size, lengths four to a size, distances
+  ///         two.
   void match(std::uint32_t length, std::uint32_t distance) {
     if (length == 258) {
       literal(285);
@@ -110,4 +112,5 @@ inline std::string deflate(std::span<const std::byte> bytes) {
   return out.finish();
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

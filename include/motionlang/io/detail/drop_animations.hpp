@@ -8,7 +8,7 @@
 
 #include <motionlang/io/glb_writer.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -69,4 +69,4 @@ inline void drop_animations(GlbBuilder& glb) {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -8,7 +8,7 @@
 
 #include <motionlang/io/figure.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -65,4 +65,4 @@ inline FigureMesh make_mesh(const Figure& figure, const Skeleton& skeleton) {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -10,7 +10,7 @@
 #include <motionlang/io/figure.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -23,8 +23,8 @@ inline ConeEnds cone_ends(const JointTransforms<double>& world, const RoundCone&
   return {world.position[j] + world.rotation[j] * c.from, world.position[j] + world.rotation[j] * c.to};
 }
 
-/// The floor under a body, and its highest point in all frames. The floor is where the lowest point of the body is in most
-/// frames (the lower quartile): the tip of a foot that pushes off dips below it for a moment.
+/// The floor under a body, and its highest point in all frames. The floor is where the lowest point of the body is in
+/// most frames (the lower quartile): the tip of a foot that pushes off dips below it for a moment.
 struct Heights {
   double floor = 0, high = std::numeric_limits<double>::lowest();
 };
@@ -60,4 +60,4 @@ inline Heights heights(const Motion& motion, const Figure& figure) {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -10,7 +10,8 @@
 #include <motionlang/io/detail/stroke_font.hpp>
 #include <motionlang/io/png.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 struct Point2 {
   double x = 0, y = 0;
@@ -90,7 +91,8 @@ class SvgSurface {
     constexpr std::array<std::string_view, 3> of_anchor{"", " text-anchor=\"middle\"", " text-anchor=\"end\""};
     out_ += concat_text("<text", of_role[static_cast<std::size_t>(role)], of_anchor[static_cast<std::size_t>(anchor)],
                         " x=\"", fixed(at.x), "\" y=\"", fixed(at.y), "\"");
-    if (!paler.empty()) out_ += " xml:space=\"preserve\"";  // it begins with a space, which some programs would leave out
+    // it begins with a space, which some programs would leave out
+    if (!paler.empty()) out_ += " xml:space=\"preserve\"";
     out_ += ">" + escape_markup(text);
     if (!paler.empty()) out_ += concat_text("<tspan opacity=\".75\">", escape_markup(paler), "</tspan>");
     out_ += "</text>\n";
@@ -320,4 +322,5 @@ class PixelSurface {
   Picture picture_;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

@@ -6,7 +6,7 @@
 #include <motionlang/io/detail/bytes.hpp>
 #include <motionlang/io/json.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -65,4 +65,4 @@ inline std::vector<std::byte> glb_file(std::string document, std::vector<std::by
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -13,7 +13,7 @@
 #include <motionlang/geometry/slerp.hpp>
 #include <motionlang/io/detail/gltf_document.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -88,7 +88,8 @@ class GltfAnimation {
   const std::string& name() const { return name_; }
   /// Time of the last key, seconds.
   double duration() const { return duration_; }
-  /// Keys per second, where all keys are at whole frames of one rate: those of the channel that has most, the first at 0.
+  /// Keys per second, where all keys are at whole frames of one rate: those of the channel that has most, the first at
+  /// 0.
   std::optional<double> rate() const {
     const auto all = lists_of_times();
     if (all.empty()) return std::nullopt;
@@ -182,4 +183,4 @@ class GltfAnimation {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

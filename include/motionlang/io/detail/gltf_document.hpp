@@ -13,7 +13,7 @@
 #include <motionlang/geometry/so3.hpp>
 #include <motionlang/io/detail/glb_container.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -40,7 +40,8 @@ inline void refuse_packed(const JsonView& object, std::initializer_list<const ch
   }
 }
 
-/// Of extensions that a file requires only those matter that pack what is read here; others are of meshes and materials.
+/// Of extensions that a file requires only those matter that pack what is read here; others are of meshes and
+/// materials.
 class GltfDocument {
  public:
   /// Throws  io_error 402 to 404; config_error 107 where JSON has a value of the wrong kind
@@ -63,7 +64,8 @@ class GltfDocument {
     const JsonView b = element("buffers", i);
     const bool decoded = b.contains("uri");
     if (decoded ? !is_data(b["uri"].as<std::string>()) : i != 0) {
-      raise<io_error>(404, b.path(), ": the buffer is not in this file: make one .glb file of all, for instance with "
+      raise<io_error>(404, b.path(),
+                      ": the buffer is not in this file: make one .glb file of all, for instance with "
                       "gltf-transform");
     }
     const std::span<const std::byte> data = decoded ? std::span(decoded_[static_cast<std::size_t>(i)]) : chunks_.binary;
@@ -121,6 +123,7 @@ class GltfDocument {
     if (a.contains("sparse")) replace_some(a["sparse"], count, size * components, read);
     return out;
   }
+
  private:
   static constexpr std::size_t most_made_up = 1 << 20;  // values that a small file may leave out
 
@@ -168,9 +171,7 @@ class GltfDocument {
   }
 
   static constexpr std::string_view base64_mark = ";base64,";
-  static bool is_data(std::string_view uri) {
-    return uri.starts_with("data:") && uri.find(base64_mark) != uri.npos;
-  }
+  static bool is_data(std::string_view uri) { return uri.starts_with("data:") && uri.find(base64_mark) != uri.npos; }
   void decode_buffers() {
     for (Index i = 0; i < count("buffers"); ++i) {
       const JsonView b = element("buffers", i);
@@ -274,7 +275,8 @@ class GltfDocument {
     if (order_.size() != nodes_.size()) raise<io_error>(403, file_, ": the tree of nodes has a cycle");
   }
 
-  /// Avatars say which of their nodes are the bones of a humanoid, whatever these are called. -1: a bone without a node.
+  /// Avatars say which of their nodes are the bones of a humanoid, whatever these are called. -1: a bone without a
+  /// node.
   /// Source  VRM 0.x: VRM; 1.0: VRMC_vrm, VRMC_vrm_animation
   void name_humanoid() {
     if (!root().contains("extensions")) return;
@@ -357,4 +359,4 @@ class SharedAccessors {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

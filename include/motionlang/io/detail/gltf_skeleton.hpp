@@ -11,7 +11,7 @@
 #include <motionlang/io/detail/gltf_animation.hpp>
 #include <motionlang/kinematics/skeleton.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -168,4 +168,4 @@ class GltfSkeleton {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

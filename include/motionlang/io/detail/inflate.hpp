@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// Inflate (RFC 1951): unpacks deflated data of zip members, gzip and zlib streams. And the checksums of zip, gzip and zlib.
-/// Nothing here compresses. zlib would do the same, but has to be linked, and this library needs nothing but its headers to read .npz, .pt
-/// and .gz; tests/unit/io compares with data that zlib packed.
+/// Inflate (RFC 1951): unpacks deflated data of zip members, gzip and zlib streams. And the checksums of zip, gzip and
+/// zlib. Nothing here compresses. zlib would do the same, but has to be linked, and this library needs nothing but its
+/// headers to read .npz, .pt and .gz; tests/unit/io compares with data that zlib packed.
 #pragma once
 
 #include <algorithm>  // min
@@ -10,7 +10,7 @@
 
 #include <motionlang/io/detail/bytes.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -213,8 +213,8 @@ inline void repeat(std::vector<std::byte>& out, std::size_t distance, std::size_
   for (std::size_t k = 0; k < length; ++k) out.push_back(out[out.size() - distance]);
 }
 
-/// Unpacks one deflate stream of at most `limit` bytes of output; returns how many bytes of the stream it took. It stops early once
-/// there are `enough`.
+/// Unpacks one deflate stream of at most `limit` bytes of output; returns how many bytes of the stream it took. It
+/// stops early once there are `enough`.
 /// Throws  io_error 402 if the stream ends too early, 403 if it is malformed, 405 beyond the limit
 template <class Out>
 std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t limit, std::string_view file,
@@ -267,7 +267,8 @@ std::size_t inflate_to(Out& out, std::span<const std::byte> stream, std::size_t 
 }
 
 /// The same into memory; room for `expected` bytes is made before.
-inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, std::string_view file, std::size_t expected = 0) {
+inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, std::string_view file,
+                        std::size_t expected = 0) {
   Inflated out;
   out.data.reserve(expected);
   out.consumed = inflate_to(out.data, stream, limit, file);
@@ -276,4 +277,4 @@ inline Inflated inflate(std::span<const std::byte> stream, std::size_t limit, st
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

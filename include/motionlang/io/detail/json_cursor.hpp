@@ -16,7 +16,8 @@
 #include <motionlang/core/error.hpp>
 #include <motionlang/core/utf8.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 class JsonCursor {
  public:
@@ -191,4 +192,5 @@ class JsonCursor {
   int depth_ = 0;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

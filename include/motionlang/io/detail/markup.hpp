@@ -8,7 +8,7 @@
 
 #include <motionlang/core/utf8.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -61,4 +61,4 @@ inline std::string fixed(double value, int decimals = 1) {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

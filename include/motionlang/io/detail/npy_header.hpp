@@ -10,7 +10,7 @@
 #include <motionlang/core/error.hpp>
 #include <motionlang/core/shape.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -112,4 +112,4 @@ class NpyHeader {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

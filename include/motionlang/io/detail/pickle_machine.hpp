@@ -15,7 +15,7 @@
 #include <motionlang/core/utf8.hpp>
 #include <motionlang/io/detail/bytes.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 enum class PickleKind : std::uint8_t {
   none,
@@ -47,13 +47,14 @@ struct InlineBytes {
 };
 
 struct PickleOptions {
-  /// Names that may occur, "collections.OrderedDict" or, ending with a dot, everything below a module: "numpy.". Empty: all but
-  /// those that execute something; classes that nobody knows are inert objects.
+  /// Names that may occur, "collections.OrderedDict" or, ending with a dot, everything below a module: "numpy.". Empty:
+  /// all but those that execute something; classes that nobody knows are inert objects.
   std::span<const std::string_view> allowed{};
   bool persistent_ids = false;         // PyTorch's storages
   std::size_t max_values = 4'000'000;  // values and links between them; never more than the bytes of the file allow
   std::uint64_t max_memory = 0;        // bytes for them; 0: 24 MiB and as much as the file has
-  /// Called with every object that has got its state: what follows it at `position` (joblib's arrays). Reading goes on behind.
+  /// Called with every object that has got its state: what follows it at `position` (joblib's arrays). Reading goes on
+  /// behind.
   InlineBytes (*inline_bytes)(const PickleValue& object, std::span<const std::byte> file,
                               std::uint64_t position) = nullptr;
 };
@@ -112,7 +113,8 @@ class PickleMachine {
   const std::vector<PickleRef>& persistent() const { return persistent_; }
   /// For messages: " at byte 7 (BINGET)".
   std::string place(std::uint64_t at) const {
-    const auto name = at < bytes_.size() ? opcode_name(std::to_integer<unsigned char>(bytes_[static_cast<std::size_t>(at)])) : "";
+    const auto name =
+        at < bytes_.size() ? opcode_name(std::to_integer<unsigned char>(bytes_[static_cast<std::size_t>(at)])) : "";
     return name.empty() ? concat_text(" at byte ", at) : concat_text(" at byte ", at, " (", name, ")");
   }
 
@@ -381,8 +383,8 @@ class PickleMachine {
     n.attribute = attribute;
   }
 
-  /// One byte for every code point of a text: how Python 3 writes bytes in protocols 0 to 2. Each text is converted once, however
-  /// often it is asked for.
+  /// One byte for every code point of a text: how Python 3 writes bytes in protocols 0 to 2. Each text is converted
+  /// once, however often it is asked for.
   std::string_view latin1(PickleRef ref) {
     const auto [slot, first] = latin1_.try_emplace(ref);
     if (!first) return slot->second;
@@ -469,7 +471,8 @@ class PickleMachine {
   void push_persistent(PickleRef id) {
     if (!options_.persistent_ids) fail(404, "a persistent id, which means something outside this file");
     const std::vector<PickleRef>& parts = nodes_[id].items;
-    if (!parts.empty() && nodes_[parts[0]].text == "module")  // PyTorch's older form refers to the source code of classes
+    // PyTorch's older form refers to the source code of classes
+    if (!parts.empty() && nodes_[parts[0]].text == "module")
       fail(404, "a whole module with its source code, not its tensors: save its state_dict()");
     push_new(PickleKind::persistent).arguments = id;
     persistent_.push_back(stack_.back());
@@ -603,4 +606,4 @@ class PickleMachine {
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

@@ -10,7 +10,8 @@
 #include <motionlang/io/text_network_file.hpp>
 #include <motionlang/io/weight_file.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// The folder around one, also of "a/b/" and ".".
 inline std::filesystem::path folder_around(const std::filesystem::path& folder) {
@@ -127,7 +128,8 @@ std::optional<Normalizer<B>> find_normalizer(const TensorSet& file, Index width,
     Normalizer<B> out = Normalizer<B>::identity(width);
     for (const TensorView* t : {mean, std}) {
       if (t->shape.count() != width)
-        raise<io_error>(407, file.name(), ": tensor '", t->name, "' is ", t->shape, ", the model has ", width, " features");
+        raise<io_error>(407, file.name(), ": tensor '", t->name, "' is ", t->shape, ", the model has ", width,
+                        " features");
     }
     using S = typename B::scalar;
     out.mean = Tensor<B, 1>::from(values_of<S>(*mean), {width});
@@ -173,4 +175,5 @@ void load_run_module(M& module, const TensorSet& file, const std::string& prefix
   if (!report.missing.empty() || !report.unexpected.empty()) raise_key_mismatch(file.name(), report);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

@@ -7,9 +7,11 @@
 
 #include <motionlang/geometry/vec.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
-/// A surface at rest whose vertices follow four joints each. W: std::uint8_t or std::uint16_t, of which the largest is 1.
+/// A surface at rest whose vertices follow four joints each. W: std::uint8_t or std::uint16_t, of which the largest is
+/// 1.
 template <class W>
 struct SkinnedMesh {
   std::vector<Vec3<float>> positions, normals;
@@ -18,4 +20,5 @@ struct SkinnedMesh {
   std::vector<std::uint32_t> triangles;
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

@@ -9,7 +9,8 @@
 
 #include <motionlang/core/utf8.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// A point of the grid: descenders reach down to y = 0, letters stand on 4, small ones reach up to 10, capitals to 13.
 struct GridPoint {
@@ -39,8 +40,8 @@ inline constexpr std::array<std::string_view, 94> stroke_letters{
     "3e2d2918272332", "0e01", "0e1d1928171302", "07183748"};
 // clang-format on
 
-/// Lines of a text from left to right, in units of the grid, and how wide it is. Letters that the font does not have are
-/// boxes.
+/// Lines of a text from left to right, in units of the grid, and how wide it is. Letters that the font does not have
+/// are boxes.
 struct StrokedText {
   std::vector<std::vector<GridPoint>> strokes;
   int width = 0;
@@ -72,4 +73,5 @@ inline StrokedText stroke_text(std::string_view text) {
   return out;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

@@ -30,7 +30,8 @@
 extern "C" __declspec(dllimport) int __stdcall MoveFileExA(const char* from, const char* to, unsigned long flags);
 #endif
 
-namespace motionlang::inline MOTIONLANG_ABI::detail::system {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::system {
 
 /// An open file of a new name where temporary files go, for this user only; -1 if there is no place for it.
 inline int create_temporary(std::string& name) {
@@ -57,8 +58,8 @@ inline bool is_regular(int file, std::uint64_t& size) {
 inline void copy_permissions(const char*, int) {}  // of a folder, for all in it
 inline bool flush(int file) { return ::_commit(file) == 0; }
 inline void unmap(void* data, std::size_t) { ::_aligned_free(data); }
-/// The whole file, for reading; null if that fails. size > 0. A copy: nobody could write a file anew that is mapped, such as the checkpoint
-/// from which a training goes on.
+/// The whole file, for reading; null if that fails. size > 0. A copy: nobody could write a file anew that is mapped,
+/// such as the checkpoint from which a training goes on.
 inline void* map(int file, std::size_t size) {
   auto* const data = static_cast<char*>(::_aligned_malloc(size, 64));
   if (data == nullptr) return errno = ENOMEM, nullptr;
@@ -123,4 +124,5 @@ inline bool is_folder(const char* path) {
   return ::stat(path, &s) == 0 && S_ISDIR(s.st_mode);
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail::system
+}  // namespace detail::system
+MOTIONLANG_NAMESPACE_END

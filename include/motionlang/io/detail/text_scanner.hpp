@@ -13,7 +13,8 @@
 #include <motionlang/core/error.hpp>
 #include <motionlang/core/text_lines.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// More joints than any file has; keeps searches for names in a hostile one short.
 inline constexpr std::size_t max_text_joints = 4096;
@@ -142,8 +143,8 @@ class TextScanner {
   void skip_blanks() {
     while (at_ < text_.size() && is_blank(text_[at_])) ++at_;
   }
-  /// Takes a number that is written as most are, in one pass: up to 15 digits with a point at most, before a blank. Digits
-  /// and power of ten are then exact doubles, so that their quotient is the double nearest to the text.
+  /// Takes a number that is written as most are, in one pass: up to 15 digits with a point at most, before a blank.
+  /// Digits and power of ten are then exact doubles, so that their quotient is the double nearest to the text.
   bool plain_decimal(double& value) {
     static constexpr double powers[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                         1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
@@ -193,4 +194,5 @@ class TextScanner {
   std::size_t last_ = 0;  // where the last word began
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

@@ -7,7 +7,7 @@
 
 #include <motionlang/version.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -270,7 +270,7 @@ layout(location = 1) in vec4 from;      // centre, radius
 layout(location = 2) in vec4 to;
 layout(location = 3) in vec3 colour;
 uniform mat4 camera;
-uniform vec4 shadow;                    // x, z, half width of the shadow map, height of the floor; width 0: no shadow pass
+uniform vec4 shadow;  // x, z, half width of the shadow map, height of the floor; width 0: no shadow pass
 uniform vec3 light;
 out vec3 normal, world, tint;
 void main() {
@@ -582,7 +582,8 @@ const clips = page.motions.map((m) => new Clip(m));
 const camera = new Camera(), canvas = element("view");
 const hues = ["#2b78c5", "#d0621c", "#2f9157", "#8a58c2", "#c0436d", "#97801b"];
 const dark = matchMedia("(prefers-color-scheme: dark)");
-let clip = clips[0], time = 0, playing = false, looping = true, following = true, speed = 1, scheduled = false, before = 0;
+let clip = clips[0], time = 0, playing = false, looping = true, following = true, speed = 1;
+let scheduled = false, before = 0;
 let pace = 16, quality = 1;  // milliseconds between frames, pixels drawn per pixel of the screen
 
 let renderer;
@@ -724,7 +725,8 @@ element("timeline").addEventListener("pointerdown", (event) => {
 });
 const step = (frames) => { play(false); seek((Math.round(time * clip.fps) + frames) / clip.fps); };
 const keys = {
-  " ": () => play(!playing), ",": () => step(-1), ".": () => step(1), Home: () => seek(0), End: () => seek(clip.seconds),
+  " ": () => play(!playing), ",": () => step(-1), ".": () => step(1),
+  Home: () => seek(0), End: () => seek(clip.seconds),
   f: () => element("follow").click(), l: () => element("loop").click(), r: () => element("reset").click() };
 const viewKeys = {
   ArrowLeft: () => camera.orbit(-20, 0), ArrowRight: () => camera.orbit(20, 0), ArrowUp: () => camera.orbit(0, 20),
@@ -762,7 +764,9 @@ view.addEventListener("pointermove", (event) => {
   else camera.orbit(dx, dy);
   refresh();
 });
-for (const end of ["pointerup", "pointercancel"]) view.addEventListener(end, (event) => pointers.delete(event.pointerId));
+for (const end of ["pointerup", "pointercancel"]) {
+  view.addEventListener(end, (event) => pointers.delete(event.pointerId));
+}
 view.addEventListener("contextmenu", (event) => event.preventDefault());
 view.addEventListener("wheel", (event) => {
   event.preventDefault();
@@ -789,4 +793,4 @@ play(page.autoplay && !matchMedia("(prefers-reduced-motion: reduce)").matches);
 
 }  // namespace detail
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

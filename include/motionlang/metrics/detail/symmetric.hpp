@@ -13,9 +13,11 @@
 
 #include <motionlang/core/error.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
-/// F with A = F^T F for a positive semidefinite A (n, n): (rank, n). Directions in which A is 0 up to rounding are left out.
+/// F with A = F^T F for a positive semidefinite A (n, n): (rank, n). Directions in which A is 0 up to rounding are left
+/// out.
 inline std::vector<double> semidefinite_factor(std::vector<double> a, std::size_t n) {
   double largest = 0;
   for (std::size_t i = 0; i < n; ++i) largest = std::max(largest, a[i * n + i]);
@@ -116,4 +118,5 @@ inline std::vector<double> symmetric_eigenvalues(const std::vector<double>& a, s
   return d;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

@@ -6,7 +6,8 @@
 #include <motionlang/search/detail/scan_kernels.hpp>
 #include <motionlang/search/vector_scan.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// The nearest so far to a group of queries, as one thread has seen them.
 template <class S>
@@ -107,13 +108,8 @@ void scan_with_panels(const RowScan<S>& scan, const Panels<S>& queries, Index fi
       else
         scanner.widen_row(scan.halves.data() + (top + r) * width, width, gallery + r * pitch);
     }
-    Gemm<S> product{.m = rows,
-                    .n = block.columns(),
-                    .k = width,
-                    .a = gallery,
-                    .lda = pitch,
-                    .c = scores,
-                    .ldc = block.pitch()};
+    Gemm<S> product{
+        .m = rows, .n = block.columns(), .k = width, .a = gallery, .lda = pitch, .c = scores, .ldc = block.pitch()};
     for (Index j = 0; j * w < queries.n; j += block.panels) {
       if (queries.kernels != nullptr) {
         product.panels = queries.data() + j * w * width;
@@ -163,9 +159,10 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
     const Index n = std::min(group, total - begin);
     const auto mine = queries.subspan(static_cast<std::size_t>(begin * width), static_cast<std::size_t>(n * width));
     const bool product = n > few, rounded = product && !halves.empty();
-    // Errors of float sums, and 1 % for what lies below: lengths of 1.001, the rounding of the exact score and of the limit.
-    const double error = 1.01 * (static_cast<double>(width + 2) * 0x1p-24 + half_error +
-                                 (rounded ? rounding_of(mine, width) : 0));
+    // Errors of float sums, and 1 % for what lies below: lengths of 1.001, the rounding of the exact score and of the
+    // limit.
+    const double error =
+        1.01 * (static_cast<double>(width + 2) * 0x1p-24 + half_error + (rounded ? rounding_of(mine, width) : 0));
     std::vector<Candidates<S>> seen(static_cast<std::size_t>(threads), Candidates<S>(*this, mine, k, error));
     const auto for_rows = [&](auto f) {
       parallel_for(tasks, [&](Index i) {
@@ -174,8 +171,7 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
       });
     };
     if (product) {
-      const auto panels =
-          pack_panels<S>(mine.data(), width, n, 1, width, rounded ? Precision::bf16 : Precision::fp32);
+      const auto panels = pack_panels<S>(mine.data(), width, n, 1, width, rounded ? Precision::bf16 : Precision::fp32);
       const Scratch<S> scratch(ScoreBlock<S>(panels).scratch(width));
       for_rows([&](Index first, Index last, Candidates<S>& c) {
         scan_with_panels<S>(*this, panels, first, last, scratch.mine(), c);
@@ -218,4 +214,5 @@ typename RowScan<S>::DotFunction RowScan<S>::dot_function() {
   return scan_kernels(kernels<S>()).dot_rows;
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

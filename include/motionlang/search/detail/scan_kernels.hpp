@@ -5,7 +5,8 @@
 #include <motionlang/backend/detail/kernels.hpp>
 #include <motionlang/core/half.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// Entry points of one instruction set.
 template <class S>
@@ -18,7 +19,8 @@ struct ScanKernels {
   Index (*first_above)(const S* x, Index from, Index n, S limit);
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
 #define MOTIONLANG_ISA portable
@@ -40,7 +42,8 @@ MOTIONLANG_TARGET_POP
 #endif
 #undef MOTIONLANG_INLINE
 
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// Those of the same instruction set as `kernels`, whose panels they read.
 template <class S>
@@ -54,4 +57,5 @@ const ScanKernels<S>& scan_kernels(const Kernels<S>& kernels) {
   return portable::scan_table<S>();
 }
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

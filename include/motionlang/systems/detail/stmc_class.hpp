@@ -13,7 +13,7 @@
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/text/caption_encoder.hpp>
 
-namespace motionlang::inline MOTIONLANG_ABI {
+MOTIONLANG_NAMESPACE_BEGIN
 
 struct BatchPlan;
 
@@ -32,7 +32,7 @@ struct StmcOptions {
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
   Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Changes the memory only
-  Progress progress{};  // called after every step; may cancel
+  Progress progress{};                      // called after every step; may cancel
 };
 
 /// The denoiser and encoder may be any models of `Denoiser<B>` and `TextEncoder<B>`.
@@ -57,8 +57,8 @@ struct Stmc {
                               &Stmc::motion_normalizer, "text_normalizer", &Stmc::text_normalizer);
   }
 
-  /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends only on
-  /// the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
+  /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends
+  /// only on the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
   std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng,
                                      const StmcOptions& options = {}) const;
   Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const;
@@ -69,12 +69,12 @@ struct Stmc {
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options = {}) const;
 
-  /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape (rows of the
-  /// collage, features); whole(collage, x, t) is what a plain run takes. In the SINC modes the collage is that of the texts alone,
-  /// and what is estimated is not yet the motion.
+  /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape
+  /// (rows of the collage, features); whole(collage, x, t) is what a plain run takes. In the SINC modes the collage is
+  /// that of the texts alone, and what is estimated is not yet the motion.
   template <class Noise, class Estimate>
-  std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise, const StmcOptions& options,
-                                          Estimate&& estimate) const;
+  std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
+                                          const StmcOptions& options, Estimate&& estimate) const;
   /// The same from a plan made with `plan_options`, by other rules for texts that want a part at the same time, say.
   template <class Noise, class Estimate>
   std::vector<Tensor<B, 2>> generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
@@ -83,10 +83,12 @@ struct Stmc {
   /// How timelines are planned for this model.
   PlanOptions plan_options(const StmcOptions& options) const;
 
-  /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same noise.
+  /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same
+  /// noise.
   Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
 
-  /// The process with so many steps evenly kept, all when 0; the model's own number unless given. Throws config_error 105.
+  /// The process with so many steps evenly kept, all when 0; the model's own number unless given. Throws config_error
+  /// 105.
   GaussianDiffusion process(std::optional<Index> wanted) const;
 
  private:
@@ -98,9 +100,9 @@ struct Stmc {
   Tensor<B, 2> stitch_independent(const BatchPlan& plan, const Tensor<B, 2>& x0, Index stride) const;
 };
 
-/// Generated features (frames, 205) as a motion of the 24-joint skeleton, Y up, metres. Bone lengths are the skeleton's: the
-/// rotations are used, not the predicted positions. Published generation starts facing pi.
+/// Generated features (frames, 205) as a motion of the 24-joint skeleton, Y up, metres. Bone lengths are the
+/// skeleton's: the rotations are used, not the predicted positions. Published generation starts facing pi.
 template <Backend B>
 Motion stmc_motion(const Tensor<B, 2>& features, double fps = 20);
 
-}  // namespace motionlang::inline MOTIONLANG_ABI
+MOTIONLANG_NAMESPACE_END

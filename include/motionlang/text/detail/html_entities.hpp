@@ -6,7 +6,8 @@
 #include <motionlang/version.hpp>
 
 // clang-format off
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 /// Records: name, blank, code points in hexadecimal joined by +, comma. ? behind a name: its semicolon may be missing.
 /// ^ before a name: not of HTML5, a lower-case name in capitals that stands for the capital.
@@ -414,5 +415,6 @@ inline constexpr char html_entities[] =
     "^ZEETRF 2128,zeta 3b6,^ZETA 396,zfr 1d537,^ZFR 1d537,zhcy 436,^ZHCY 416,zigrarr 21dd,^ZIGRARR 21dd,zopf 1d56b,"
     "^ZOPF 1d56b,zscr 1d4cf,^ZSCR 1d4cf,zwj 200d,^ZWJ 200d,zwnj 200c,^ZWNJ 200c,";
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 // clang-format on

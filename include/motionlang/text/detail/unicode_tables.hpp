@@ -9,7 +9,8 @@
 #include <motionlang/version.hpp>
 
 // clang-format off
-namespace motionlang::inline MOTIONLANG_ABI::detail {
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
 
 inline constexpr char unicode_version[] = "15.0.0";
 
@@ -776,5 +777,6 @@ inline constexpr std::uint16_t narrow_forms[] = {
     0xFFDF,0xA2,0xA3,0xAC,0,0xA6,0xA5,0x20A9,0xFFE7,0x2502,0x2190,0x2191,0x2192,0x2193,0x25A0,0x25CB,0xFFEF,
 };
 
-}  // namespace motionlang::inline MOTIONLANG_ABI::detail
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
 // clang-format on
