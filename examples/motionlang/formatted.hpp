@@ -2,9 +2,10 @@
 #pragma once
 
 #include <cstdarg>
-#include <cstddef>
 #include <cstdio>
 #include <string>
+
+#include <motionlang/core/error.hpp>
 
 namespace program {
 
@@ -25,9 +26,6 @@ __attribute__((format(PROGRAM_PRINTF_FORMAT, 1, 2))) inline std::string formatte
   return text;
 }
 
-/// "1 frame", "2 frames"
-inline std::string counted(std::ptrdiff_t n, const std::string& one) {
-  return std::to_string(n) + " " + one + (n == 1 ? "" : "s");
-}
+using motionlang::counted;  // "1 frame", "2 frames"
 
 }  // namespace program

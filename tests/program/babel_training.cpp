@@ -176,7 +176,7 @@ TEST_CASE("train-sinc and train-teach lower their losses and leave models; two h
                         evaluated("train-sinc", lists + std::vector<std::string>{"--temos", "train-sinc_whole/model"}),
                     other_seed = evaluated("train-sinc", lists + std::vector<std::string>{"--seed", "1"}),
                     of_teach = evaluated("train-teach", lists + baselines);
-  CHECK_MESSAGE(contains(of_sinc, "1 motions of the test part"), of_sinc);
+  CHECK_MESSAGE(contains(of_sinc, "1 motion of the test part"), of_sinc);
   CHECK_MESSAGE(contains(of_teach, "2 motions of the test part"), of_teach);
   CHECK(row(of_sinc, "one sample") != row(other_seed, "one sample"));
   for (const char* name : {"mean pose", "mean of the latent"}) CHECK(row(of_sinc, name) == row(other_seed, name));
@@ -210,8 +210,8 @@ TEST_CASE("items of BABEL: types of data, val.json to validate with, combined ac
     counted("train-sinc", two + std::vector<std::string>{"--set", "data.types=" + types}, counts);
   };
   type("seg", "4 motions to train on, 4 for validation, 0 for tests; 0 left out");
-  type("seq", "1 motions to train on, 0 for validation, 0 for tests; 0 left out");
-  type("spatial_pairs", "1 motions to train on, 1 for validation, 0 for tests; 2 left out");
+  type("seq", "1 motion to train on, 0 for validation, 0 for tests; 0 left out");
+  type("spatial_pairs", "1 motion to train on, 1 for validation, 0 for tests; 2 left out");
   type("separate_pairs+seq", "3 motions to train on, 2 for validation, 0 for tests; 0 left out");
 
   // all single actions are combined with a partner, with the table's parts or by lot

@@ -223,7 +223,7 @@ TEST_CASE("generate --towards: ACTOR from action to action, TEMOS and SINC from 
   const Outcome dance = w.run({"generate", "--model", "actor", "--action", "walk", "--towards", "dance"});
   CHECK_MESSAGE((dance.code == 1 && contains(dance.text, "action 'dance' is none of 0 ... 11")), dance.text);
   refused({"--model", "actor", "--action", "walk", "--towards", "run", "--samples", "1"},
-          "[motionlang.config.101] 1 motions");
+          "[motionlang.config.101] 1 motion");
   refused({"--model", "actor", "--action", "walk", "--towards", "run", "--noise", "n.safetensors"},
           "--noise is for diffusion models");
 
@@ -622,7 +622,7 @@ TEST_CASE("evaluate: TEMOS as published, by its own DistilBERT") {
     REQUIRE_MESSAGE(out.code == 0, out.text);
     return out.text;
   }();
-  CHECK(contains(said, "1 motions of the test part"));
+  CHECK(contains(said, "1 motion of the test part"));
   for (const char* file : {"strips/1.svg", "strips/1_recorded.svg"})
     CHECK_MESSAGE(contains(ml::read_file(w / file), "a walk"), file);
   const auto run = ml::load_temos_run<official::B>(ml::FilePath(w / "temos"),
@@ -793,7 +793,7 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   const std::string gerund = measured("sinc", {"--samples", "1", "--conjunction", "while", "--tags", "tags.txt",
                                                "--strips", "gerund", "--keys", "keys.txt"});
   check_strips("gerund", "walk while waveing");
-  CHECK_MESSAGE(contains(gerund, "1 motions of val.json, of 2 keys"), gerund);
+  CHECK_MESSAGE(contains(gerund, "1 motion of val.json, of 2 keys"), gerund);
   CHECK(contains(gerund, "'walk while wave', with the -ing form of the second verb"));
   // pairs that training has not
   const auto unseen = [&](const std::string& training, const std::string& validation) {
@@ -893,7 +893,7 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   };
   ml::write_file(w / "other.txt", std::string_view("walk while turn#walk/VERB while/SCONJ turn/VERB#0.0#0.0\n"));
   refused("sinc", {"--conjunction", "while", "--tags", "other.txt"},
-          "[motionlang.config.103] --tags other.txt: no words of 1 sentences:\nwalk while wave");
+          "[motionlang.config.103] --tags other.txt: no words of 1 sentence:\nwalk while wave");
   refused("sinc", {"--tags", "tags.txt"}, "[motionlang.config.102] --tags is for --conjunction while and during", 2);
   refused("sinc", {"--items", "unseen"}, "--items unseen needs motions to train on, which --part all has not", 2);
   refused("teach", {"--keys", "keys.txt"}, "[motionlang.config.101] val.json has no motions to measure, of 2 keys");
@@ -957,7 +957,7 @@ TEST_CASE("evaluate: TM2T from texts to motions as published, by the networks of
   const Outcome judged = evaluate("T2M_Seq2Seq", {"--evaluator", runs + "text_mot_match"});
   REQUIRE_MESSAGE(judged.code == 0, judged.text);
   CHECK_MESSAGE(contains(judged.text,
-                         "3 motions of the training part in batches of 3, drawn 1 times; diversity of 2 pairs, "
+                         "3 motions of the training part in batches of 3, drawn 1 time; diversity of 2 pairs, "
                          "multimodality of 3 texts"),
                 judged.text);
   // R@1, R@2, R@3, FID, distance, diversity, multimodality
@@ -1292,7 +1292,7 @@ TEST_CASE("info: what the folders of ACTOR, TEMOS, TEACH, TM2T and MDM for actio
   official::write_mdm_action_run(w / "mdm", official::small());
   says("mdm", {"actions                  12 classes", "cosine, 24 steps"});
   const std::string run = official::write_tm2t_runs(w.path, official::small_tm2t()).string();
-  says(run, {"from texts to motions", "recurrent, 1 layers of 12, early attention; writes 13 symbols"});
+  says(run, {"from texts to motions", "recurrent, 1 layer of 12, early attention; writes 13 symbols"});
   const fs::path golden = fs::path(__FILE__).parent_path().parent_path() / "golden/cases/containers";
   says((golden / "tmr_run").string(), {"system                   tmr", "not a whole model", "motion_encoder."});
   says((golden / "actor_run").string(), {"12 classes of humanact12", "encoder.muQuery"});

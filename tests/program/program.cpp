@@ -964,7 +964,7 @@ TEST_CASE("convert: texts of BABEL become annotations, and these files of captio
     "43": {"babel_sid": 43, "url": "", "feat_p": "X/X/s/g_poses.npz", "dur": 1.5, "seq_ann": null}})"));
   const auto out = w.run({"convert", "babel.json", "annotations.json"});
   CHECK_MESSAGE(out.code == 0, out.text);
-  CHECK_MESSAGE(contains(out.text, "annotations.json: 2 texts of 1 motions"), out.text);
+  CHECK_MESSAGE(contains(out.text, "annotations.json: 2 texts of 1 motion"), out.text);
   const auto made = ml::AnnotationFile::open(w / "annotations.json");
   CHECK(made.ids() == std::vector<std::string>{"00042"});
   CHECK(made.load("00042") ==
@@ -973,7 +973,7 @@ TEST_CASE("convert: texts of BABEL become annotations, and these files of captio
   REQUIRE(w.run({"convert", "annotations.json", "again.json"}).code == 0);
   CHECK(ml::read_file(w / "again.json") == ml::read_file(w / "annotations.json"));
   const auto texts = w.run({"convert", "annotations.json", "set"});
-  CHECK_MESSAGE(contains(texts.text, "set/texts: 2 texts of 1 motions"), texts.text);
+  CHECK_MESSAGE(contains(texts.text, "set/texts: 2 texts of 1 motion"), texts.text);
   CHECK(ml::read_file(w / "set/texts/00042.txt") == "walk and wave##0.0#0.0\nsit down##7.0#9.5\n");
   REQUIRE(w.run({"convert", "babel.json", "direct"}).code == 0);
   CHECK(w.files("direct/texts") == w.files("set/texts"));
@@ -1117,7 +1117,7 @@ TEST_CASE("convert: clips are added to a data set in HumanML3D's or KIT-ML's for
   CHECK_MESSAGE(contains(out.text, "set: clip walk_2, 26 frames at 20 per second, 0 captions"), out.text);
   ml::write_file(w / "set/texts/walk.txt", "a person walks.#a/DET person/NOUN walk/VERB#0.0#0.0\n");
   CHECK(contains(w.run({"convert", "walk.glb", "set", "--features", "guoh3d"}).text,
-                 "set: clip walk, 26 frames at 20 per second, 1 captions"));
+                 "set: clip walk, 26 frames at 20 per second, 1 caption"));
   const ml::HumanMl3dFolder set(w / "set");
   CHECK(set.ids() == std::vector<std::string>{"walk", "walk_2"});
   const auto clip = set.load("walk");
@@ -1247,7 +1247,7 @@ TEST_CASE("results of MDM: every motion, named by its text") {
   const auto page = w.run({"view", "mdm/results.npy"});
   CHECK_MESSAGE(contains(page.text, "mdm/results.npy.html: 2 motions, 24 joints"), page.text);
   const auto all = w.run({"convert", "mdm", "all", "--as", ".bvh"});
-  CHECK_MESSAGE(contains(all.text, "all: 1 of 1 files converted"), all.text);
+  CHECK_MESSAGE(contains(all.text, "all: 1 of 1 file converted"), all.text);
   ml::write_npy(w / "bare.npy", motion);
   CHECK(contains(w.run({"convert", "bare.npy", "bare.bvh"}).text, "bare_1.bvh: 10 frames at 20 per second"));
 }
@@ -1390,7 +1390,7 @@ TEST_CASE(
   CHECK_MESSAGE(contains(alone.text, missing), alone.text);
   CHECK(w.run({"convert", "one/13_30.amc", "leg.bvh", "--asf", "body.asf"}).code == 0);
   const auto given = w.run({"doctor", "one", "--asf", "body.asf", "--all"});
-  CHECK_MESSAGE((contains(given.text, "1 motions, ") && !contains(given.text, "unreadable")), given.text);
+  CHECK_MESSAGE((contains(given.text, "1 motion, ") && !contains(given.text, "unreadable")), given.text);
   ml::write_file(w / "two/13_30.amc", amc);
   ml::write_file(w / "two/body.asf", asf);  // the only one there
   const auto made = w.run({"convert", "two/13_30.amc", "leg.bvh", "--rate", "60"});

@@ -947,9 +947,9 @@ TEST_CASE("data in the form of HumanML3D, and from an annotation file") {
   std::filesystem::copy(folder + "/new_joint_vecs/000003.npy", clips / "clip1.npy");
   const auto left_out = train(annotated);
   CHECK_MESSAGE(left_out.code == 0, left_out.text);
-  CHECK_MESSAGE(contains(left_out.text,
-                         "1 motions to train on, 0 for validation, 1 for tests; 2 left out: 1 shorter than 1 s or"),
-                left_out.text);
+  CHECK_MESSAGE(
+      contains(left_out.text, "1 motion to train on, 0 for validation, 1 for tests; 2 left out: 1 shorter than 1 s or"),
+      left_out.text);
   CHECK_MESSAGE(contains(left_out.text, " s (00000), 1 with numbers that are not finite (00001)\n"), left_out.text);
 
   // no lists of ids: a quarter of the five clips is one of them, with its two entries and those of its mirrored twin
@@ -1048,7 +1048,7 @@ TEST_CASE("actions of whole clips, of ready-made features, of annotation files: 
          "turn, walk");
     const auto measured =
         run({"evaluate", "out/model", "--data", set, "--labels", "ids.tsv", "--seeds", "2"}, clips.path);
-    CHECK_MESSAGE(contains(measured.text, "1 motions of the test part, 2 classes"), measured.text);
+    CHECK_MESSAGE(contains(measured.text, "1 motion of the test part, 2 classes"), measured.text);
     refused({"--data", set}, "actions need labels");
   }
 

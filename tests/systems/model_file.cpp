@@ -189,12 +189,12 @@ TEST_CASE("a save that fails leaves the old file") {
 
 TEST_CASE("names that do not match") {
   check_refused([](Parts& p) { p.tensors.erase("denoiser.to_skel_layer.bias"); }, 406,
-                {"1 tensors are missing, 0 are not expected:\n  missing    denoiser.to_skel_layer.bias"});
+                {"1 tensor is missing, 0 are not expected:\n  missing    denoiser.to_skel_layer.bias"});
   check_refused(
       [](Parts& p) {
         p.tensors["denoiser.more"] = {{2}, {1, 2}};
       },
-      406, {"0 tensors are missing, 1 are not expected:\n  unexpected denoiser.more"});
+      406, {"0 tensors are missing, 1 is not expected:\n  unexpected denoiser.more"});
   check_refused([](Parts& p) { p.tensors.erase("denoiser.seqTransEncoder.layers.1.linear1.weight"); }, 406,
                 {"no tensor 'denoiser.seqTransEncoder.layers.1.linear1.weight'"});
   check_refused([](Parts& p) { p.tensors.clear(); }, 406, {"no tensor"});

@@ -33,15 +33,15 @@ std::string write(const fs::path& path, const ml::Body<B>& body, const std::stri
     for (ml::Motion& m : motions) shown.push_back({std::move(m)});
     ml::write_body_viewer(path, body, std::span<const ml::ViewerMotion>(shown), shape);
   } else if (kind == ".obj" && count == 1) {
-    files =
-        ml::concat_text(" in ", ml::write_body_objs(path, body, motions.front(), shape), " files, one for each frame");
+    files = ml::concat_text(" in ", counted(ml::write_body_objs(path, body, motions.front(), shape), "file"),
+                            ", one for each frame");
   } else {
     ml::raise<usage_error>(103, path.string(),
                            ": motions on a body are written to .glb and .html, one alone also to .obj, not '", kind,
                            "'");
   }
-  return ml::concat_text(path.string(), files, ": ", counted(static_cast<std::ptrdiff_t>(count), "motion"), " on ",
-                         name, " of ", body.model.vertices(), " vertices\n");
+  return ml::concat_text(path.string(), files, ": ", counted(count, "motion"), " on ", name, " of ",
+                         body.model.vertices(), " vertices\n");
 }
 
 /// Capsules along the bones of whatever joints there are.

@@ -106,8 +106,8 @@ ml::Motion joined(const ml::Motion& first, const ml::Motion& second, double blen
   const double frames = std::max(1.0, std::round(blend * first.fps));
   const ml::Motion& shorter = first.frames() < second.frames() ? first : second;
   if (frames > static_cast<double>(shorter.frames()))
-    ml::raise<usage_error>(101, "join: '", shorter.name, "' has ", shorter.frames(), " frames at ", shorter.fps,
-                           " per second, --blend ", blend, " takes ", frames);
+    ml::raise<usage_error>(101, "join: '", shorter.name, "' has ", ml::counted(shorter.frames(), "frame"), " at ",
+                           shorter.fps, " per second, --blend ", blend, " takes ", frames);
   return ml::blend_into(first, second, static_cast<ml::Index>(frames));
 }
 

@@ -159,8 +159,8 @@ class Conversion {
     if (!report.table.empty()) told_ += to_string(report) + "\n";
     if (!made_.empty()) write();
     if (failures_ > 0)
-      ml::raise<ml::config_error>(101, "convert: ", failures_, " of the ", motions_.size(), " motions of ", o_.in,
-                                  " could not be made:", reasons_);
+      ml::raise<ml::config_error>(101, "convert: ", failures_, " of the ", ml::counted(motions_.size(), "motion"),
+                                  " of ", o_.in, " could not be made:", reasons_);
   }
   /// Lines that begin with the name of the input: what it has and the result has not.
   const std::string& about_input() const { return about_input_; }
@@ -230,7 +230,8 @@ class Conversion {
       told_ += loaded_.body->write(o_.out, made_, betas_);
     } else if (motions_.size() > 1 && o_.features.empty() && holds_together(o_.out, made_)) {
       write_motions(o_.out, made_);
-      told_ += formatted("%s: %zu motions, %d joints\n", o_.out.c_str(), made_.size(), made_.front().skeleton.size());
+      told_ += ml::concat_text(o_.out, ": ", counted(made_.size(), "motion"), ", ",
+                               counted(made_.front().skeleton.size(), "joint"), "\n");
     } else if (o_.data_set != nullptr) {
       for (const ml::Motion& m : made_)
         attempt(m.name,
@@ -270,8 +271,6 @@ class FolderConversion {
   explicit FolderConversion(const ConvertOptions& o) : o_(o), files_(motion_files_below(o.in)), loaded_(o, files_) {}
 
   void run() {
-    refuse_to_overwrite();
-    if (files_.empty()) ml::raise<ml::config_error>(101, "convert: no motion file in ", o_.in);
     ProgressBar bar("converting");
     std::size_t done = 0;
     for (const fs::path& file : files_) {
@@ -281,12 +280,12 @@ class FolderConversion {
     bar.finish();
     for (const std::string& f : failures_) std::fprintf(stderr, "%s\n", f.c_str());
     tell();
-    std::printf("%s: %zu of %zu files converted\n", (o_.out.empty() ? o_.in : o_.out).c_str(), done - failures_.size(),
-                files_.size());
+    std::printf("%s: %zu of %s converted\n", (o_.out.empty() ? o_.in : o_.out).c_str(), done - failures_.size(),
+                counted(files_.size(), "file").c_str());
     if (done < files_.size()) throw ml::cancelled();
     if (!failures_.empty())
-      ml::raise<ml::config_error>(101, "convert: ", failures_.size(), " of the ", files_.size(), " files of ", o_.in,
-                                  " could not be converted");
+      ml::raise<ml::config_error>(101, "convert: ", failures_.size(), " of the ", ml::counted(files_.size(), "file"),
+                                  " of ", o_.in, " could not be converted");
   }
 
  private:

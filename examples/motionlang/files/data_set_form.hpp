@@ -20,7 +20,7 @@ inline constexpr DataSetForm data_set_forms[]{{"guoh3d", ml::humanml3d_form}, {"
 /// "guoh3d (263 numbers) or kit (251 numbers)"
 inline std::string known_data_sets() {
   return ml::join_text(data_set_forms, " or ", [](const DataSetForm& f) {
-    return ml::concat_text(f.features, " (", f.form.width(), " numbers)");
+    return ml::concat_text(f.features, " (", ml::counted(f.form.width(), "number"), ")");
   });
 }
 

@@ -63,8 +63,8 @@ class Doctor {
     for (const ml::Motion& m : motions) {
       ml::Inspection seen = ml::inspect_motion(m);
       char about[96];
-      std::snprintf(about, sizeof about, "%.2f s, %g frames per second, %d joints", m.seconds(), m.fps,
-                    m.skeleton.size());
+      std::snprintf(about, sizeof about, "%.2f s, %g frames per second, %s", m.seconds(), m.fps,
+                    ml::counted(m.skeleton.size(), "joint").c_str());
       if (!o_.clean.empty()) clean(m, seen, several ? name + " " + file_name(m.name) + ".bvh" : name);
       found_.push_back({several ? name + " " + m.name : name, about, {}, std::move(seen.findings), {}});
       if (!o_.report.empty() && wants_strip(found_.back()))
@@ -115,7 +115,7 @@ class Doctor {
       std::printf("%s: %s\n", m.name.c_str(), text.empty() ? "good" : text.c_str());
     }
     const auto good = std::count_if(found_.begin(), found_.end(), [](const auto& m) { return m.good(); });
-    std::printf("\n%zu motions, %td without a finding\n", found_.size(), good);
+    std::printf("\n%s, %td without a finding\n", ml::counted(found_.size(), "motion").c_str(), good);
     const auto unreadable =
         std::count_if(found_.begin(), found_.end(), [](const auto& m) { return !m.unreadable.empty(); });
     if (unreadable > 0) std::printf("%6td  %-14s the line of the file says why\n", unreadable, "unreadable");

@@ -14,8 +14,8 @@ using Lines = std::vector<std::pair<std::string, std::string>>;
 
 template <class Config>
 std::string transformer(const Config& c) {
-  return ml::concat_text("latent ", c.latent_dim, ", feed-forward ", c.ff_size, ", ", c.num_layers, " layers, ",
-                         c.num_heads, " heads");
+  return ml::concat_text("latent ", c.latent_dim, ", feed-forward ", c.ff_size, ", ",
+                         ml::counted(c.num_layers, "layer"), ", ", ml::counted(c.num_heads, "head"));
 }
 
 Lines actor(const ml::RunFolder& run, const ml::WeightFile& weights) {
@@ -23,10 +23,10 @@ Lines actor(const ml::RunFolder& run, const ml::WeightFile& weights) {
   constexpr const char* decoders[] = {"transformer", "GRU", "fully connected", "autoregressive"};
   const ml::detail::RunReader r(run, weights, "");
   const ml::ActorConfig c = ml::detail::actor_config(r);
-  return {{"actions",
-           ml::concat_text(c.num_classes, " classes", run.option("dataset") ? " of " + r.text("dataset", "") : "")},
-          {"motions",
-           ml::concat_text(c.njoints, " rows of ", c.nfeats, " numbers a frame (", r.text("pose_rep", "rot6d"), ")")},
+  return {{"actions", ml::concat_text(ml::counted(c.num_classes, "class", "classes"),
+                                      run.option("dataset") ? " of " + r.text("dataset", "") : "")},
+          {"motions", ml::concat_text(ml::counted(c.njoints, "row"), " of ", ml::counted(c.nfeats, "number"),
+                                      " a frame (", r.text("pose_rep", "rot6d"), ")")},
           {"networks", ml::concat_text("encoder ", encoders[static_cast<std::size_t>(c.encoder)], ", decoder ",
                                        decoders[static_cast<std::size_t>(c.decoder)], "; ", transformer(c))}};
 }
@@ -41,9 +41,9 @@ Lines lightning(const ml::RunFolder& run, const ml::WeightFile& weights) {
   };
   const bool inside = weights.find("textencoder.text_model.embeddings.word_embeddings.weight") != nullptr;
   return {{"model of", system},
-          {"motions", ml::concat_text(c.nfeats, " numbers a frame, ",
+          {"motions", ml::concat_text(ml::counted(c.nfeats, "number"), " a frame, ",
                                       r.real("data/framerate", system == "temos" ? 12.5 : 30), " frames per second")},
-          {"texts", ml::concat_text("states of ", c.text_dim, " numbers, DistilBERT ",
+          {"texts", ml::concat_text("states of ", ml::counted(c.text_dim, "number"), ", DistilBERT ",
                                     inside ? "in the checkpoint" : "elsewhere")},
           {"networks", ml::concat_text("motion encoder ", kind(c.motion_encoder), ", decoder ", kind(c.motion_decoder),
                                        c.vae ? ", " : ", deterministic, ", transformer(c))}};
@@ -51,8 +51,8 @@ Lines lightning(const ml::RunFolder& run, const ml::WeightFile& weights) {
 
 Lines tmr(const ml::RunFolder& run, const ml::WeightFile& weights) {
   const auto c = ml::detail::tmr_config(ml::detail::RunReader(run, weights, ""));
-  return {{"motions", ml::concat_text(c.motion_nfeats, " numbers a frame")},
-          {"texts", ml::concat_text("states of ", c.text_nfeats, " numbers")},
+  return {{"motions", ml::concat_text(ml::counted(c.motion_nfeats, "number"), " a frame")},
+          {"texts", ml::concat_text("states of ", ml::counted(c.text_nfeats, "number"))},
           {"networks", ml::concat_text(transformer(c), c.vae ? "" : ", deterministic")}};
 }
 
@@ -67,9 +67,9 @@ Lines tm2t(const ml::RunFolder& run) {
   };
   if (weights.find("t2m_model.motion_decoder_step.input_emb.weight") != nullptr) {
     const auto c = ml::detail::tm2t_gru_config(ml::detail::RunReader(run, weights, "t2m_model."));
-    say("from texts to motions", "texts", ml::concat_text("word vectors of ", c.word, " numbers"),
-        ml::concat_text("recurrent, ", c.layers, " layers of ", c.motion_hidden, ", ", c.late ? "late" : "early",
-                        " attention; writes ", c.symbols, " symbols"));
+    say("from texts to motions", "texts", ml::concat_text("word vectors of ", ml::counted(c.word, "number")),
+        ml::concat_text("recurrent, ", ml::counted(c.layers, "layer"), " of ", c.motion_hidden, ", ",
+                        c.late ? "late" : "early", " attention; writes ", ml::counted(c.symbols, "symbol")));
   }
   for (const char* name : {"m2t_transformer", "t2m_transformer"}) {
     const ml::detail::RunReader r(run, weights, std::string(name) + ".");
@@ -79,13 +79,13 @@ Lines tm2t(const ml::RunFolder& run) {
         ml::concat_text("transformer of width ", r.size(target, 1), ", ",
                         r.count("encoder.layer_stack.", ".slf_attn.w_qs.weight", {}), " + ",
                         r.count("decoder.layer_stack.", ".slf_attn.w_qs.weight", {}), " layers; writes ",
-                        r.size(target, 0), " symbols"));
+                        ml::counted(r.size(target, 0), "symbol")));
   }
   if (weights.find("quantizer.embedding.weight") != nullptr) {
     const auto c = ml::detail::tm2t_tokenizer_config(ml::detail::RunReader(run, weights, ""));
-    say("motion tokenizer", "motions", ml::concat_text(c.features, " numbers a frame"),
-        ml::concat_text(c.codes, " codes, ", c.channels.size(), " halvings of the length, ", c.residual_blocks,
-                        " residual blocks"));
+    say("motion tokenizer", "motions", ml::concat_text(ml::counted(c.features, "number"), " a frame"),
+        ml::concat_text(ml::counted(c.codes, "code"), ", ", ml::counted(c.channels.size(), "halving"),
+                        " of the length, ", ml::counted(c.residual_blocks, "residual block")));
   }
   return out;
 }
@@ -95,9 +95,9 @@ Lines mdm_of_actions(const ml::RunFolder& run) {
   ml::DiffusionRun about;
   ml::detail::read_mdm(about, ml::detail::reader_of(run, weights));
   const bool none = about.mdm.condition == ml::MdmCondition::none;
-  return {{"actions", none ? "any" : ml::concat_text(about.mdm.num_actions, " classes")},
-          {"motions", ml::concat_text(about.mdm.nfeats, " numbers a frame")},
-          {"diffusion", ml::concat_text(about.schedule, ", ", about.steps, " steps")},
+  return {{"actions", none ? "any" : ml::counted(about.mdm.num_actions, "class", "classes")},
+          {"motions", ml::concat_text(ml::counted(about.mdm.nfeats, "number"), " a frame")},
+          {"diffusion", ml::concat_text(about.schedule, ", ", ml::counted(about.steps, "step"))},
           {"networks", transformer(about.mdm)}};
 }
 

@@ -108,8 +108,6 @@ bool is_motion_file(const std::filesystem::path& path) {
   return kind == ".bvh" || kind == ".amc" || kind == ".npz" || kind == ".npy" || kind == ".glb" || kind == ".vrma";
 }
 
-namespace {
-/// Files that cannot be read count: their reader says why.
 bool has_frames(const std::filesystem::path& npy) {
   try {
     return npy_shape(npy).size() >= 2 || ml::may_be_mdm_motions(npy);
@@ -366,8 +364,8 @@ std::string write_features(const std::filesystem::path& path, const ml::Motion& 
   const ml::MotionFeatures& f = ml::motion_features(features);
   const FeatureRows made = feature_rows(motion, f, fps);
   ml::write_npy(path, ml::NpyArray::of(std::span<const float>(made.values), {made.rows, f.width}));
-  return formatted("%s: %td rows of %td numbers at %g per second, %.2f s\n", path.string().c_str(), made.rows, f.width,
-                   made.fps, static_cast<double>(made.rows) / made.fps);
+  return formatted("%s: %s of %td numbers at %g per second, %.2f s\n", path.string().c_str(),
+                   counted(made.rows, "row").c_str(), f.width, made.fps, static_cast<double>(made.rows) / made.fps);
 }
 
 std::string write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion,
@@ -381,8 +379,9 @@ std::string write_humanml3d(const std::filesystem::path& folder, const std::stri
   }
   if (std::filesystem::exists(other)) {
     if (const DataSetForm& is = data_set_form_of(other); is.features != form.features)
-      ml::raise<ml::config_error>(102, other.string(), ": rows of ", is.form.width(), " numbers (", is.features,
-                                  "), the new clip has rows of ", form.form.width(), " (", form.features, ")");
+      ml::raise<ml::config_error>(102, other.string(), ": rows of ", ml::counted(is.form.width(), "number"), " (",
+                                  is.features, "), the new clip has rows of ", form.form.width(), " (", form.features,
+                                  ")");
   }
   FeatureRows made = feature_rows(motion, ml::motion_features(form.features), fps);
   if (const auto there = rows_file(folder, id);
@@ -399,8 +398,8 @@ std::string write_humanml3d(const std::filesystem::path& folder, const std::stri
   ml::write_humanml3d_clip(folder, clip, form.form);
   if (std::find(ids.begin(), ids.end(), id) == ids.end()) ids.push_back(id);
   ml::write_ids(list, ids);
-  return formatted("%s: clip %s, %td frames at %g per second, %zu captions\n", folder.string().c_str(), id.c_str(),
-                   clip.frames, made.fps, clip.captions.size());
+  return formatted("%s: clip %s, %s at %g per second, %s\n", folder.string().c_str(), id.c_str(),
+                   counted(clip.frames, "frame").c_str(), made.fps, counted(clip.captions.size(), "caption").c_str());
 }
 
 RigWriter rig_writer(const RigOptions& options) {

@@ -61,9 +61,9 @@ std::string describe_folder(const std::filesystem::path& folder) {
   }
   const ml::RunFolder inner = ml::detail::published_run(run);
   const ml::DiffusionRun about = ml::diffusion_run(inner, ml::detail::run_weights(inner));
-  say("motions",
-      ml::concat_text(about.features, ", ", about.width(), " numbers a frame, ", about.fps, " frames per second"));
-  say("diffusion", ml::concat_text(about.schedule, ", ", about.steps, " steps"));
+  say("motions", ml::concat_text(about.features, ", ", ml::counted(about.width(), "number"), " a frame, ", about.fps,
+                                 " frames per second"));
+  say("diffusion", ml::concat_text(about.schedule, ", ", ml::counted(about.steps, "step")));
   say("text encoder", about.text_encoder);
   return out;
 }

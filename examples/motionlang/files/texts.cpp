@@ -76,15 +76,17 @@ std::string convert_texts(const std::filesystem::path& in, const std::filesystem
   if (folder) {
     std::size_t momentary = 0;
     for (ml::AnnotatedMotion& m : motions) momentary += without_momentary(m);
-    if (momentary > 0) told = formatted("%s: %zu texts of no duration are left out\n", in.string().c_str(), momentary);
+    if (momentary > 0)
+      told = ml::concat_text(in.string(), ": ",
+                             counted(momentary, "text of no duration is", "texts of no duration are"), " left out\n");
     write_texts(out, motions);
   } else {
     ml::write_annotations(out, motions);
   }
   std::size_t texts = 0;
   for (const ml::AnnotatedMotion& m : motions) texts += m.annotations.size();
-  return told + formatted("%s: %zu texts of %zu motions\n", (folder ? out / "texts" : out).string().c_str(), texts,
-                          motions.size());
+  return told + ml::concat_text((folder ? out / "texts" : out).string(), ": ", counted(texts, "text"), " of ",
+                                counted(motions.size(), "motion"), "\n");
 }
 
 }  // namespace program

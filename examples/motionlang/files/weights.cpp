@@ -25,9 +25,8 @@ std::string summary(const ml::WeightFile& file) {
   }
   char megabytes[32];
   std::snprintf(megabytes, sizeof megabytes, "%.1f MB", static_cast<double>(bytes) * 1e-6);
-  const std::size_t tensors = file.tensors().size();
-  return ml::concat_text(tensors, tensors == 1 ? " tensor, " : " tensors, ", numbers, " numbers, ", megabytes, ", ",
-                         file.format());
+  return ml::concat_text(ml::counted(file.tensors().size(), "tensor"), ", ", ml::counted(numbers, "number"), ", ",
+                         megabytes, ", ", file.format());
 }
 
 void show_skipped(const ml::WeightFile& file) {

@@ -32,8 +32,8 @@ void run(const std::string& path, double fps, double overlap, const std::string&
         timelines[m],
         {.overlap = ml::frame_at(overlap, fps), .hidden = ml::HiddenTexts::ignore, .longest_crop = longest});
     const auto texts = written[m].intervals.size(), pieces = timelines[m].intervals.size();
-    std::printf("timeline %zu: %td frames, %.2f s, %s", m, plan.frames, static_cast<double>(plan.frames) / fps,
-                counted(static_cast<std::ptrdiff_t>(texts), "text").c_str());
+    std::printf("timeline %zu: %s, %.2f s, %s", m, counted(plan.frames, "frame").c_str(),
+                static_cast<double>(plan.frames) / fps, counted(texts, "text").c_str());
     if (pieces != texts) std::printf(" cut into %zu", pieces);
     std::printf("\n");
     for (const auto& i : plan.timeline.intervals) {

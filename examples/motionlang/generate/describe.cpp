@@ -68,8 +68,8 @@ class Describer {
         run_(ml::load_tm2t_describer<B>(ml::find_run(o_.model), {.tokenizer = o_.tokenizer, .words = o_.words})),
         features_(ml::motion_features(run_.width() == 251 ? "kit" : "guoh3d")) {
     if (features_.width != run_.width())
-      ml::raise<ml::config_error>(102, o_.model, ": a tokenizer of ", run_.width(),
-                                  " numbers a frame; known are 263 and 251");
+      ml::raise<ml::config_error>(102, o_.model, ": a tokenizer of ", ml::counted(run_.width(), "number"),
+                                  " a frame; known are 263 and 251");
   }
 
   void run() {

@@ -31,7 +31,8 @@ std::vector<ml::Motion> FromLatent::between(const ml::Timeline& from, const ml::
   require_no_noise(settings);
   require_no_sampling(settings);
   if (count < 2)
-    ml::raise<usage_error>(101, count, " motions from one text or action towards another: both ends are among them");
+    ml::raise<usage_error>(101, ml::counted(count, "motion"),
+                           " from one text or action towards another: both ends are among them");
   auto motions = line(from, to, count, noise_of(settings, 0), settings.fact.value_or(1));
   for (ml::Motion& m : motions) m = finished(std::move(m), settings);
   return motions;
@@ -123,8 +124,8 @@ class FromActions final : public FromLatent {
     const Index wanted = actor_.model.config.num_frames;
     if (!fully_connected || frames == wanted) return;
     const auto seconds = [&](Index n) { return static_cast<double>(n) / fps(); };
-    ml::raise<usage_error>(101, "a motion of ", frames, " frames (", seconds(frames),
-                           " s); this ACTOR is fully connected, its motions have ", wanted, " frames (",
+    ml::raise<usage_error>(101, "a motion of ", ml::counted(frames, "frame"), " (", seconds(frames),
+                           " s); this ACTOR is fully connected, its motions have ", ml::counted(wanted, "frame"), " (",
                            seconds(wanted), " s)");
   }
   Index class_of(const std::string& action) const {

@@ -163,8 +163,9 @@ void write(const ml::ViewerMotion& made, const std::string& folder, const RigWri
   ml::write_amass(base + ".npz", on_smpl(motion));
   ml::write_joints_npy(base + ".npy", motion);
   ml::write_film_strip(base + ".svg", motion, made.tracks);
-  std::printf("%s: %.2f s, %td frames\n  motion      %s.bvh  .glb  .npz (AMASS)  .npy (joints)\n  film strip  %s.svg\n",
-              motion.name.c_str(), motion.seconds(), motion.frames(), base.c_str(), base.c_str());
+  std::printf("%s: %.2f s, %s\n  motion      %s.bvh  .glb  .npz (AMASS)  .npy (joints)\n  film strip  %s.svg\n",
+              motion.name.c_str(), motion.seconds(), counted(motion.frames(), "frame").c_str(), base.c_str(),
+              base.c_str());
 }
 
 /// A line for each text with words that the model never learned, or too long for it.

@@ -76,8 +76,8 @@ std::unique_ptr<Generator> load_generator(const std::string& backend, const std:
 
 const ml::Interval& only_text(const ml::Timeline& timeline) {
   if (timeline.intervals.size() != 1)
-    ml::raise<ml::timeline_error>(509, timeline.intervals.size(),
-                                  " texts in a timeline; this model takes one, with a duration");
+    ml::raise<ml::timeline_error>(509, ml::counted(timeline.intervals.size(), "text"),
+                                  " in a timeline; this model takes one, with a duration");
   return timeline.intervals.front();
 }
 ml::Index action_of(const std::string& text, std::span<const std::string> labels, ml::Index classes) {
@@ -109,7 +109,8 @@ void require_no_sampling(const GenerationSettings& settings) {
 void require_steps(const GenerationSettings& settings, const Generator& model) {
   if (model.steps() == 0) return require_no_sampling(settings);
   if (settings.steps.value_or(0) > model.steps())
-    ml::raise<usage_error>(105, *settings.steps, " steps are asked for, this model has ", model.steps());
+    ml::raise<usage_error>(105, ml::counted(*settings.steps, "step is", "steps are"), " asked for, this model has ",
+                           model.steps());
 }
 
 std::filesystem::path model_folder(const std::filesystem::path& path) {

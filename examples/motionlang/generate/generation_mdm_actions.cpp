@@ -25,7 +25,7 @@ class MdmActionGenerator final : public EachAlone {
     const ml::MdmConfig& c = run_.model.denoiser.config;
     const ml::Index action = action_of(wanted.text, run_.labels, c.num_actions), frames = wanted.end - wanted.start;
     if (frames > c.crop_frames)
-      ml::raise<ml::timeline_error>(508, "'", wanted.text, "' has ", frames, " frames, the model makes ",
+      ml::raise<ml::timeline_error>(508, "'", wanted.text, "' has ", ml::counted(frames, "frame"), ", the model makes ",
                                     c.crop_frames);
     const std::string sampler = s.sampler.empty() ? "ddpm" : s.sampler;
     const auto made = run_.model.generate(

@@ -138,8 +138,8 @@ void compare(const Generator& generator, const JudgeOptions& o) {
       std::fflush(stdout);
     }
   }
-  std::printf("%d seeds of %zu prompts. Joints: mean distance to the result of the same seed with %td steps", o.seeds,
-              prompts().size(), o.compare.front());
+  std::printf("%s of %zu prompts. Joints: mean distance to the result of the same seed with %s",
+              ml::counted(o.seeds, "seed").c_str(), prompts().size(), ml::counted(o.compare.front(), "step").c_str());
   std::printf(scale.empty() ? "\n" : "; between two seeds:%s mm\n", scale.c_str());
 }
 

@@ -22,16 +22,15 @@ inline std::filesystem::path record_file(const std::filesystem::path& path) {
     if (entry.path().filename().string().ends_with(record_extension)) found.push_back(entry.path());
   }
   if (found.size() == 1) return found.front();
-  ml::raise<ml::io_error>(401, path.string(), ": ", found.size(), " files *", record_extension,
+  ml::raise<ml::io_error>(401, path.string(), ": ", ml::counted(found.size(), "file"), " *", record_extension,
                           found.empty() ? ", which generate writes with --record" : "; name one of them");
 }
 
 inline std::string told(const ml::StmcReuse& r, std::optional<double> keep_beyond) {
   char text[400];
   const double work = r.whole_work == 0 ? 0 : 100.0 * static_cast<double>(r.work) / static_cast<double>(r.whole_work);
-  std::snprintf(text, sizeof text,
-                "reused: %td of %td frames are those of before; %.0f %% of the work of a whole run\n", r.kept, r.frames,
-                work);
+  std::snprintf(text, sizeof text, "reused: %td of %s are those of before; %.0f %% of the work of a whole run\n",
+                r.kept, ml::counted(r.frames, "frame").c_str(), work);
   std::string out = text;
   if (r.exact) {
     out += "  the motion is that of a whole run, bit for bit\n";

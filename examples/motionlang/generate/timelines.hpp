@@ -38,7 +38,7 @@ inline std::string read_timeline_text(const std::string& path) {
   if (path != standard_input) {
     std::error_code none;
     if (const auto size = std::filesystem::file_size(path, none); !none && size > longest)
-      ml::raise<ml::io_error>(405, path, ": ", size, " bytes, a timeline has at most ", longest);
+      ml::raise<ml::io_error>(405, path, ": ", ml::counted(size, "byte"), ", a timeline has at most ", longest);
     return ml::read_file(path);
   }
   return {std::istreambuf_iterator<char>(std::cin), {}};
@@ -103,7 +103,7 @@ inline std::string told_several_actions(const std::vector<ml::Timeline>& timelin
       if (const auto count = ml::actions_in_turn(i.text).size(); count > 1)
         out +=
             ml::concat_text("'", i.text, "' is made as one text, of which a model may do a part; --in-turn makes its ",
-                            count, " actions one after the other\n");
+                            ml::counted(count, "action"), " one after the other\n");
     }
   }
   return out;

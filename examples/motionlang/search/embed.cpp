@@ -76,7 +76,8 @@ void run(EmbedOptions o) {
   }
   const bool sentences = o.pooling == "mean" || o.pooling == "first";  // TMR's have no slices
   cache.write(o.out, o.name, !sentences);
-  std::printf("%s/%s: %td texts, rows of %td numbers\n", o.out.c_str(), o.name.c_str(), cache.count(), cache.width());
+  std::printf("%s/%s: %s, rows of %s\n", o.out.c_str(), o.name.c_str(), ml::counted(cache.count(), "text").c_str(),
+              ml::counted(cache.width(), "number").c_str());
 }
 
 }  // namespace

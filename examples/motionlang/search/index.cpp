@@ -150,7 +150,7 @@ class Indexer {
       ml::raise<usage_error>(103, "--remove: ", o_.out, " has no clip of these");
     if (removed == 0) return;
     const bool stopped = write(false);
-    std::printf("%s: %td clips removed, %td left\n", o_.out.c_str(), removed, index_->count());
+    std::printf("%s: %s removed, %td left\n", o_.out.c_str(), ml::counted(removed, "clip").c_str(), index_->count());
     if (stopped) throw ml::cancelled();
   }
   void list() const {

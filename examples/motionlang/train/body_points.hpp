@@ -28,13 +28,13 @@ struct BodyPoints {
                                             : "' have no use for --joint-regressor ",
                                   regressor.string());
     if (points != ml::ActorPoints::vertices && body.joints() != 24)
-      ml::raise<ml::config_error>(102, path.string(), ": a body of ", body.joints(), " joints; points '", name,
-                                  "' are of SMPL's 24");
+      ml::raise<ml::config_error>(102, path.string(), ": a body of ", ml::counted(body.joints(), "joint"), "; points '",
+                                  name, "' are of SMPL's 24");
     if (!regressed) return;
     const ml::Index vertices = body.vertices();
     if (body.extra.empty())
-      ml::raise<ml::config_error>(102, path.string(), ": a body of ", vertices, " vertices; points '", name,
-                                  "' are of SMPL's 6890");
+      ml::raise<ml::config_error>(102, path.string(), ": a body of ", ml::counted(vertices, "vertex", "vertices"),
+                                  "; points '", name, "' are of SMPL's 6890");
     const ml::NpyArray array = ml::read_npy(regressor);
     if (const std::vector<ml::Index> wanted{9, vertices}; array.shape != wanted)
       ml::raise<ml::io_error>(407, regressor.string(), ": an array ", ml::detail::shape_text(array.shape),

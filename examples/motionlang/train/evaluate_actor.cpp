@@ -71,8 +71,8 @@ struct Judge {
       ml::raise<ml::io_error>(404, path.string(), ": neither the GRU of Action2Motion nor ST-GCN");
     }
     if (read != wanted)
-      ml::raise<ml::io_error>(407, path.string(), ": a classifier of ", read, " numbers a frame, expected ", wanted,
-                              ": SMPL's 24 joints");
+      ml::raise<ml::io_error>(407, path.string(), ": a classifier of ", ml::counted(read, "number"),
+                              " a frame, expected ", wanted, ": SMPL's 24 joints");
     if (!classifier.points && !(body.empty() && regressor.empty()))
       ml::raise<ml::config_error>(102, path.string(), " has no use for --body '", body.string(),
                                   "', --joint-regressor '", regressor.string(), "'");
@@ -138,7 +138,8 @@ struct Measured {
         part(&data.part(o.part)),
         classes(classes_of(*part, labels)) {
     if (part->empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
-    std::printf("%td motions of the %s part, %td classes\n", std::ssize(*part), o.part.c_str(), std::ssize(labels));
+    std::printf("%s of the %s part, %s\n", ml::counted(part->size(), "motion").c_str(), o.part.c_str(),
+                ml::counted(labels.size(), "class", "classes").c_str());
   }
 };
 

@@ -112,9 +112,9 @@ struct Items {
       if (wanted(m) && (o.keys.empty() || keys.contains(m.id))) measured.push_back(i);
     }
     const std::string which = o.part == "all" ? o.babel.string() : "the " + o.part + " part",
-                      by_keys = o.keys.empty() ? "" : ml::concat_text(", of ", keys.size(), " keys");
+                      by_keys = o.keys.empty() ? "" : ", of " + ml::counted(keys.size(), "key");
     if (measured.empty()) ml::raise<ml::config_error>(101, which, " has no motions to measure", by_keys);
-    std::printf("%zu motions of %s%s\n", measured.size(), which.c_str(), by_keys.c_str());
+    std::printf("%s of %s%s\n", ml::counted(measured.size(), "motion").c_str(), which.c_str(), by_keys.c_str());
   }
   Items(const Items&) = delete;
   Items& operator=(const Items&) = delete;
@@ -141,8 +141,9 @@ class ComparedJoints {
     if (body.empty()) return;
     body_ = ml::read_body<B>(body);
     if (body_->kind != ml::BodyKind::smplh || body_->model.extra.empty())
-      ml::raise<ml::config_error>(102, body.string(), ": a body of ", body_->model.joints(), " joints and ",
-                                  body_->model.vertices(), " vertices; BABEL is measured on SMPL-H's 52 and 6890");
+      ml::raise<ml::config_error>(102, body.string(), ": a body of ", ml::counted(body_->model.joints(), "joint"),
+                                  " and ", ml::counted(body_->model.vertices(), "vertex", "vertices"),
+                                  "; BABEL is measured on SMPL-H's 52 and 6890");
   }
 
   Joints operator()(const Clip& clip) const {
@@ -329,7 +330,8 @@ class Sentences {
     if (missing.empty()) return;
     std::string lines;
     for (const std::string& s : missing) lines += "\n" + s;
-    ml::raise<ml::config_error>(103, "--tags ", tags_.string(), ": no words of ", missing.size(), " sentences:", lines);
+    ml::raise<ml::config_error>(103, "--tags ", tags_.string(), ": no words of ",
+                                ml::counted(missing.size(), "sentence"), ":", lines);
   }
   std::string operator()(const std::vector<std::string>& labels) const {
     if (tags_.empty()) return ml::join_labels(labels, conjunction_);
@@ -438,9 +440,9 @@ void evaluate_teach(const EvaluationOptions& o) {
   items.choose(o,
                [](const DescribedMotion& m) { return m.texts[0].frames.length > 1 && m.texts[1].frames.length > 1; });
   using enum ml::Alignment;
-  std::printf("the second action %s, %td frames between them interpolated\n",
+  std::printf("the second action %s, %s between them interpolated\n",
               o.alignment == full ? "turned and moved to the end of the first" : "moved to the end of the first",
-              o.slerp_window);
+              ml::counted(o.slerp_window, "frame").c_str());
   joints_of.tell();
 
   SampledErrors sampled(none, o.samples);

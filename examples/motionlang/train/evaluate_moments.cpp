@@ -114,9 +114,9 @@ void evaluate_moments(const EvaluationOptions& o) {
     bar(k + 1, o.moments);
   }
   bar.finish();
-  std::printf(
-      "%zu texts in %td motions of %td clips of the %s part; %% found with intersection over union from\n  %-22s",
-      wanted.size(), o.moments, o.joined, o.part.c_str(), "windows");
+  std::printf("%s in %s of %td clips of the %s part; %% found with intersection over union from\n  %-22s",
+              ml::counted(wanted.size(), "text").c_str(), ml::counted(o.moments, "motion").c_str(), o.joined,
+              o.part.c_str(), "windows");
   for (const double least : overlaps) std::printf(" %7.1f", least);
   std::printf("\n");
   for (const Answers& a : answers) print(a, wanted);

@@ -52,7 +52,7 @@ struct Measured {
     else if (!o.text_encoder.empty() && !file.language)
       states = token_states(o.text_encoder, all_texts(data));
     sentences = sentence_vectors(o.sentence_encoder, data);
-    std::printf("%zu motions of the %s part\n", part->size(), o.part.c_str());
+    std::printf("%s of the %s part\n", ml::counted(part->size(), "motion").c_str(), o.part.c_str());
   }
   const ml::EmbeddingCache* token_cache() const { return states ? &*states : nullptr; }
 };

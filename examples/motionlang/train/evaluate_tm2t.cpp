@@ -92,7 +92,8 @@ class BertJudge {
           if constexpr (requires { network.words; }) {
             const Index all = std::ssize(network.layers);
             if (layers > all)
-              ml::raise<ml::config_error>(101, "--bert-layer ", layers, ": ", folder.string(), " has ", all, " layers");
+              ml::raise<ml::config_error>(101, "--bert-layer ", layers, ": ", folder.string(), " has ",
+                                          ml::counted(all, "layer"));
             if (layers > 0) network.layers.resize(static_cast<std::size_t>(layers));
             std::printf("BERTScore by layer %td of %td of %s, without a baseline\n", std::ssize(network.layers), all,
                         folder.string().c_str());
@@ -172,9 +173,9 @@ void evaluate_descriptions(const EvaluationOptions& o, const ml::RunFolder& foun
       if (!bar(std::ssize(pairs), std::ssize(entries))) throw ml::cancelled();
     }
   }
-  std::printf("%zu motions of the %s part, %zu to describe\n\n  %-34s%8s%8s%8s%8s%9s%9s%s\n", part.size(),
-              o.part.c_str(), pairs.size(), "", "BLEU-1", "BLEU-2", "BLEU-3", "BLEU-4", "ROUGE-L", "CIDEr",
-              bert ? "  BERTScore" : "");
+  std::printf("%s of the %s part, %zu to describe\n\n  %-34s%8s%8s%8s%8s%9s%9s%s\n",
+              ml::counted(part.size(), "motion").c_str(), o.part.c_str(), pairs.size(), "", "BLEU-1", "BLEU-2",
+              "BLEU-3", "BLEU-4", "ROUGE-L", "CIDEr", bert ? "  BERTScore" : "");
   print_scores("described", pairs, bert);
   auto lot = ml::Philox{.seed = o.seed}.split("chance");
   for (ml::CaptionPair& pair : pairs) {
@@ -254,12 +255,12 @@ struct Evaluator {
     const ml::WeightFile weights = ml::open_weights(file, {.path = ""});
     const ml::GuoEvaluatorConfig sizes = ml::guo_evaluator_config(weights);
     if (const Index width = statistics.mean.size(0); sizes.features != width)
-      ml::raise<ml::config_error>(102, weights.name(), ": reads features of ", sizes.features,
-                                  " numbers, the motions have ", width);
+      ml::raise<ml::config_error>(102, weights.name(), ": reads features of ", ml::counted(sizes.features, "number"),
+                                  ", the motions have ", width);
     if (sizes.word != words.width() || sizes.pos != ml::speech_tags)
-      ml::raise<ml::config_error>(102, weights.name(), ": reads word vectors of ", sizes.word, " numbers and ",
-                                  sizes.pos, " parts of speech, those found have ", words.width(), " and ",
-                                  ml::speech_tags);
+      ml::raise<ml::config_error>(102, weights.name(), ": reads word vectors of ", ml::counted(sizes.word, "number"),
+                                  " and ", ml::counted(sizes.pos, "part"), " of speech, those found have ",
+                                  words.width(), " and ", ml::speech_tags);
     networks = ml::load_guo_evaluator<B>(weights);
   }
 };
@@ -282,8 +283,9 @@ class GuoItems {
     const ml::GuoClipLimits limits = ml::guo_clip_limits(width == 251);
     kept_ = ml::guo_kept_clips(lengths, limits);
     if (std::ssize(kept_) < 2)
-      ml::raise<ml::config_error>(101, "the part '", name, "' has ", kept_.size(), " motions of ", limits.least, " to ",
-                                  limits.below - 1, " frames, of which two are needed");
+      ml::raise<ml::config_error>(101, "the part '", name, "' has ", ml::counted(kept_.size(), "motion"), " of ",
+                                  limits.least, " to ", ml::counted(limits.below - 1, "frame"),
+                                  ", of which two are needed");
     batch = std::min<Index>(32, std::ssize(kept_));
     count = std::ssize(kept_) / batch * batch;
   }
@@ -363,10 +365,9 @@ void evaluate_motions(const EvaluationOptions& o, const ml::RunFolder& found) {
   const Index batch = items.batch, count = items.count;
   constexpr Index repeats = 30, compared = 10;  // motions of a text, and pairs of them
   const Index varied = std::min<Index>(100, count), pairs = std::min<Index>(300, count - 1);
-  std::printf(
-      "%td motions of the %s part in batches of %td, drawn %td times; diversity of %td pairs, multimodality of %td "
-      "texts\n",
-      count, o.part.c_str(), batch, o.seeds, pairs, varied);
+  std::printf("%s of the %s part in batches of %td, drawn %s; diversity of %s, multimodality of %s\n",
+              ml::counted(count, "motion").c_str(), o.part.c_str(), batch, ml::counted(o.seeds, "time").c_str(),
+              ml::counted(pairs, "pair").c_str(), ml::counted(varied, "text").c_str());
 
   Figures figures;
   Index empty = 0, steps = 0;
@@ -425,7 +426,9 @@ void evaluate_motions(const EvaluationOptions& o, const ml::RunFolder& found) {
   }
   bar.finish();
   figures.print();
-  if (empty > 0) std::printf("%td motions had no frames, and count as four of the mean pose\n", empty);
+  if (empty > 0)
+    std::printf("%s no frames and counted as four of the mean pose\n",
+                ml::counted(empty, "motion had", "motions had").c_str());
 }
 
 }  // namespace

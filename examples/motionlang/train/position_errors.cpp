@@ -53,9 +53,9 @@ void SampledErrors::print() const {
   print_errors("one sample", results.front());
   const std::size_t n = results.size();
   if (n == 1) return;
-  print_errors(ml::concat_text("mean of ", n, " samples"), ml::mean_errors(results));
-  print_errors(ml::concat_text("best of ", n, " samples"), best_.result());
-  print_errors(ml::concat_text("worst of ", n, " samples"), worst_.result());
+  print_errors(ml::concat_text("mean of ", ml::counted(n, "sample")), ml::mean_errors(results));
+  print_errors(ml::concat_text("best of ", ml::counted(n, "sample")), best_.result());
+  print_errors(ml::concat_text("worst of ", ml::counted(n, "sample")), worst_.result());
 }
 
 BlindErrors::BlindErrors(const ml::RifkeVariant& variant, const JointErrors& none, Index motions,

@@ -227,11 +227,11 @@ std::map<std::string, std::string> StmcTask::settings() const {
   add("dropout", config_.model.denoiser.dropout);
   add("text_dropout", config_.model.text.dropout);
   add("seed", config_.seed);
-  add("samples", ml::concat_text(config_.samples.shortest, " to ", config_.samples.longest, " frames, no text ",
-                                 config_.samples.no_text, ", composed ", config_.samples.compose, ", mirrored ",
-                                 config_.samples.mirror, ", speed ", config_.samples.speed, ", stretched ",
-                                 config_.samples.stretch, ", tempo ", config_.samples.tempo, ", reversed ",
-                                 config_.samples.reverse));
+  add("samples", ml::concat_text(config_.samples.shortest, " to ", ml::counted(config_.samples.longest, "frame"),
+                                 ", no text ", config_.samples.no_text, ", composed ", config_.samples.compose,
+                                 ", mirrored ", config_.samples.mirror, ", speed ", config_.samples.speed,
+                                 ", stretched ", config_.samples.stretch, ", tempo ", config_.samples.tempo,
+                                 ", reversed ", config_.samples.reverse));
   return out;
 }
 

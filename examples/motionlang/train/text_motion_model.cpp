@@ -10,8 +10,8 @@ LanguageModelFiles read_language_model_files(const std::filesystem::path& folder
   LanguageModelFiles out{folder, ml::bert_config(ml::JsonView(document, config.string()), "distilbert"),
                          std::make_shared<const ml::AnyTokenizer>(ml::read_tokenizer(folder))};
   if (out.tokenizer->size() > out.sizes.vocabulary)
-    ml::raise<ml::config_error>(102, folder.string(), ": a tokenizer of ", out.tokenizer->size(),
-                                " pieces, the network knows ", out.sizes.vocabulary);
+    ml::raise<ml::config_error>(102, folder.string(), ": a tokenizer of ", ml::counted(out.tokenizer->size(), "piece"),
+                                ", the network knows ", out.sizes.vocabulary);
   return out;
 }
 

@@ -231,8 +231,8 @@ TmrModel<B> load_published_tmr(const ml::TensorSet& weights, const ml::RunFolder
   m.system = ml::load_tmr<B>(weights, run);
   const ml::Index width = m.system.config.motion_nfeats;
   if (width != features.width)
-    ml::raise<ml::config_error>(102, run.folder.string(), ": a model of features of ", width, " numbers, '",
-                                features.name, "' has ", features.width);
+    ml::raise<ml::config_error>(102, run.folder.string(), ": a model of features of ", ml::counted(width, "number"),
+                                ", '", features.name, "' has ", features.width);
   auto statistics = ml::detail::find_normalizer<B>(weights, width, {"stats.", ""});
   if (!statistics)
     ml::raise<ml::io_error>(401, run.folder.string(),

@@ -119,9 +119,9 @@ class TokenizerTask
     for (const DescribedMotion& m : data.training) lengths.push_back(std::ssize(m.rows) / data.width);
     auto out = ml::tm2t_windows(lengths, config.tokenizer.window);
     if (out.empty())
-      ml::raise<ml::config_error>(102,
-                                  "no motion to train on has more than tokenizer.window = ", config.tokenizer.window,
-                                  " frames; the longest has ", *std::max_element(lengths.begin(), lengths.end()));
+      ml::raise<ml::config_error>(
+          102, "no motion to train on has more than tokenizer.window = ", ml::counted(config.tokenizer.window, "frame"),
+          "; the longest has ", *std::max_element(lengths.begin(), lengths.end()));
     return out;
   }
   ml::Index first_adversarial() const {

@@ -44,7 +44,7 @@ void run(const TrainOptions& o) {
     ProgressBar bar("reading motions");
     return TrainingSet(o.captions, o.data, bar);
   }();
-  std::printf("%zu segments, %.1f minutes\n", data.segments().size(), data.seconds() / 60);
+  std::printf("%s, %.1f minutes\n", ml::counted(data.segments().size(), "segment").c_str(), data.seconds() / 60);
   Trainer trainer(StmcTask(o.config, data));
   trainer.run(o.run, [&] {
     if (!o.denoiser.empty()) trainer.task().take_denoiser(o.denoiser);

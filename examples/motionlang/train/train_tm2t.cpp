@@ -98,7 +98,8 @@ void run(const Options& o) {
     ProgressBar bar("tokenizing");
     before->tokenize(data, bar);
   }
-  std::printf("%td words, %td motion tokens\n", before->words.size(), before->model.vocabulary().codes);
+  std::printf("%s, %s\n", ml::counted(before->words.size(), "word").c_str(),
+              ml::counted(before->model.vocabulary().codes, "motion token").c_str());
   const ml::Tm2t<B>& known = before->model;
   if (o.stage == Tm2tStage::motion_to_text) {
     Trainer trainer(DescriberTask(config, data, *before));

@@ -82,14 +82,15 @@ void TrainingRecord::add_to(ml::TensorStore& store, std::map<std::string, std::s
 void TrainingRecord::load(const ml::SafetensorsFile& file) {
   losses = ml::values_of<float>(file.tensor("losses"));
   if (ml::detail::metadata_number<ml::Index>(file.metadata(), "training.steps_done", file.name()) != steps())
-    ml::raise<ml::io_error>(403, file.name(), ": losses of ", steps(), " steps, the metadata say otherwise");
+    ml::raise<ml::io_error>(403, file.name(), ": losses of ", ml::counted(steps(), "step"),
+                            ", the metadata say otherwise");
   terms = lines_of(ml::detail::metadata_text(file.metadata(), "training.terms", ""));
   term_values.clear();
   if (const auto* values = file.find(term_values_name)) {
     term_values = ml::values_of<float>(*values);
     if (values->shape.rank() != 2 || values->shape[0] > steps() || values->shape[1] != std::ssize(terms))
       ml::raise<ml::io_error>(403, file.name(), ": ", term_values_name, " ", values->shape, ", named are ",
-                              terms.size(), " terms, of ", steps(), " steps");
+                              terms.size(), " terms, of ", ml::counted(steps(), "step"));
   }
   validations.clear();
   const auto* stored = file.find(validations_name);

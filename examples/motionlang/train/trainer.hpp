@@ -13,6 +13,7 @@
 #include <motionlang/core/context.hpp>
 #include <motionlang/loss/loss_terms.hpp>
 
+#include "../formatted.hpp"
 #include "../progress_bar.hpp"
 #include "learner.hpp"
 
@@ -172,8 +173,8 @@ class Trainer {
     if (!o.fresh && std::filesystem::exists(checkpoint)) {
       resume(checkpoint, o.other_settings);
       if (steps_done() > task_.steps())
-        ml::raise<ml::config_error>(102, checkpoint.string(), " has ", steps_done(), " steps, ", task_.steps(),
-                                    " are asked for: --fresh starts anew, another --out keeps both");
+        ml::raise<ml::config_error>(102, checkpoint.string(), " has ", ml::counted(steps_done(), "step"), ", ",
+                                    task_.steps(), " are asked for: --fresh starts anew, another --out keeps both");
       std::printf("going on at step %td of %td\n", steps_done(), task_.steps());
     } else {
       begin();
@@ -187,7 +188,7 @@ class Trainer {
     while (!finished()) {
       const double loss = step();
       shown = shown == 0 ? loss : 0.98 * shown + 0.02 * loss;
-      bar.note("loss " + ml::concat_text(shown).substr(0, 6) + validation_note());
+      bar.note(formatted("loss %.4g", shown) + validation_note());
       const bool go_on = bar(steps_done(), task_.steps());
       const auto now = std::chrono::steady_clock::now();
       if (!go_on || now - saved > std::chrono::duration<double>(60 * o.save_minutes)) {
@@ -206,7 +207,8 @@ class Trainer {
       std::printf("stopped early at step %td: the validation no longer gets better\n", steps_done());
     keep();
     const std::chrono::duration<double> time = std::chrono::steady_clock::now() - began;
-    std::printf("trained  %td steps in %s\n", steps_done() - first, ProgressBar::clock(time.count()).c_str());
+    std::printf("trained  %s in %s\n", ml::counted(steps_done() - first, "step").c_str(),
+                ProgressBar::clock(time.count()).c_str());
   }
 
  private:
@@ -214,7 +216,7 @@ class Trainer {
     if (record_.validations.empty()) return "";
     std::string text = "  validation";
     for (const Measure& m : record_.validations.back().measures)
-      text += " " + m.name + " " + ml::concat_text(m.value).substr(0, 6);
+      text += formatted(" %s %.4g", m.name.c_str(), m.value);
     return text;
   }
 

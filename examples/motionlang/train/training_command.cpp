@@ -66,8 +66,9 @@ bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& conf
 }
 
 void tell_parts(const DescribedMotions& data) {
-  std::printf("%zu motions to train on, %zu for validation, %zu for tests; %s\n", data.training.size(),
-              data.validation.size(), data.test.size(), data.left_out.told().c_str());
+  std::printf("%s to train on, %zu for validation, %zu for tests; %s\n",
+              ml::counted(data.training.size(), "motion").c_str(), data.validation.size(), data.test.size(),
+              data.left_out.told().c_str());
 }
 void tell_results(const TrainingOptions& o, const std::filesystem::path& model) {
   std::printf("model    %s\nlosses   %s\n", model.string().c_str(), (o.run.out / "loss.svg").string().c_str());
@@ -87,13 +88,13 @@ std::map<std::string, std::string> about(const TrainingOptions& o, const Describ
   double frames = 0;
   for (const DescribedMotion& m : data.training)
     frames += static_cast<double>(m.rows.size()) / static_cast<double>(data.width);
-  return {
-      {"license", o.license},
-      {"provenance", o.provenance},
-      {"data", ml::concat_text(data.training.size(), " motions, ", std::floor(frames / data.fps / 6) / 10, " minutes")},
-      {"command", command_line},
-      {"commit", o.commit},
-      {"version", MOTIONLANG_VERSION}};
+  return {{"license", o.license},
+          {"provenance", o.provenance},
+          {"data", ml::concat_text(ml::counted(data.training.size(), "motion"), ", ",
+                                   std::floor(frames / data.fps / 6) / 10, " minutes")},
+          {"command", command_line},
+          {"commit", o.commit},
+          {"version", MOTIONLANG_VERSION}};
 }
 
 }  // namespace program

@@ -91,8 +91,8 @@ inline Timeline in_turn(const Timeline& timeline) {
   for (const Interval& whole : timeline.intervals) {
     const auto actions = actions_in_turn(whole.text);
     if (whole.end - whole.start < std::ssize(actions))
-      raise<config_error>(101, "in_turn: '", whole.text, "' has ", actions.size(), " actions in ",
-                          whole.end - whole.start, " frames");
+      raise<config_error>(101, "in_turn: '", whole.text, "' has ", counted(actions.size(), "action"), " in ",
+                          counted(whole.end - whole.start, "frame"));
     auto parts = detail::equal_parts(whole, std::ssize(actions));
     for (std::size_t i = 0; i < parts.size(); ++i) {
       parts[i].text = actions[i];

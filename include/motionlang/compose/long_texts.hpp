@@ -36,13 +36,13 @@ inline std::vector<Interval> equal_parts(const Interval& whole, Index count) {
 /// Divides every text of more than `longest` frames into as few parts as will do, which are equally long to a frame.
 /// Throws config_error 101 unless longest is 1 or more, and for more than most_parts of a text.
 inline Timeline divide_long_texts(const Timeline& timeline, Index longest) {
-  if (longest < 1) raise<config_error>(101, "divide_long_texts: parts of ", longest, " frames");
+  if (longest < 1) raise<config_error>(101, "divide_long_texts: parts of ", counted(longest, "frame"));
   Timeline out;
   for (const Interval& whole : timeline.intervals) {
     const Index parts = std::max<Index>(1, (whole.end - whole.start + longest - 1) / longest);
     if (parts > most_parts) {
-      raise<config_error>(101, "divide_long_texts: '", whole.text, "' of ", whole.end - whole.start, " frames makes ",
-                          parts, " parts, expected ", most_parts, " at most");
+      raise<config_error>(101, "divide_long_texts: '", whole.text, "' of ", counted(whole.end - whole.start, "frame"),
+                          " makes ", counted(parts, "part"), ", expected ", most_parts, " at most");
     }
     for (Interval& part : detail::equal_parts(whole, parts)) out.intervals.push_back(std::move(part));
   }

@@ -125,7 +125,7 @@ inline std::vector<TimelineInSeconds> mtt_timelines(std::span<const MttText> tex
       out.push_back(std::move(*timeline));
       misses = 0;
     } else if (++misses > 100'000) {  // the published loop would not end
-      raise<config_error>(102, "mtt_timelines: of ", texts.size(), " texts none fits beside two others");
+      raise<config_error>(102, "mtt_timelines: of ", counted(texts.size(), "text"), " none fits beside two others");
     }
   }
   return out;

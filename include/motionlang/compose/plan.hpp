@@ -152,8 +152,8 @@ inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts 
 inline void check_crops(const TimelinePlan& plan, Index longest) {
   for (const Crop& c : plan.crops) {
     if (longest == 0 || c.range.size() <= longest) continue;
-    raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", c.range.size(),
-                          " frames with its overlap; the denoiser accepts ", longest,
+    raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", counted(c.range.size(), "frame"),
+                          " with its overlap; the denoiser accepts ", longest,
                           c.is_transition() ? ""
                                             : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]) +
                                                   ". Divide it into shorter ones");

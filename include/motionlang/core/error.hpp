@@ -17,6 +17,7 @@
 #include <cstdio>            // fputs
 #include <cstdlib>           // abort
 #include <initializer_list>  // parts of a message
+#include <limits>            // whole numbers
 #include <new>               // bad_alloc
 #include <stdexcept>         // runtime_error
 #include <string>            // string
@@ -126,6 +127,11 @@ void append(std::string& out, T b) {
 template <class N>
 requires((std::integral<N> || std::floating_point<N>)&&!std::same_as<N, bool> &&
          !std::same_as<N, char>) void append(std::string& out, N n) {
+  if constexpr (std::floating_point<N>) {  // 10000000, not 1e+07: as far as whole numbers are exact
+    constexpr N exact = N(1ull << std::numeric_limits<N>::digits);
+    if (n > -exact && n < exact && n != 0 && n == N(static_cast<long long>(n)))
+      return append(out, static_cast<long long>(n));
+  }
   char digits[64];
   out.append(digits, std::to_chars(digits, digits + sizeof digits, n).ptr);
 }
@@ -178,7 +184,7 @@ struct ModulePath {
 
 }  // namespace detail
 
-/// Text of all arguments, one after the other; numbers as `std::to_chars` writes them.
+/// Text of all arguments, one after the other; numbers as `std::to_chars` writes them, whole ones without an exponent.
 template <class... T>
 std::string concat_text(const T&... parts) {
   return detail::concat_parts({detail::text_part(parts)...});
@@ -200,6 +206,14 @@ template <class R>
 std::string join_text(const R& items, std::string_view between = ", ") {
   return join_text(
       items, between, [](const auto& item) -> const auto& { return item; });
+}
+
+/// A number of things: "1 frame", "2 frames"; of a word with another plural: counted(n, "pass", "passes").
+template <std::integral N>
+std::string counted(N n, std::string_view one, std::string_view several = {}) {
+  std::string out = concat_text(n, ' ', n == 1 || several.empty() ? one : several);
+  if (n != 1 && several.empty()) out += 's';
+  return out;
 }
 
 /// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.

@@ -87,7 +87,8 @@ inline ActorConfig actor_config(const RunReader& r) {
   if (const std::string stated = r.text("archiname", ""); !stated.empty() && stated != actor_archiname(c))
     raise<config_error>(102, r.place("archiname"), " is '", stated, "', the tensors are those of ", actor_archiname(c));
   if (features % c.nfeats != 0)
-    raise<config_error>(102, r.place("pose_rep"), ": rotations of ", c.nfeats, " numbers, frames have ", features);
+    raise<config_error>(102, r.place("pose_rep"), ": rotations of ", counted(c.nfeats, "number"), ", frames have ",
+                        features);
   c.njoints = features / c.nfeats;
   for (const auto& [before, behind] : {std::pair{e + "seqTransEncoder.layers.", ".linear1.weight"},
                                        {d + "seqTransDecoder.layers.", ".linear1.weight"},
@@ -101,8 +102,8 @@ inline ActorConfig actor_config(const RunReader& r) {
     if (r.has(name)) c.ff_size = r.size(name, 0, {"ff_size"});
   }
   if (c.num_classes < 1 || c.njoints < 1)
-    raise<io_error>(407, "ACTOR: the shapes of its tensors leave ", c.num_classes, " classes and ", c.njoints,
-                    " joints");
+    raise<io_error>(407, "ACTOR: the shapes of its tensors leave ", counted(c.num_classes, "class", "classes"), " and ",
+                    counted(c.njoints, "joint"));
   return c;
 }
 

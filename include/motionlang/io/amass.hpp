@@ -44,7 +44,8 @@ inline Quaternion<double> quarter_turn_about_x(double sign) {
 inline void require_smpl(const Skeleton& skeleton) {
   const Skeleton& smpl = smpl24_skeleton();
   if (skeleton.size() < static_cast<int>(amass_joints)) {
-    raise<config_error>(106, "AMASS: the skeleton has ", skeleton.size(), " joints, SMPL's body has ", amass_joints);
+    raise<config_error>(106, "AMASS: the skeleton has ", counted(skeleton.size(), "joint"), ", SMPL's body has ",
+                        amass_joints);
   }
   for (int j = 0; j < static_cast<int>(amass_joints); ++j) {
     if (skeleton.name(j) != smpl.name(j) || skeleton.parent(j) != smpl.parent(j)) {

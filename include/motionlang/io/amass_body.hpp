@@ -62,8 +62,8 @@ template <Backend B>
 AmassOnBody<B> amass_on_body(const AmassSequence& sequence, const std::string& name, const Body<B>& body) {
   using S = typename B::scalar;
   if (body.kind == BodyKind::other)
-    raise<config_error>(106, "amass_on_body: a body of ", body.model.joints(),
-                        " joints is none of SMPL, SMPL-H and SMPL-X");
+    raise<config_error>(106, "amass_on_body: a body of ", counted(body.model.joints(), "joint"),
+                        " is none of SMPL, SMPL-H and SMPL-X");
   const Index coefficients = body.model.shapedirs.size(1);
   std::vector<S> betas(static_cast<std::size_t>(coefficients), S(0));
   const Index common =

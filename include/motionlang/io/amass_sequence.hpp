@@ -45,7 +45,8 @@ void join_pose_parts(const NpzArchive& npz, const PosePartNames& names, const Ma
   out.frames = parts.front().shape[0];
   for (const NpyArray& part : parts) {
     if (part.shape[0] != out.frames)
-      raise<io_error>(407, npz.file(), ": parts of the poses have ", out.frames, " and ", part.shape[0], " rows");
+      raise<io_error>(407, npz.file(), ": parts of the poses have ", out.frames, " and ",
+                      counted(part.shape[0], "row"));
     out.columns += part.shape[1];
   }
   out.poses.resize(static_cast<std::size_t>(out.frames * out.columns));
@@ -111,11 +112,12 @@ inline AmassSequence read_amass_sequence(const FilePath& path, double fps = 0) {
   auto matrix = [&](std::string_view name) {
     NpyArray array = npz.read(name);
     if (array.shape.size() != 2) {
-      raise<io_error>(407, npz.file(), ": '", name, "' has ", array.shape.size(), " axes, 2 are expected");
+      raise<io_error>(407, npz.file(), ": '", name, "' has ", counted(array.shape.size(), "axis", "axes"),
+                      ", 2 are expected");
     }
     if (array.shape[1] > most_columns)  // of no rows they could be any number
-      raise<io_error>(405, npz.file(), ": '", name, "' has ", array.shape[1], " columns, at most ", most_columns,
-                      " are expected");
+      raise<io_error>(405, npz.file(), ": '", name, "' has ", counted(array.shape[1], "column"), ", at most ",
+                      most_columns, " are expected");
     return array;
   };
   AmassSequence out;

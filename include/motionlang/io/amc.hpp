@@ -93,7 +93,7 @@ class AmcParser {
     number_ = number;
     const std::size_t joints = asf_.bones.size();
     if (motion_.local.size() + joints > limit_) {
-      scan_.fail(405, "more than ", motion_.frames(), " frames of ", joints, " bones");
+      scan_.fail(405, "more than ", motion_.frames(), " frames of ", counted(joints, "bone"));
     }
     motion_.root.push_back(motion_.skeleton.offset(0));
     motion_.local.resize(motion_.local.size() + joints, Quaternion<double>::identity());

@@ -158,7 +158,8 @@ inline std::vector<SurfacePoints> rows_of_points(const BodyArrays& arrays, const
   if (!arrays.has(triangles)) return out;
   std::vector<Index> shape = arrays.read(triangles).shape;
   if (shape.empty() || shape.size() > 2)
-    raise<io_error>(407, arrays.file(), ": '", triangles, "' has ", shape.size(), " axes, expected 1 or 2");
+    raise<io_error>(407, arrays.file(), ": '", triangles, "' has ", counted(shape.size(), "axis", "axes"),
+                    ", expected 1 or 2");
   const auto numbers = arrays.read<std::int64_t>(triangles, shape);
   const auto columns = static_cast<std::size_t>(shape.back());
   shape.push_back(3);
@@ -211,8 +212,8 @@ Body<B> read_body(const FilePath& path, const BodyFileOptions& options = {}) {
   body.expressions = body.kind == BodyKind::smplx ? expressions : 0;
   if (options.betas < 0 || options.betas > first_expression || body.expressions < 0 ||
       body.expressions > shape[2] - first_expression) {
-    raise<config_error>(101, path.string(), ": ", options.betas, " coefficients of shape and ", body.expressions,
-                        " of expression asked for, the file has ", first_expression, " and ",
+    raise<config_error>(101, path.string(), ": ", counted(options.betas, "coefficient"), " of shape and ",
+                        body.expressions, " of expression asked for, the file has ", first_expression, " and ",
                         shape[2] - first_expression);
   }
   const Index wanted = betas + body.expressions;

@@ -187,7 +187,7 @@ inline Motion to_motion(const Bvh& file, const BvhReadOptions& options = {}) {
   auto joints = detail::bvh_joints(file, options.root);
   const auto frames = static_cast<std::size_t>(file.frames);
   if (frames > detail::max_text_rotations(2 * file.values.size()) / joints.size()) {
-    raise<io_error>(405, file.name, ": ", frames, " frames of ", joints.size(), " joints");
+    raise<io_error>(405, file.name, ": ", counted(frames, "frame"), " of ", counted(joints.size(), "joint"));
   }
   const auto carriers = detail::take_carriers(joints, table);
 

@@ -131,17 +131,18 @@ class BvhParser {
     bvh_.frame_time = scan_.number("the frame time");
     if (!(bvh_.frame_time > 0)) scan_.fail(403, "the frame time is ", bvh_.frame_time, " seconds");
     const auto frames = static_cast<std::size_t>(bvh_.frames), columns = static_cast<std::size_t>(bvh_.channels());
-    if (frames != 0 && columns == 0) scan_.fail(403, frames, " frames, but no channels");
+    if (frames != 0 && columns == 0) scan_.fail(403, counted(frames, "frame"), ", but no channels");
     // each number takes at least two bytes, one of them a blank (which the last may lack)
     if (frames != 0 && (scan_.bytes_left() + 1) / 2 / columns < frames) {
-      scan_.fail(402, frames, " frames of ", columns, " channels are declared, the text is too short for them");
+      scan_.fail(402, "the text is too short for ", counted(frames, "frame"), " of ", counted(columns, "channel"),
+                 ", which it declares");
     }
     bvh_.values.resize(frames * columns);
     for (double& v : bvh_.values) v = scan_.number("a value of the motion");
     if (!scan_.at_end()) {
       const std::string_view extra = scan_.word("the end");
-      scan_.fail(403, "'", TextScanner::shortened(extra), "' follows the ", frames, " declared frames of ", columns,
-                 " channels");
+      scan_.fail(403, "'", TextScanner::shortened(extra), "' follows the ", counted(frames, "declared frame"), " of ",
+                 counted(columns, "channel"));
     }
   }
   /// "Frames:", "FRAMES :", "frames".

@@ -134,7 +134,7 @@ inline void read_motiondiffuse(DiffusionRun& out, const RunReader& r) {
 inline void read_representation(DiffusionRun& out, const std::string& where) {
   const Index kit = Guoh3dSlots{21}.size(), human = Guoh3dSlots{22}.size();
   if (out.width() != kit && out.width() != human)
-    raise<io_error>(404, where, ": motions of ", out.width(), " numbers a frame, known are ", human,
+    raise<io_error>(404, where, ": motions of ", counted(out.width(), "number"), " a frame, known are ", human,
                     " (HumanML3D) and ", kit, " (KIT-ML)");
   out.features = "guoh3dfeats";
   out.fps = out.width() == kit ? 12.5 : 20;
@@ -297,7 +297,8 @@ inline DiffusionRun diffusion_run(const RunFolder& run, const TensorSet& weights
   if (run.system == "stmc") {
     detail::read_stmc(out, r);
     if (const Index wanted = smplrifke_layout().size; out.width() != wanted)
-      raise<io_error>(404, weights.name(), ": motions of ", out.width(), " numbers a frame, smplrifke has ", wanted);
+      raise<io_error>(404, weights.name(), ": motions of ", counted(out.width(), "number"), " a frame, smplrifke has ",
+                      wanted);
   } else {
     run.system == "mdm" ? detail::read_mdm(out, r) : detail::read_motiondiffuse(out, r);
     detail::read_representation(out, weights.name());
@@ -315,7 +316,7 @@ PublishedStmc<B> load_diffusion_run(const RunFolder& given, const DiffusionRunOp
   Normalizer<B> motion = detail::motion_normalizer<B>(run, weights, about.width(), options);
   AnyTextEncoder<B> encoder = detail::encoder_of<B>(run, weights, about, options);
   auto text = detail::text_normalizer<B>(run, weights, about);
-  AnyDenoiser<B> denoiser = detail::make_denoiser<B>(about);
+  AnyDenoiser<B> denoiser = detail::make_denoiser<B>(about, weights);
   if (denoiser.mdm_smpl) detail::load_denoiser(*denoiser.mdm_smpl, weights, about.prefix);
   if (denoiser.mdm) detail::load_denoiser(*denoiser.mdm, weights, about.prefix);
   if (denoiser.motiondiffuse) detail::load_denoiser(*denoiser.motiondiffuse, weights, about.prefix);

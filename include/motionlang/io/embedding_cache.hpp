@@ -95,7 +95,7 @@ class EmbeddingCache {
       cache.number_.emplace(text, static_cast<std::size_t>(number));
     }
     if (static_cast<Index>(cache.number_.size()) != cache.count())
-      raise<io_error>(403, index, ": ", cache.number_.size(), " texts, the rows are of ", cache.count());
+      raise<io_error>(403, index, ": ", counted(cache.number_.size(), "text"), ", the rows are of ", cache.count());
     return cache;
   }
 
@@ -110,7 +110,8 @@ class EmbeddingCache {
     for (std::size_t i = 0; i < slices_.size(); ++i) {
       const auto [begin, end] = slices_[i];
       if (!with_slices && (begin != static_cast<Index>(i) || end != begin + 1))
-        raise<io_error>(403, base, ": text ", i, " has ", end - begin, " rows; without slices every text has one");
+        raise<io_error>(403, base, ": text ", i, " has ", counted(end - begin, "row"),
+                        "; without slices every text has one");
       bounds.insert(bounds.end(), {begin, end});
     }
     nlohmann::json numbers = nlohmann::json::object();
@@ -140,7 +141,7 @@ class EmbeddingCache {
   /// written.
   void add(const std::string& text, std::span<const float> values) {
     if (width_ == 0 || values.size() % static_cast<std::size_t>(width_) != 0)
-      raise<shape_error>(204, "embedding cache: ", values.size(), " numbers for rows of ", width_);
+      raise<shape_error>(204, "embedding cache: ", counted(values.size(), "number"), " for rows of ", width_);
     if (contains(text)) raise<config_error>(102, "embedding cache: '", text, "' is there already");
     check_utf8(text);
     if (is_view_) {  // from here on in memory
@@ -167,7 +168,8 @@ class EmbeddingCache {
     if (missing.empty()) return;
     const TextFeatures<B> features = encoder.template encode<B>(std::span<const std::string>(missing));
     if (const Index width = features.tokens.width(); width != width_)
-      raise<shape_error>(204, "embedding cache: an encoder with rows of ", width, " numbers, here they have ", width_);
+      raise<shape_error>(204, "embedding cache: an encoder with rows of ", counted(width, "number"),
+                         ", here they have ", width_);
     for (std::size_t i = 0; i < missing.size(); ++i) {
       const auto rows = features.tokens[static_cast<Index>(i)].to_vector();
       add(missing[i], std::vector<float>(rows.begin(), rows.end()));
@@ -195,7 +197,8 @@ class EmbeddingCache {
   void read_rows(std::span<const std::byte> bytes, const std::string& path, std::shared_ptr<const void> owner) {
     const auto npy = detail::npy_parts(bytes, path);
     const auto& shape = npy.header.shape;
-    if (shape.size() != 2) raise<io_error>(403, path, ": ", shape.size(), " axes, expected rows of numbers");
+    if (shape.size() != 2)
+      raise<io_error>(403, path, ": ", counted(shape.size(), "axis", "axes"), ", expected rows of numbers");
     width_ = shape[1];
     const bool aligned = reinterpret_cast<std::uintptr_t>(npy.raw.data()) % alignof(float) == 0;
     if (npy.header.descr == "<f4" && !npy.header.fortran_order && aligned &&

@@ -54,8 +54,8 @@ class GlbRig {
       };
       if (detail::guard<config_error>(find, not_it)) return;
     }
-    raise<config_error>(103, file(), ": none of ", tried < skins ? concat_text("the first ", tried, " of ") : "", skins,
-                        " skins is a body that is known", reasons);
+    raise<config_error>(103, file(), ": none of ", tried < skins ? concat_text("the first ", tried, " of ") : "",
+                        counted(skins, "skin"), " is a body that is known", reasons);
   }
 
   const std::string& file() const { return document_.file(); }

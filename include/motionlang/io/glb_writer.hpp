@@ -221,7 +221,7 @@ std::vector<std::byte> skinned_glb(std::span<const Motion> motions, F mesh_of, c
                           "' have different skeletons");
     }
   }
-  if (skeleton.size() > 65535) raise<config_error>(101, "GLB: ", skeleton.size(), " joints");
+  if (skeleton.size() > 65535) raise<config_error>(101, "GLB: ", counted(skeleton.size(), "joint"));
   add_joints(glb, skeleton);
   add_mesh(glb, skeleton, mesh_of(skeleton), name, options);
   std::vector<int> nodes(skeleton.parents.size());

@@ -20,8 +20,8 @@ inline GloVe read_glove(const FilePath& stem) {
   const Pickle words = Pickle::open(base + "_words.pkl"), index = Pickle::open(places);
   const PickleValue rows = index.root(), list = words.root();
   if (array.shape.size() != 2 || array.shape[0] != static_cast<Index>(list.size()) || rows.size() != list.size())
-    raise<io_error>(403, data, ": not one row for each of ", list.size(), " words, of which ", places, " has ",
-                    rows.size());
+    raise<io_error>(403, data, ": not one row for each of ", counted(list.size(), "word"), ", of which ", places,
+                    " has ", rows.size());
   std::vector<std::string> in_order(list.size());
   for (std::size_t i = 0; i < list.size(); ++i) {
     const std::int64_t row = rows.value(i).integer();

@@ -36,11 +36,13 @@ inline std::vector<std::byte> gunzip_bytes(std::span<const std::byte> bytes, std
   const auto stream = bytes.subspan(static_cast<std::size_t>(at), static_cast<std::size_t>(trailer - at));
   constexpr std::uint64_t largest_ratio = 1032;
   if (size > largest_ratio * stream.size())
-    raise<io_error>(405, name, ": declares ", size, " bytes, packed in ", stream.size());
+    raise<io_error>(405, name, ": declares ", counted(size, "byte"), ", packed in ", stream.size());
   detail::Inflated out = detail::inflate(stream, size, name, size);
   if (out.consumed != stream.size())
-    raise<io_error>(403, name, ": ", stream.size() - out.consumed, " bytes between the data and the trailer");
-  if (out.data.size() != size) raise<io_error>(403, name, ": declares ", size, " bytes, holds ", out.data.size());
+    raise<io_error>(403, name, ": ", counted(stream.size() - out.consumed, "byte"),
+                    " between the data and the trailer");
+  if (out.data.size() != size)
+    raise<io_error>(403, name, ": declares ", counted(size, "byte"), ", holds ", out.data.size());
   if (detail::crc32(out.data) != crc) raise<io_error>(403, name, ": wrong checksum");
   return std::move(out.data);
 }

@@ -75,8 +75,8 @@ class HumanMl3dFolder {
     clip.frames = std::ssize(clip.features) / form_.width();
     const Index frames = std::ssize(clip.joints) / (3 * form_.joints);
     if (frames != clip.frames) {
-      raise<io_error>(407, folder_.string(), ": clip '", id, "' has ", clip.frames, " frames of features and ", frames,
-                      " of joints");
+      raise<io_error>(407, folder_.string(), ": clip '", id, "' has ", counted(clip.frames, "frame"),
+                      " of features and ", frames, " of joints");
     }
     return clip;
   }

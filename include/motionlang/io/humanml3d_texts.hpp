@@ -148,7 +148,8 @@ inline std::vector<HumanMl3dSource> parse_humanml3d_index(std::string_view text,
       fields.push_back(detail::trim(line.substr(at, end - at)));
       at = end + 1;
     }
-    if (fields.size() != 4) raise<io_error>(403, name, ":", number, ": ", fields.size(), " fields, 4 are expected");
+    if (fields.size() != 4)
+      raise<io_error>(403, name, ":", number, ": ", counted(fields.size(), "field"), ", 4 are expected");
     auto frame = [&](std::string_view field) {
       Index value = 0;
       const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), value);

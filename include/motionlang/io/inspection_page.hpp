@@ -47,8 +47,8 @@ inline std::string inspection_html(std::span<const InspectedMotion> motions, std
       "td.n,th.n{text-align:right}h1{font-size:1.5em}h2{font-size:1.05em;margin:1.6em 0 .2em}",
       ".about{color:#5b6472;font-weight:400}ul{margin:.2em 0 .4em;padding-left:1.3em}b{font-weight:600;color:#a3380e}",
       "svg{max-width:100%;height:auto;border:1px solid #e1e5ea;border-radius:6px}</style>\n</head>\n<body>\n<h1>",
-      escape_markup(title), "</h1>\n<p>", total, " motions: ", good, " without a finding, ", total - good - unreadable,
-      " with findings, ", unreadable, " unreadable.</p>\n");
+      escape_markup(title), "</h1>\n<p>", counted(total, "motion"), ": ", good, " without a finding, ",
+      total - good - unreadable, " with findings, ", unreadable, " unreadable.</p>\n");
   if (good < total) {
     out += "<table>\n<tr><th>finding</th><th class=\"n\">motions</th><th>meaning</th><th>mended</th></tr>\n";
     const auto count = count_faults(motions);

@@ -70,8 +70,8 @@ inline std::string to_string(const KeyReport& report) {
 namespace detail {
 
 [[noreturn]] inline void raise_key_mismatch(std::string_view file, const KeyReport& report) {
-  raise<io_error>(406, file, ": ", report.missing.size(), " tensors are missing, ", report.unexpected.size(),
-                  " are not expected:", report);
+  raise<io_error>(406, file, ": ", counted(report.missing.size(), "tensor is missing", "tensors are missing"), ", ",
+                  counted(report.unexpected.size(), "is", "are"), " not expected:", report);
 }
 
 }  // namespace detail

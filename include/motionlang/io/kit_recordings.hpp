@@ -52,7 +52,8 @@ inline std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::st
       if (n < columns) values[n] = value;
       at = end + 1;
     }
-    if (n != columns) raise<io_error>(403, name, ":", number, ": ", n, " numbers, ", columns, " are expected");
+    if (n != columns)
+      raise<io_error>(403, name, ":", number, ": ", counted(n, "number"), ", ", columns, " are expected");
     for (std::size_t i = 1; i < columns; i += 3) joints.push_back({values[i], values[i + 1], values[i + 2]});
   });
   if (lines == 0) raise<io_error>(402, name, ": the file is empty");
@@ -89,7 +90,8 @@ class KitRecordings {
     const nlohmann::json texts = read_json(texts_path);
     auto out = JsonView(texts, texts_path.string()).as<std::vector<std::string>>();
     if (std::ssize(out) != count) {
-      raise<io_error>(403, texts_path.string(), ": ", out.size(), " texts, ", meta_path.string(), " has ", count);
+      raise<io_error>(403, texts_path.string(), ": ", counted(out.size(), "text"), ", ", meta_path.string(), " has ",
+                      count);
     }
     return out;
   }

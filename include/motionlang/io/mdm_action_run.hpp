@@ -51,8 +51,8 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
   MdmConfig& c = about.mdm;
   const ActorFeatureOptions features{.rotations = PoseRepresentation::rot6d, .translation = true, .global = true};
   if (const Index wanted = 25 * size(features.rotations); c.nfeats != wanted)
-    raise<io_error>(404, weights.name(), ": motions of ", c.nfeats, " numbers a frame; models of actions have ",
-                    wanted);
+    raise<io_error>(404, weights.name(), ": motions of ", counted(c.nfeats, "number"),
+                    " a frame; models of actions have ", wanted);
   const bool unconstrained = c.condition == MdmCondition::none;
   if (c.condition == MdmCondition::text || unconstrained != detail::is_unconstrained_mdm(run))
     raise<io_error>(404, weights.name(), ": not a model of actions");

@@ -39,7 +39,7 @@ inline std::vector<Motion> mdm_motions(const NpyArray& array, std::span<const st
   std::vector<Motion> out;
   for (Index i = 0; i < shape[0]; ++i) {
     const Index length = lengths.empty() ? frames : std::min<Index>(lengths[static_cast<std::size_t>(i)], frames);
-    if (length < 1) raise<io_error>(407, name, ": motion ", i, " has ", length, " of ", frames, " frames");
+    if (length < 1) raise<io_error>(407, name, ": motion ", i, " has ", length, " of ", counted(frames, "frame"));
     std::vector<double> positions;  // (length, joints, 3)
     for (Index f = 0; f < length; ++f) {
       for (Index row = 0; row < rows; ++row)
@@ -75,7 +75,8 @@ inline std::vector<Motion> mdm_motions(const PickleValue& object, const MotionAr
   const auto lengths = to_array(results["lengths"]).to<std::int64_t>();
   const Index motions = array.shape.empty() ? 0 : array.shape[0];
   if (std::ssize(lengths) != motions || static_cast<Index>(texts.size()) != motions)
-    results.fail(407, motions, " motions, ", lengths.size(), " lengths and ", texts.size(), " texts");
+    results.fail(407, counted(motions, "motion"), ", ", counted(lengths.size(), "length"), " and ",
+                 counted(texts.size(), "text"));
   std::vector<Motion> out = mdm_motions(array, lengths, options, object.file());
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (std::string text = mdm_name(texts[i]); !text.empty()) out[i].name = std::move(text);
@@ -103,7 +104,8 @@ inline std::vector<Motion> read_motions_npy(const FilePath& path, const MotionAr
     const std::uint64_t start = file->bytes().size() - npy.raw.size();
     const Pickle pickle(file->bytes(), path.string(), {}, nullptr, start);
     if (const auto behind = file->bytes().size() - pickle.end(); behind > 0)
-      raise<io_error>(403, path.string(), ": ", behind, " bytes behind the object, which ends at byte ", pickle.end());
+      raise<io_error>(403, path.string(), ": ", counted(behind, "byte"), " behind the object, which ends at byte ",
+                      pickle.end());
     return detail::mdm_motions(pickle.root(), options);
   }
   const NpyArray array = parse_npy(file->bytes(), path.string());

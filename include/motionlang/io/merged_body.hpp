@@ -16,7 +16,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 inline void merge_smplh(const FilePath& body, const FilePath& left, const FilePath& right, const FilePath& out) {
   const detail::BodyArrays arrays(body);
   if (const auto joints = std::ssize(detail::body_parents(arrays)); body_kind_of(joints) != BodyKind::smplh)
-    raise<io_error>(407, arrays.file(), ": a body of ", joints, " joints; hands belong to SMPL-H, which has 52");
+    raise<io_error>(407, arrays.file(), ": a body of ", counted(joints, "joint"),
+                    "; hands belong to SMPL-H, which has 52");
   std::vector<NamedArray> merged;
   for (const char* name : {"v_template", "f", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table"})
     merged.push_back({name, arrays.read(name)});

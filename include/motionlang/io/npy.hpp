@@ -71,7 +71,7 @@ struct NpyArray {
   static NpyArray of(std::span<const T> values, std::vector<Index> shape) {
     NpyArray a{detail::npy_kind<T>, sizeof(T), std::move(shape), {}};
     if (static_cast<Index>(values.size()) != a.count()) {
-      raise<shape_error>(205, "NpyArray: ", values.size(), " values for a shape of ", a.count());
+      raise<shape_error>(205, "NpyArray: ", counted(values.size(), "value"), " for a shape of ", a.count());
     }
     detail::append_bytes(a.data, std::as_bytes(values));
     return a;
@@ -156,7 +156,7 @@ struct NpyArray {
 
  private:
   void require_one() const {
-    if (count() != 1) raise<io_error>(407, place, ": ", count(), " elements where one is expected");
+    if (count() != 1) raise<io_error>(407, place, ": ", counted(count(), "element"), " where one is expected");
   }
   template <class T, class E>
   T converted(E value) const {
@@ -235,8 +235,8 @@ inline NpyArray described_array(std::string_view type, std::vector<Index> shape,
 /// Throws io_error 402 if the data have fewer bytes than the array, 403 if they have more, 405 for impossible sizes.
 inline void check_raw_size(const NpyArray& array, std::size_t bytes, std::string_view where) {
   const std::size_t needed = checked_size(array.shape, array.item_size, where);
-  if (bytes < needed) raise<io_error>(402, where, ": array data of ", bytes, " bytes, ", needed, " needed");
-  if (bytes > needed) raise<io_error>(403, where, ": ", bytes - needed, " bytes after the array data");
+  if (bytes < needed) raise<io_error>(402, where, ": array data of ", counted(bytes, "byte"), ", ", needed, " needed");
+  if (bytes > needed) raise<io_error>(403, where, ": ", counted(bytes - needed, "byte"), " after the array data");
 }
 
 /// An array as NumPy stores it, in .npy files and in pickles. `raw` are all its bytes. Throws like the two above.
@@ -272,7 +272,8 @@ inline NpyParts npy_parts(std::span<const std::byte> bytes, std::string_view fil
   if (major < 1 || major > 3) raise<io_error>(404, file, ": .npy version ", int{major}, " at byte 6");
   const std::size_t length = major == 1 ? load<std::uint16_t>(bytes, 8, file, "npy header length")
                                         : load<std::uint32_t>(bytes, 8, file, "npy header length");
-  if (length > longest_npy_header) raise<io_error>(405, file, ": npy header of ", length, " bytes at byte 8");
+  if (length > longest_npy_header)
+    raise<io_error>(405, file, ": npy header of ", counted(length, "byte"), " at byte 8");
   const std::size_t start = major == 1 ? 10 : 12;
   return {NpyHeader(as_text(slice(bytes, start, length, file, "npy header")), start, file),
           bytes.subspan(start + length), concat_text(file, ": npy at byte ", start)};
@@ -282,7 +283,8 @@ inline NpyParts npy_parts(std::span<const std::byte> bytes, std::string_view fil
 inline void check_npy_size(std::span<const std::byte> head, std::uint64_t size, std::string_view file) {
   const NpyParts npy = npy_parts(head, file);
   const std::uint64_t before = head.size() - npy.raw.size();
-  if (size < before) raise<io_error>(402, npy.where, ": a header of ", before, " bytes, the file has ", size);
+  if (size < before)
+    raise<io_error>(402, npy.where, ": a header of ", counted(before, "byte"), ", the file has ", size);
   check_raw_size(described_array(npy.header.descr, npy.header.shape, npy.where),
                  static_cast<std::size_t>(size - before), npy.where);
 }

@@ -14,7 +14,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Throws shape_error 205 if vertices are not triples or a face has a vertex that is none, numeric_error 301
 template <class S>
 std::string obj_text(std::span<const S> vertices, std::span<const std::array<Index, 3>> faces) {
-  if (vertices.size() % 3 != 0) raise<shape_error>(205, "OBJ: ", vertices.size(), " coordinates of vertices");
+  if (vertices.size() % 3 != 0)
+    raise<shape_error>(205, "OBJ: ", counted(vertices.size(), "coordinate"), " of vertices");
   const auto count = static_cast<Index>(vertices.size()) / 3;
   std::string out;
   for (std::size_t i = 0; i < vertices.size(); i += 3) {

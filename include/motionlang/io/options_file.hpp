@@ -34,7 +34,7 @@ class OptionValues {
  public:
   OptionValues(std::string_view text, std::string_view file) : file_(file) {
     if (text.size() > most_text)
-      raise<io_error>(405, file_, ": ", text.size(), " bytes of options, at most ", most_text);
+      raise<io_error>(405, file_, ": ", counted(text.size(), "byte"), " of options, at most ", most_text);
   }
   template <class T>
   void add(const std::string& path, T value) {

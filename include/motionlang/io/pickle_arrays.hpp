@@ -91,7 +91,7 @@ inline NpyArray dense_matrix(const PickleValue& v) {
   const PickleValue state = v.state();
   const auto shape = shape_of(state.find("_shape") ? state["_shape"] : state["shape"]);
   constexpr Index most = 2'000'000;
-  if (shape.size() != 2) v.fail(403, "a sparse matrix with ", shape.size(), " sizes");
+  if (shape.size() != 2) v.fail(403, "a sparse matrix with ", counted(shape.size(), "size"));
   const Index rows = shape[0], columns = shape[1];
   if (rows > most || columns > most || rows * columns > most) {
     v.fail(405, "a sparse matrix of ", rows, " x ", columns, " is too large");
@@ -134,14 +134,14 @@ inline NpyArray selected_array(const PickleValue& v, int depth) {
   const auto indices = to_array(state["idxs"], depth).to<std::int64_t>();
   std::vector<double> out;
   for (const std::int64_t i : indices) {
-    if (i < 0 || i >= std::ssize(values)) v.fail(403, "index ", i, " into ", values.size(), " values");
+    if (i < 0 || i >= std::ssize(values)) v.fail(403, "index ", i, " into ", counted(values.size(), "value"));
     out.push_back(values[static_cast<std::size_t>(i)]);
   }
   const auto preferred = state.find("preferred_shape");
   const bool has_shape = preferred && !preferred->is(PickleKind::none);
   auto shape = has_shape ? shape_of(*preferred) : std::vector<Index>{std::ssize(out)};
   if (static_cast<std::size_t>(checked_size(shape, 1, "chumpy")) != out.size()) {
-    v.fail(403, out.size(), " selected values for another shape");
+    v.fail(403, counted(out.size(), "selected value"), " for another shape");
   }
   return NpyArray::of(std::span<const double>(out), std::move(shape));
 }

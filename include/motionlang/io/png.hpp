@@ -40,7 +40,8 @@ inline std::string encode_png(const Picture& picture) {
   }
   const auto row = static_cast<std::size_t>(3 * picture.width), rows = static_cast<std::size_t>(picture.height);
   if (picture.rgb.size() / row != rows || picture.rgb.size() % row != 0) {
-    raise<shape_error>(205, "encode_png: ", picture.rgb.size(), " numbers for ", picture.width, " x ", picture.height);
+    raise<shape_error>(205, "encode_png: ", counted(picture.rgb.size(), "number"), " for ", picture.width, " x ",
+                       picture.height);
   }
   constexpr std::byte up{2};
   std::vector<std::byte> filtered;

@@ -56,7 +56,7 @@ class SafetensorsFile : public TensorSet {
       : TensorSet(std::move(name), std::move(owner)) {
     const auto length = detail::load<std::uint64_t>(bytes, 0, name_, "the header length");
     if (length > max_header)
-      raise<io_error>(405, name_, ": a header of ", length, " bytes; at most ", max_header,
+      raise<io_error>(405, name_, ": a header of ", counted(length, "byte"), "; at most ", max_header,
                       ". Is it a .safetensors file?");
     const auto header = detail::slice(bytes, prefix, length, name_, "the header");
     Cursor json(detail::as_text(header), name_, prefix);
@@ -108,8 +108,8 @@ class SafetensorsFile : public TensorSet {
     check_size(json, view, range);
     if (range.end > data.size()) {
       json.fail(402, at,
-                concat_text("tensor '", view.name, "' ends at ", range.end, ", but there are ", data.size(),
-                            " bytes of data"));
+                concat_text("tensor '", view.name, "' ends at ", range.end, ", the data have ",
+                            counted(data.size(), "byte")));
     }
     view.bytes = data.subspan(range.begin, range.end - range.begin);
     tensors_.push_back(std::move(view));
@@ -171,7 +171,9 @@ class SafetensorsFile : public TensorSet {
       }
       end = r.end;
     }
-    if (end != size) json.fail(403, 0, concat_text(size - end, " bytes of data belong to no tensor"));
+    if (end != size)
+      json.fail(403, 0,
+                concat_text(counted(size - end, "byte of data belongs", "bytes of data belong"), " to no tensor"));
   }
 
   std::map<std::string, std::string> metadata_;

@@ -71,7 +71,8 @@ inline std::string sampling_text(const StmcModelConfig& c) {
 }
 inline void check_sampling_steps(const StmcModelConfig& c, const std::string& where) {
   if (c.sampling_steps < 0 || c.sampling_steps > c.diffusion_steps)
-    raise<config_error>(101, where, ": ", c.sampling_steps, " steps of sampling, the process has ", c.diffusion_steps);
+    raise<config_error>(101, where, ": ", counted(c.sampling_steps, "step"), " of sampling, the process has ",
+                        c.diffusion_steps);
 }
 inline void read_sampling(const Metadata& metadata, StmcModelConfig& c, const std::string& file) {
   const std::string wanted = metadata_text(metadata, "sampling", sampling_text({}));
@@ -158,8 +159,8 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
   StmcModelConfig c;
   c.denoiser.nfeats = size("denoiser.nfeats", 4096);
   if (const Index features = smplrifke_layout().size; c.denoiser.nfeats != features)
-    raise<config_error>(101, name, ": denoiser.nfeats is ", c.denoiser.nfeats, ", smplrifke has ", features,
-                        " features");
+    raise<config_error>(101, name, ": denoiser.nfeats is ", c.denoiser.nfeats, ", smplrifke has ",
+                        counted(features, "feature"));
   c.denoiser.latent_dim = size("denoiser.latent_dim", 8192);
   c.denoiser.ff_size = size("denoiser.ff_size", 32768);
   c.denoiser.num_layers = size("denoiser.num_layers", 256);

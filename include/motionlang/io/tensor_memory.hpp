@@ -21,7 +21,7 @@ class TensorMemory {
   /// Throws io_error 405 if the file has cost too much already.
   void spend(std::uint64_t bytes) {
     if (bytes > left_) {
-      raise<io_error>(405, name_, ": needs ", bytes, " bytes more than a file of its size justifies");
+      raise<io_error>(405, name_, ": needs ", counted(bytes, "byte"), " more than a file of its size justifies");
     }
     left_ -= bytes;
   }

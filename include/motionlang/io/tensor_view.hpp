@@ -120,7 +120,7 @@ struct TensorView {
 template <class T>
 TensorView tensor_view(std::string name, const FileShape& shape, std::span<const T> values) {
   if (static_cast<std::size_t>(shape.count()) != values.size()) {
-    raise<shape_error>(205, "tensor_view: ", values.size(), " values for '", name, "' of shape ", shape);
+    raise<shape_error>(205, "tensor_view: ", counted(values.size(), "value"), " for '", name, "' of shape ", shape);
   }
   return {std::move(name), dtype_of<T>(), shape, std::as_bytes(values)};
 }
@@ -165,7 +165,8 @@ void convert_numbers(const TensorView& view, std::span<T> out) {
 template <class T>
 void copy_values(const TensorView& view, std::span<T> out) {
   if (view.bytes.size() * 8 != out.size() * static_cast<std::size_t>(info(view.dtype).bits)) {
-    raise<shape_error>(205, "tensor '", view.name, "' of shape ", view.shape, " has not ", out.size(), " values");
+    raise<shape_error>(205, "tensor '", view.name, "' of shape ", view.shape, " has not ",
+                       counted(out.size(), "value"));
   }
   if constexpr (std::integral<T>) {
     if (!is_integer(view.dtype)) {

@@ -102,7 +102,8 @@ void check_vocabulary(const AnyTokenizer& tokenizer, const AnyTextNetwork<B>& ne
       },
       network.network);
   if (tokenizer.size() > rows)
-    raise<config_error>(102, where, ": a tokenizer of ", tokenizer.size(), " pieces, the network knows ", rows);
+    raise<config_error>(102, where, ": a tokenizer of ", counted(tokenizer.size(), "piece"), ", the network knows ",
+                        rows);
 }
 
 }  // namespace detail

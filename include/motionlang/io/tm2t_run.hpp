@@ -71,7 +71,8 @@ inline RunFolder tm2t_tokenizer_run(const RunFolder& run, const Tm2tRunOptions& 
     found.push_back(std::move(other));
   }
   if (found.size() == 1) return std::move(found.front());
-  raise<io_error>(401, run.folder.string(), ": ", found.size(), " folders with a motion tokenizer beside it (",
+  raise<io_error>(401, run.folder.string(), ": ", counted(found.size(), "folder"),
+                  " with a motion tokenizer beside it (",
                   "VQVAEV3_CB1024_CMT_H1024_NRES3 as published): put it there, or name it");
 }
 
@@ -139,16 +140,17 @@ inline Seq2SeqConfig tm2t_describer_config(const RunReader& r, const TensorSet& 
                   .target_positions = r.size("decoder.position_enc.positional_encoding", 0)};
   if (r.has(projection)) {
     if (r.size(projection, 0) != c.target_symbols)
-      raise<io_error>(404, weights.name(), ": writes ", r.size(projection, 0), " words and reads vectors of ",
-                      r.size(target, 1), " numbers (m2t_v3), which cannot write word by word");
+      raise<io_error>(404, weights.name(), ": writes ", counted(r.size(projection, 0), "word"),
+                      " and reads vectors of ", counted(r.size(target, 1), "number"),
+                      " (m2t_v3), which cannot write word by word");
     const auto numbers = [&](const std::string& name) { return values_of<float>(weights.tensor(r.prefix() + name)); };
     c.shared_projection = numbers(projection) == numbers(target);
   }
   const auto of_a_head = [&](const char* layer, const char* what) {
     const Index width = r.size(encoder + "0.slf_attn." + layer + ".weight", 0);
     if (width % c.heads != 0)
-      raise<config_error>(102, r.place("n_head"), " is ", c.heads, ", ", weights.name(), " has ", what, " of ", width,
-                          " numbers");
+      raise<config_error>(102, r.place("n_head"), " is ", c.heads, ", ", weights.name(), " has ", what, " of ",
+                          counted(width, "number"));
     return width / c.heads;
   };
   c.head_width = of_a_head("w_qs", "queries");
@@ -206,8 +208,8 @@ Tm2tRun<B> tm2t_around(const RunFolder& run, const WeightFile& weights, Index sy
   if (out.width() == 251) out.fps = 12.5;
   const MotionVocabulary vocabulary = out.model.vocabulary();
   if (symbols != vocabulary.size())
-    raise<config_error>(102, weights.name(), ": has ", symbols, " motion symbols, ", tokenizer_run.weights.string(),
-                        " has ", vocabulary.codes, " codes and three marks");
+    raise<config_error>(102, weights.name(), ": has ", counted(symbols, "motion symbol"), ", ",
+                        tokenizer_run.weights.string(), " has ", counted(vocabulary.codes, "code"), " and three marks");
   return out;
 }
 

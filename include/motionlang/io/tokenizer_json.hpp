@@ -80,7 +80,7 @@ inline std::vector<std::string> pieces_by_id(const JsonView& vocabulary, std::sp
   const auto put = [&](const std::string& piece, Index id) {
     const auto at = static_cast<std::size_t>(id);
     if (id < 0 || at >= count)
-      raise<io_error>(403, vocabulary.path(), ": '", piece, "' has id ", id, " among ", count, " pieces");
+      raise<io_error>(403, vocabulary.path(), ": '", piece, "' has id ", id, " among ", counted(count, "piece"));
     if (taken[at] && pieces[at] != piece)
       raise<io_error>(403, vocabulary.path(), ": '", pieces[at], "' and '", piece, "' have the same id ", id);
     taken[at] = true;
@@ -151,7 +151,7 @@ inline std::pair<std::string, std::string> frame_ends(const Frames& frames, cons
   const auto& f = frames.single;
   const auto piece = [&](const FramePart& part) -> std::string {
     if (part.id < 0 || part.id >= std::ssize(pieces))
-      raise<config_error>(107, view.path(), ": id ", part.id, " among ", pieces.size(), " pieces");
+      raise<config_error>(107, view.path(), ": id ", part.id, " among ", counted(pieces.size(), "piece"));
     return pieces[static_cast<std::size_t>(part.id)];
   };
   if (f.size() < 3 || f.front().kind != FramePart::token || f.back().kind != FramePart::token)
@@ -235,7 +235,7 @@ inline BytePairMerges merges_from_json(const JsonView& list) {
     else if (merge.size() == 2)
       merges.emplace_back(merge[0].as<std::string>(), merge[1].as<std::string>());
     else
-      raise<io_error>(403, merge.path(), ": ", merge.size(), " symbols, a merge has 2");
+      raise<io_error>(403, merge.path(), ": ", counted(merge.size(), "symbol"), ", a merge has 2");
   }
   return merges;
 }

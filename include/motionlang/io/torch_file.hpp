@@ -212,7 +212,7 @@ class TorchTensors {
     std::span<const std::byte> bytes = found->second;
     const std::int64_t count = id[4].integer();
     if (count < 0 || static_cast<std::uint64_t>(count) != bytes.size() / size || bytes.size() % size != 0) {
-      v.fail(405, "storage '", id[2].text(), "' has ", bytes.size(), " bytes, not ", count, " times ", size);
+      v.fail(405, "storage '", id[2].text(), "' has ", counted(bytes.size(), "byte"), ", not ", count, " times ", size);
     }
     if (id.size() > 5 && !id[5].is(PickleKind::none)) {
       const std::int64_t first = id[5][1].integer(), part = id[5][2].integer();
@@ -244,7 +244,7 @@ class TorchTensors {
     if (function.ends_with("_v2") && given.size() > metadata && given[metadata].size() > 0)
       v.fail(404, "a tensor that is negated or conjugated when it is read");
     if (t.shape.rank() != t.strides.rank())
-      v.fail(403, "a tensor with ", t.shape.rank(), " sizes and ", t.strides.rank(), " strides");
+      v.fail(403, "a tensor with ", counted(t.shape.rank(), "size"), " and ", counted(t.strides.rank(), "stride"));
     if (const char* problem = out_of_range(t, t.storage.size() / bytes_of(t.dtype))) {
       v.fail(405, "a tensor of shape ", t.shape, " ", problem);
     }
@@ -305,7 +305,7 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
     const auto count = load<std::uint64_t>(bytes, at, name, "the size of a storage");
     at += sizeof count;
     if (count > bytes.size() / size->second) {
-      raise<io_error>(405, name, ": storage '", key.text(), "' of ", count, " elements at byte ", at, " of ",
+      raise<io_error>(405, name, ": storage '", key.text(), "' of ", counted(count, "element"), " at byte ", at, " of ",
                       bytes.size());
     }
     tensors.add_storage(std::string(key.text()), slice(bytes, at, count * size->second, name, "a storage"));

@@ -113,8 +113,8 @@ ActorRun<B> load_actor_run(const RunFolder& run) {
   out.frames = actor_frame_options(run, weights);
   const Index joints = 23 + (out.features.global ? 1 : 0) + (out.features.translation ? 1 : 0);
   if (out.model.config.njoints != joints)
-    raise<config_error>(102, run.options_file.string(), ": glob and translation make ", joints, " rows a frame, ",
-                        weights.name(), " has ", out.model.config.njoints);
+    raise<config_error>(102, run.options_file.string(), ": glob and translation make ", counted(joints, "row"),
+                        " a frame, ", weights.name(), " has ", out.model.config.njoints);
   out.labels = action_labels(r.text("dataset", ""), out.model.config.num_classes);
   prepare_loaded(out.model);
   return out;

@@ -178,7 +178,8 @@ class VectorGraph : public VectorSearch {
                               Progress progress = {}, const std::string& name = "graph",
                               std::shared_ptr<const void> owner = {}) {
     VectorGraph g(rows, width, std::move(owner));
-    if (known > g.count()) raise<config_error>(101, name, ": a graph of ", known, " vectors for ", g.count());
+    if (known > g.count())
+      raise<config_error>(101, name, ": a graph of ", counted(known, "vector"), " for ", g.count());
     detail::check_graph(bytes, known, name);
     const detail::ScratchFile file;
     write_file(file.path(), bytes);

@@ -338,7 +338,7 @@ class WeightReader {
   /// Elements of an array as a tensor.
   void add_elements(char kind, std::size_t size, const std::vector<Index>& shape, std::span<const std::byte> bytes) {
     if (shape.size() > FileShape::max_rank)
-      raise<io_error>(404, out_.name(), ": an array with ", shape.size(), " axes");
+      raise<io_error>(404, out_.name(), ": an array with ", counted(shape.size(), "axis", "axes"));
     DType dtype = kind == 'b' ? DType::BOOL : DType::F16;
     if (kind != 'b' && !(kind == 'f' && size == 2)) {
       with_npy_number(kind, size, [&](auto number) {
@@ -437,7 +437,7 @@ inline std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::s
 /// Throws as gunzip, and io_error 405 if the file declares more than `limit` bytes.
 inline std::vector<std::byte> from_gzip(std::span<const std::byte> bytes, std::size_t limit, const std::string& name) {
   const auto size = load<std::uint32_t>(bytes, bytes.size() - std::min<std::size_t>(bytes.size(), 4), name, "a size");
-  if (size > limit) raise<io_error>(405, name, ": declares ", size, " bytes, may give ", limit);
+  if (size > limit) raise<io_error>(405, name, ": declares ", counted(size, "byte"), ", may give ", limit);
   return gunzip_bytes(bytes, name);
 }
 
@@ -522,7 +522,7 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
                       " (of a whole module or model, save its state_dict())");
     if (out.tensors_.empty()) raise<io_error>(406, name, ": no tensors in this ", out.format_);
     if (file.bytes_behind() > 0)
-      out.skipped_.push_back({"", concat_text(file.bytes_behind(), " bytes behind the end of data.pkl")});
+      out.skipped_.push_back({"", concat_text(counted(file.bytes_behind(), "byte"), " behind the end of data.pkl")});
   };
   if (text.starts_with("PK\x03\x04")) {
     const ZipArchive zip(bytes, name);
@@ -570,7 +570,7 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
     refuse_keys("safetensors");
     return from_safetensors(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
   } else if (text.size() < safetensors_start) {
-    raise<io_error>(402, name, ": ", text.size(), " bytes are no file of weights of any kind");
+    raise<io_error>(402, name, ": ", counted(text.size(), "byte is", "bytes are"), " no file of weights of any kind");
   } else {
     raise<io_error>(404, name, ": not a file of weights: neither safetensors, PyTorch, NumPy, nor a pickle");
   }

@@ -82,8 +82,8 @@ class ZipArchive {
     std::vector<std::byte> data =
         entry.deflated ? detail::inflate(raw, size, where, size).data : std::vector<std::byte>(raw.begin(), raw.end());
     if (data.size() != entry.size) {
-      raise<io_error>(403, where, " at byte ", entry.offset, ": unpacks to ", data.size(),
-                      " bytes, the directory says ", entry.size);
+      raise<io_error>(403, where, " at byte ", entry.offset, ": unpacks to ", counted(data.size(), "byte"),
+                      ", the directory says ", entry.size);
     }
     check_crc(entry, data);
     return data;
@@ -105,7 +105,7 @@ class ZipArchive {
   void read_directory() {
     constexpr std::uint64_t end_size = 22, longest_comment = 65535, locator_size = 20;
     if (bytes_.size() < end_size)
-      raise<io_error>(403, name_, ": ", bytes_.size(), " bytes are too short for a zip archive");
+      raise<io_error>(403, name_, ": ", counted(bytes_.size(), "byte is", "bytes are"), " too short for a zip archive");
     std::uint64_t end = bytes_.size() - end_size;
     const std::uint64_t first = end > longest_comment ? end - longest_comment : 0;
     while (at<std::uint32_t>(end, "end record") != 0x06054B50u) {
@@ -130,7 +130,7 @@ class ZipArchive {
     const auto directory = detail::slice(bytes_, start, size, name_, "zip directory");
     constexpr std::uint64_t most_members = 100'000;
     if (count > most_members)
-      raise<io_error>(405, name_, ": ", count, " members, says the end record at byte ", end, "; at most ",
+      raise<io_error>(405, name_, ": ", counted(count, "member"), ", says the end record at byte ", end, "; at most ",
                       most_members);
     std::uint64_t position = start;
     for (std::uint64_t i = 0; i < count; ++i) position = read_entry(position);
@@ -161,10 +161,11 @@ class ZipArchive {
     };
     if ((flags & 1u) != 0) refuse(404, "is encrypted");
     if (method != 0 && method != 8) refuse(404, "has method ", method);
-    if (!e.deflated && e.packed != e.size) refuse(403, "is stored and has ", e.packed, " and ", e.size, " bytes");
+    if (!e.deflated && e.packed != e.size)
+      refuse(403, "is stored and has ", e.packed, " and ", counted(e.size, "byte"));
     constexpr std::uint64_t highest_ratio = 1032;  // of deflate: 258 bytes from two bits
     if (e.deflated && e.size / highest_ratio > e.packed)
-      refuse(405, "of ", e.size, " bytes cannot come from ", e.packed);
+      refuse(405, "of ", counted(e.size, "byte"), " cannot come from ", e.packed);
     if (leads_out(e.name)) refuse(403, "leads out of the archive");
     if (at<std::uint32_t>(header, "zip member") != 0x04034B50u) {
       raise<io_error>(403, name_, ": no member '", e.name, "' at byte ", header);
@@ -228,7 +229,8 @@ class ZipWriter {
   /// Throws io_error 405 when the archive would need ZIP64.
   void add(std::string_view name, std::span<const std::byte> data) {
     if (data.size() + bytes_.size() > 0xFFFF0000u || name.size() > 0xFFFFu || count_ == 0xFFFFu) {
-      raise<io_error>(405, "zip: member '", name, "' of ", data.size(), " bytes is too much for a zip without ZIP64");
+      raise<io_error>(405, "zip: member '", name, "' of ", counted(data.size(), "byte"),
+                      " is too much for a zip without ZIP64");
     }
     std::vector<std::byte> common;  // what the local header and the directory have in common
     append_numbers<std::uint16_t>(common, {20, 0, 0, 0, 0x21});  // version, flags, stored, 0:00 of 1980-01-01

@@ -39,8 +39,8 @@ inline Motion resample(const Motion& motion, double fps) {
   const double whole_frames = std::floor(last / step + rounding) + 1;
   if (!(whole_frames * motion.skeleton.size() <= max_rotations)) {
     raise<config_error>(101, "resample: '", motion.name, "' of ", motion.seconds(), " s at ", fps,
-                        " frames per second has ", whole_frames, " frames of ", motion.skeleton.size(),
-                        " joints, more than ", max_rotations, " rotations");
+                        " frames per second has ", whole_frames, " frames of ",
+                        counted(motion.skeleton.size(), "joint"), ", more than ", max_rotations, " rotations");
   }
   const auto frames = static_cast<Index>(whole_frames);
   out.root.reserve(static_cast<std::size_t>(frames));
@@ -70,8 +70,9 @@ namespace detail {
 /// Throws config_error 102 unless both clips have one skeleton and one frame rate.
 inline void require_same_kind(std::string_view function, const Motion& first, const Motion& second) {
   if (first.skeleton != second.skeleton || first.fps != second.fps) {
-    raise<config_error>(102, function, ": '", first.name, "' has ", first.skeleton.size(), " joints at ", first.fps,
-                        " frames per second, '", second.name, "' ", second.skeleton.size(), " at ", second.fps);
+    raise<config_error>(102, function, ": '", first.name, "' has ", counted(first.skeleton.size(), "joint"), " at ",
+                        first.fps, " frames per second, '", second.name, "' ", second.skeleton.size(), " at ",
+                        second.fps);
   }
 }
 
@@ -112,7 +113,7 @@ inline Motion mirror(const Motion& motion, std::span<const int> partners) {
   const Skeleton& skeleton = motion.skeleton;
   const auto joints = static_cast<std::size_t>(skeleton.size());
   if (partners.size() != joints) {
-    raise<config_error>(102, "mirror: ", partners.size(), " partners for ", joints, " joints");
+    raise<config_error>(102, "mirror: ", partners.size(), " partners for ", counted(joints, "joint"));
   }
   Motion out = motion;
   for (std::size_t j = 0; j < joints; ++j) {

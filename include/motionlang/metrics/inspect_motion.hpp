@@ -652,8 +652,8 @@ class MotionInspector {
 inline Inspection inspect_motion(const Motion& motion, const InspectionLimits& limits = {}) {
   motion.skeleton.validate();
   if (motion.local.size() != motion.root.size() * static_cast<std::size_t>(motion.skeleton.size())) {
-    raise<shape_error>(205, "inspect_motion: '", motion.name, "' has ", motion.local.size(), " rotations for ",
-                       motion.frames(), " frames of ", motion.skeleton.size(), " joints");
+    raise<shape_error>(205, "inspect_motion: '", motion.name, "' has ", counted(motion.local.size(), "rotation"),
+                       " for ", counted(motion.frames(), "frame"), " of ", counted(motion.skeleton.size(), "joint"));
   }
   if (!(motion.fps > 0 && std::isfinite(motion.fps))) {
     raise<config_error>(101, "inspect_motion: '", motion.name, "' has a frame rate of ", motion.fps);

@@ -86,8 +86,8 @@ class MotionIndex {
     if (model_.width < 1 || !(model_.fps > 0 && std::isfinite(model_.fps)) ||
         !std::all_of(model_.windows.begin(), model_.windows.end(), positive) ||
         (!model_.windows.empty() && model_.stride < 1))
-      raise<config_error>(101, "MotionIndex: vectors of ", model_.width, " numbers, ", model_.fps,
-                          " frames per second, ", model_.windows.size(), " windows, stride ", model_.stride);
+      raise<config_error>(101, "MotionIndex: vectors of ", counted(model_.width, "number"), ", ", model_.fps,
+                          " frames per second, ", counted(model_.windows.size(), "window"), ", stride ", model_.stride);
   }
   /// From tables that a file has; rows of length 1. Throws io_error 403 if they do not fit each other, numeric_error
   /// 302.
@@ -104,8 +104,8 @@ class MotionIndex {
     Index last = 0;
     for (const Moment& m : moments_) {
       if (m.clip < last || m.clip >= count() || !is_moment(m.frames))
-        raise<io_error>(403, where, ": a moment of ", m.frames.length, " frames at ", m.frames.first, " of clip ",
-                        m.clip, " among ", count());
+        raise<io_error>(403, where, ": a moment of ", counted(m.frames.length, "frame"), " at ", m.frames.first,
+                        " of clip ", m.clip, " among ", count());
       last = m.clip;
     }
   }
@@ -133,13 +133,14 @@ class MotionIndex {
   void add(EncodedClip c) {
     const auto rows = [&](const std::vector<float>& values, std::size_t wanted) {
       if (values.size() != wanted * static_cast<std::size_t>(model_.width))
-        raise<shape_error>(205, "MotionIndex: '", c.clip.path, "': ", values.size(), " numbers for ", wanted,
-                           " vectors of ", model_.width);
+        raise<shape_error>(205, "MotionIndex: '", c.clip.path, "': ", counted(values.size(), "number"), " for ",
+                           counted(wanted, "vector"), " of ", model_.width);
       return unit_rows(values, model_.width);
     };
     for (const FrameSlice& m : c.moments) {
       if (!is_moment(m))
-        raise<shape_error>(205, "MotionIndex: '", c.clip.path, "': a moment of ", m.length, " frames at ", m.first);
+        raise<shape_error>(205, "MotionIndex: '", c.clip.path, "': a moment of ", counted(m.length, "frame"), " at ",
+                           m.first);
     }
     const auto clip = rows(c.vector, 1), moments = rows(c.moment_vectors, c.moments.size()),
                captions = rows(c.caption_vectors, c.clip.captions.size());
@@ -203,8 +204,8 @@ class MotionIndex {
   }
   void require_rows(std::string_view where, std::string_view what, std::size_t count, const VectorTable& table) const {
     if (table.rows().size() != count * static_cast<std::size_t>(model_.width))
-      raise<io_error>(403, where, ": ", count, " ", what, ", but ", table.rows().size(), " numbers for vectors of ",
-                      model_.width);
+      raise<io_error>(403, where, ": ", count, " ", what, ", but ", counted(table.rows().size(), "number"),
+                      " for vectors of ", model_.width);
     require_unit_rows(where, table.rows(), model_.width);
   }
 

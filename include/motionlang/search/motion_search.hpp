@@ -110,7 +110,8 @@ class MotionSearch {
   }
   static std::vector<Neighbour> nearest(const VectorSearch& search, std::span<const float> query, Index k) {
     if (std::ssize(query) != search.width())
-      raise<shape_error>(204, "MotionSearch: a query of ", query.size(), " numbers, the index has ", search.width());
+      raise<shape_error>(204, "MotionSearch: a query of ", counted(query.size(), "number"), ", the index has ",
+                         search.width());
     return search.search(query, k)[0];
   }
   /// `choose` takes the best ones and drops some; who is kept does not depend on those that come later. Asks for more

@@ -1,6 +1,8 @@
 // Errors: ids, families, messages.
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <limits>
 #include <set>
 #include <string>
 
@@ -63,8 +65,19 @@ TEST_CASE("values of all kinds are written without the locale") {
   CHECK(ml::concat_text("a", 'b', std::string("c"), std::string_view("d")) == "abcd");
   CHECK(ml::concat_text(-3, " ", 18446744073709551615u, " ", true, false) == "-3 18446744073709551615 truefalse");
   CHECK(ml::concat_text(0.1, " ", 1e300, " ", 2.5f) == "0.1 1e+300 2.5");
+  CHECK(ml::concat_text(1e7, " ", -2e15, " ", 1e5f, " ", 3e9f, " ", -0.0) ==
+        "10000000 -2000000000000000 100000 3e+09 -0");
+  CHECK(ml::concat_text(std::nan(""), " ", -std::numeric_limits<float>::infinity()) == "nan -inf");
   CHECK(ml::concat_text(ml::Shape{2, 60, 512}, ml::Shape{}) == "(2, 60, 512)()");
   CHECK(ml::concat_text() == "");
+}
+
+TEST_CASE("numbers of things: one and several") {
+  CHECK(ml::counted(0, "frame") == "0 frames");
+  CHECK(ml::counted(1, "frame") == "1 frame");
+  CHECK(ml::counted(std::size_t{2}, "frame") == "2 frames");
+  CHECK(ml::counted(1, "pass", "passes") == "1 pass");
+  CHECK(ml::counted(3, "pass", "passes") == "3 passes");
 }
 
 TEST_CASE("module paths are part of the message when diagnostics are on") {

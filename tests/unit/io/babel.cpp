@@ -176,7 +176,7 @@ TEST_CASE("raw KIT-ML: texts and joints") {
   CHECK_ERROR(ml::parse_kit_joints(head + "\n" + with(line, ",7.5", ",nan"), "k.csv"), "k.csv:2: 'nan' is no number");
   CHECK_ERROR(ml::parse_kit_joints(" \n", "k.csv"), "[motionlang.io.402] k.csv");
   ml::write_file(folder / "00017_annotations.json", "[\"A person waves.\"]");
-  CHECK_ERROR(data.load("00017"), "00017_annotations.json: 1 texts, ");
+  CHECK_ERROR(data.load("00017"), "00017_annotations.json: 1 text, ");
   ml::write_file(folder / "00017_annotations.json", "[1, 2]");
   CHECK_ERROR(data.load("00017"), "00017_annotations.json: [0]: expected a string");
   CHECK_ERROR(data.load("00018"), "[motionlang.io.401]");

@@ -367,7 +367,7 @@ TEST_CASE("BVH: malformed files are refused where they are wrong") {
   refuses(with(two_joints, "Frame Time: 0.0333333", "Frame Time: nan"), "the frame time");
   refuses(with(two_joints, "-15 50 70", "-15 50 inf"), "f.bvh:19:24: expected a value of the motion, found 'inf'");
   refuses(with(two_joints, "-15 50 70", "-15 50 1e999"), "[motionlang.io.403]");
-  refuses(with(two_joints, "-15 50 70", "-15 50 70 80"), "'80' follows the 1 declared frames of 9 channels");
+  refuses(with(two_joints, "-15 50 70", "-15 50 70 80"), "'80' follows the 1 declared frame of 9 channels");
   refuses("HIERARCHY ROOT a { OFFSET 0 0 0 } MOTION Frames: 3 Frame Time: 1", "3 frames, but no channels");
   std::string many = "HIERARCHY ROOT a { OFFSET 0 0 0 ";
   for (int i = 0; i < 5000; ++i) many += "JOINT b { OFFSET 0 0 0 }";

@@ -111,7 +111,7 @@ TEST_CASE("results of MDM that are refused") {
               "results.npy: 3 motions, 3 lengths and 2 texts at byte ");
   CHECK_ERROR(r.read(mdm::results(motion, {"a", "b", "c"}, {6, 6})), "3 motions, 2 lengths and 3 texts at byte ");
   CHECK_ERROR(r.read(mdm::results(motion, {"a", "b", "c"}, {6, 0, 6})), "results.npy: motion 1 has 0 of 6 frames");
-  CHECK_ERROR(r.read(good + "x"), "results.npy: 1 bytes behind the object");
+  CHECK_ERROR(r.read(good + "x"), "results.npy: 1 byte behind the object");
   CHECK_ERROR(r.read(good.substr(0, good.size() - 1)), "[motionlang.io.402]");
   std::string other = good;
   other.replace(other.find("motion"), 6, "motive");

@@ -73,7 +73,7 @@ TEST_CASE("the example of the specification") {  // weights.md 10.1
 
   const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   check_refused(text.substr(0, text.size() - 1), "402] test: byte");
-  check_refused(text + "x", "403] test: byte 8: 1 bytes of data belong to no tensor");
+  check_refused(text + "x", "403] test: byte 8: 1 byte of data belongs to no tensor");
 }
 
 TEST_CASE("small files that are fine") {

@@ -187,7 +187,7 @@ TEST_CASE("tokenizer.json: what does not fit together is refused") {
   refused(bert_json, "\"ids\": [1]", "\"ids\": []", "does not begin and end with a token");
   refused(bert_json, "\"unk_token\": \"[UNK]\"", "\"unk_token\": \"<unk>\"", "lacks '<unk>'");
   refused(clip_json, "\"w a\"", "\"w\"", "tokenizer.json: model.merges:0: 'w' is not two symbols");
-  refused(clip_json, "[\"wa\", \"l\"]", "[\"wa\"]", "model.merges[1]: 1 symbols");
+  refused(clip_json, "[\"wa\", \"l\"]", "[\"wa\"]", "model.merges[1]: 1 symbol");
   refused(clip_json, "\"w a\"", "\"w x\"", "merge 0: 'x' is no piece");
   CHECK_ERROR(from_json("{}"), "[motionlang.config.107] tokenizer.json: has no member 'model'");
 }

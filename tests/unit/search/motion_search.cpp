@@ -175,12 +175,12 @@ TEST_CASE("MotionIndex: what is refused, and changes nothing") {
   const auto before = tables(index);
   auto c = acted_clip("d.bvh", {{4, 20}}, index.model());
   c.vector.pop_back();
-  CHECK_ERROR(index.add(c), "[motionlang.shape.205] MotionIndex: 'd.bvh': 8 numbers for 1 vectors of 9");
+  CHECK_ERROR(index.add(c), "[motionlang.shape.205] MotionIndex: 'd.bvh': 8 numbers for 1 vector of 9");
   c.vector.assign(9, 0);
   CHECK_ERROR(index.add(c), "[motionlang.numeric.302]");
   c = acted_clip("d.bvh", {{4, 20}}, index.model(), {1});
   c.caption_vectors.clear();
-  CHECK_ERROR(index.add(c), "0 numbers for 1 vectors of 9");
+  CHECK_ERROR(index.add(c), "0 numbers for 1 vector of 9");
   for (const FrameSlice& none :
        {FrameSlice{0, 0}, FrameSlice{-1, 5}, FrameSlice{std::numeric_limits<ml::Index>::max(), 1}}) {
     ml::EncodedClip wrong = c;

@@ -27,7 +27,7 @@ concept Plain = std::is_trivially_copyable_v<T>;
 template <Plain T>
 T load(std::span<const std::byte> bytes, std::uint64_t at, std::string_view file, std::string_view what) {
   if (at > bytes.size() || bytes.size() - at < sizeof(T)) {
-    raise<io_error>(402, file, ": ends inside ", what, " at byte ", at, " (", bytes.size(), " bytes)");
+    raise<io_error>(402, file, ": ends inside ", what, " at byte ", at, " (", counted(bytes.size(), "byte"), ")");
   }
   T value;
   std::memcpy(&value, bytes.data() + at, sizeof(T));
@@ -38,7 +38,8 @@ T load(std::span<const std::byte> bytes, std::uint64_t at, std::string_view file
 inline std::span<const std::byte> slice(std::span<const std::byte> bytes, std::uint64_t at, std::uint64_t size,
                                         std::string_view file, std::string_view what) {
   if (at > bytes.size() || bytes.size() - at < size) {
-    raise<io_error>(402, file, ": ", what, " needs ", size, " bytes at byte ", at, ", the file has ", bytes.size());
+    raise<io_error>(402, file, ": ", what, " needs ", counted(size, "byte"), " at byte ", at, ", the file has ",
+                    bytes.size());
   }
   return bytes.subspan(static_cast<std::size_t>(at), static_cast<std::size_t>(size));
 }

@@ -26,7 +26,7 @@ inline GlbChunks parse_glb_chunks(std::span<const std::byte> bytes, std::string_
   if (number(0) != glb_magic) raise<io_error>(403, file, ": not a GLB file (byte 0)");
   if (number(4) != 2) raise<io_error>(404, file, ": glTF version ", number(4), " at byte 4");
   if (number(8) > bytes.size()) {
-    raise<io_error>(402, file, ": ", number(8), " bytes announced at byte 8, the file has ", bytes.size());
+    raise<io_error>(402, file, ": ", counted(number(8), "byte"), " announced at byte 8, the file has ", bytes.size());
   }
   bytes = bytes.first(number(8));
 
@@ -49,7 +49,7 @@ inline std::vector<std::byte> glb_file(std::string document, std::vector<std::by
   document.append((4 - document.size() % 4) % 4, ' ');
   binary.resize((binary.size() + 3) / 4 * 4);
   const std::uint64_t total = 12 + 8 + document.size() + 8 + binary.size();
-  if (total > 0xFFFFFFFFu) raise<io_error>(405, "GLB: ", total, " bytes do not fit into one file");
+  if (total > 0xFFFFFFFFu) raise<io_error>(405, "GLB: ", counted(total, "byte"), " do not fit into one file");
   std::vector<std::byte> out;
   out.reserve(total);
   for (const std::uint32_t n :

@@ -165,8 +165,8 @@ class GltfAnimation {
     const std::vector<double>& t = *c.times;
     const std::size_t expected = t.size() * components * (c.mode == GltfChannel::cubic ? 3 : 1);
     if (t.empty() || c.values->size() != expected) {
-      raise<io_error>(403, sampler.path(), ": ", t.size(), " times and ", c.values->size(), " numbers, expected ",
-                      expected);
+      raise<io_error>(403, sampler.path(), ": ", counted(t.size(), "time"), " and ",
+                      counted(c.values->size(), "number"), ", expected ", expected);
     }
     for (std::size_t i = 1; i < t.size(); ++i) {
       if (!(t[i] > t[i - 1])) raise<io_error>(403, sampler.path(), ": time ", i, " is not after the one before");

@@ -97,7 +97,8 @@ class GltfDocument {
   std::vector<double> values(Index accessor, std::size_t components) const {
     const JsonView a = element("accessors", accessor);
     const std::size_t kinds = components_of(a["type"].as<std::string>());
-    if (kinds != components) raise<io_error>(403, a.path(), ": ", kinds, " components, expected ", components);
+    if (kinds != components)
+      raise<io_error>(403, a.path(), ": ", counted(kinds, "component"), ", expected ", components);
     const int type = a["componentType"].as<int>();
     const std::size_t size = size_of(type, a);
     const auto count = a["count"].as<std::uint64_t>();
@@ -117,7 +118,8 @@ class GltfDocument {
       for (std::uint64_t i = 0; i < count; ++i) read(stored, i, i);
     } else {
       if (count > (size_ / 4 + most_made_up) / components)
-        raise<io_error>(405, a.path(), ": ", count, " elements that are not in the file, which has ", size_, " bytes");
+        raise<io_error>(405, a.path(), ": ", counted(count, "element"), " that are not in the file, which has ",
+                        counted(size_, "byte"));
       out.resize(count * components);
     }
     if (a.contains("sparse")) replace_some(a["sparse"], count, size * components, read);
@@ -195,10 +197,13 @@ class GltfDocument {
     const auto data = slice(buffer(view["buffer"].as<Index>()), view.value_or("byteOffset", std::uint64_t{0}),
                             view["byteLength"].as<std::uint64_t>(), view.path(), "buffer view");
     const auto start = object.value_or("byteOffset", std::uint64_t{0}), stride = view.value_or("byteStride", item);
-    if (stride < item) raise<io_error>(403, view.path(), ": byteStride ", stride, " for elements of ", item, " bytes");
+    if (stride < item)
+      raise<io_error>(403, view.path(), ": byteStride ", stride, " for elements of ", counted(item, "byte"));
     const bool fits = count == 0 || (start <= data.size() && item <= data.size() - start &&
                                      (count - 1) <= (data.size() - start - item) / stride);
-    if (!fits) raise<io_error>(402, object.path(), ": ", count, " elements do not fit into ", data.size(), " bytes");
+    if (!fits)
+      raise<io_error>(402, object.path(), ": ", counted(count, "element does not fit", "elements do not fit"), " into ",
+                      counted(data.size(), "byte"));
     return {count == 0 ? data.data() : data.data() + start, stride};
   }
   /// Calls read(values, i, place) for every element of a sparse accessor; their places among `count` elements ascend.

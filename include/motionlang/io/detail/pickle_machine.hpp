@@ -148,7 +148,7 @@ class PickleMachine {
     return value;
   }
   std::string_view take(std::uint64_t size, std::string_view what) {
-    if (left() < size) fail(402, what, " of ", size, " bytes where ", left(), " are left");
+    if (left() < size) fail(402, what, " of ", counted(size, "byte"), " where ", left(), " are left");
     const auto part = slice(bytes_, position_, size, file_, what);
     position_ += size;
     return as_text(part);
@@ -172,12 +172,12 @@ class PickleMachine {
   // The stack. Marks are positions in it; what lies below the last one is out of reach.
 
   void charge(std::size_t count) {
-    if (count > budget_) fail(405, "more values than a file of ", bytes_.size(), " bytes may have");
+    if (count > budget_) fail(405, "more values than a file of ", counted(bytes_.size(), "byte"), " may have");
     budget_ -= count;
     spend(count * 2 * sizeof(PickleRef));
   }
   void spend(std::uint64_t bytes) {
-    if (bytes > memory_) fail(405, "more memory than a file of ", bytes_.size(), " bytes may need");
+    if (bytes > memory_) fail(405, "more memory than a file of ", counted(bytes_.size(), "byte"), " may need");
     memory_ -= bytes;
   }
   PickleRef add(PickleKind kind) {
@@ -578,7 +578,7 @@ class PickleMachine {
   // clang-format on
 
   void frame(std::uint64_t size) {
-    if (left() < size) fail(402, "a frame of ", size, " bytes where ", left(), " are left");
+    if (left() < size) fail(402, "a frame of ", counted(size, "byte"), " where ", left(), " are left");
   }
   std::uint64_t length() {
     const auto n = number<std::int32_t>("length");

@@ -128,8 +128,8 @@ std::optional<Normalizer<B>> find_normalizer(const TensorSet& file, Index width,
     Normalizer<B> out = Normalizer<B>::identity(width);
     for (const TensorView* t : {mean, std}) {
       if (t->shape.count() != width)
-        raise<io_error>(407, file.name(), ": tensor '", t->name, "' is ", t->shape, ", the model has ", width,
-                        " features");
+        raise<io_error>(407, file.name(), ": tensor '", t->name, "' is ", t->shape, ", the model has ",
+                        counted(width, "feature"));
     }
     using S = typename B::scalar;
     out.mean = Tensor<B, 1>::from(values_of<S>(*mean), {width});
