@@ -312,6 +312,50 @@ TEST_CASE("index: what is said later about clips that are there already: caption
   CHECK(!contains(renamed.text, "there is no clip"));
 }
 
+TEST_CASE("index --captions: a clip by its extension, and by its name where that leaves no doubt") {
+  const Gallery g;
+  fs::remove(g / "clips/broken.bvh");
+  ml::write_amass(g / "clips/left.npz", walk("left", 60, -1));
+  ml::write_file(g / "captions.tsv",
+                 "left.bvh\t0\t2\tlegs\ta person turns left\nleft.npz\t0\t2\tlegs\ta person walks slowly\n"
+                 "two\ta person walks\nslow.npz\ta person\nmissing.bvh\ta person\n");
+  const Outcome out = g.index({"--captions", "captions.tsv", "--no-moments"});
+  check_contains(out, 0, {"captions.tsv: there is no clip '", "/clips/missing.bvh' below"});
+  std::multiset<std::string> said;
+  const auto index = ml::read_motion_index(g / "moves.index");
+  for (const auto& clip : index.clips()) {
+    std::string line = fs::path(clip.path).filename().string();
+    for (const std::string& text : clip.captions) line += ": " + text;
+    said.insert(line);
+  }
+  CHECK(said == std::multiset<std::string>{"left.bvh: a person turns left", "left.npz: a person walks slowly",
+                                           "right.bvh", "slow.npz: a person", "straight.bvh", "two.glb: a person walks",
+                                           "two.glb: a person walks"});
+  ml::write_file(g / "captions.tsv", "slow\ta person\nleft\t0\t2\tlegs\ta person turns left\n");
+  const Outcome doubt = g.index({"--captions", "captions.tsv", "--no-moments"});
+  check_contains(doubt, 1,
+                 {"[motionlang.io.403] captions.tsv:2: 'left' may be ", "clips/left.bvh or ",
+                  "clips/left.npz: a name with its extension says which"});
+}
+
+TEST_CASE("index --captions: of a data set by the names of its clips, as in training") {
+  const Gallery g;
+  REQUIRE(g.run({"convert", "clips/left.bvh", "set", "--features", "guoh3d"}).code == 0);
+  ml::write_file(g / "captions.tsv", "left\ta person turns left\n");
+  const Outcome out = g.run({"index", "set", "--model", "model", "-o", "set.index", "--captions", "captions.tsv"});
+  check_contains(out, 0, {"set.index: 1 clip, "});
+  CHECK(!contains(out.text, "there is no clip"));
+  CHECK(ml::read_motion_index(g / "set.index").clips().front().captions ==
+        std::vector<std::string>{"a person turns left"});
+}
+
+TEST_CASE("index: a long line of a LICENSE is cut between two characters") {
+  const Gallery g;
+  ml::write_file(g / "clips/LICENSE.txt", std::string(199, 'a') + "\xC3\xA4 and more\n");
+  REQUIRE(g.index().code == 0);
+  CHECK(ml::read_motion_index(g / "moves.index").clips().front().license == std::string(199, 'a'));
+}
+
 TEST_CASE("index: a LICENSE file that comes, changes or goes later; --license of a call is before it") {
   const Gallery g;
   fs::remove(g / "clips/broken.bvh");

@@ -106,7 +106,7 @@ class LicenseFiles {
     std::string first;
     ml::detail::for_each_line(ml::read_file(*found.begin()), [&](std::string_view line, Index) {
       line.remove_prefix(std::min(line.find_first_not_of(" \t#"), line.size()));
-      if (first.empty()) first = ml::printable(line.substr(0, 200));
+      if (first.empty()) first = ml::printable(ml::utf8_head(line, 200));
     });
     return first;
   }

@@ -42,6 +42,16 @@ constexpr bool is_utf8(std::string_view text) {
   return true;
 }
 
+/// The longest beginning of a text that has at most so many bytes and ends between two characters.
+constexpr std::string_view utf8_head(std::string_view text, std::size_t bytes) {
+  if (text.size() <= bytes) return text;
+  for (std::size_t start = bytes - (bytes < 3 ? bytes : 3); start < bytes; ++start) {
+    std::size_t end = start;
+    if (decode_utf8(text, end) != invalid_code_point && end > bytes) return text.substr(0, start);
+  }
+  return text.substr(0, bytes);
+}
+
 /// Appends the bytes of a code point (up to U+10FFFF).
 inline void append_utf8(std::string& out, char32_t c) {
   const auto put = [&](char32_t b) { out += static_cast<char>(static_cast<unsigned char>(b)); };

@@ -48,7 +48,7 @@ inline std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::st
       double value = 0;
       const auto [last, status] = std::from_chars(field.data(), field.data() + field.size(), value);
       if (status != std::errc{} || last != field.data() + field.size() || !std::isfinite(value))
-        raise<io_error>(403, name, ":", number, ": '", field.substr(0, 40), "' is no number");
+        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is no number");
       if (n < columns) values[n] = value;
       at = end + 1;
     }

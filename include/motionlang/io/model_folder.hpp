@@ -53,7 +53,7 @@ inline ModelFolder parse_model_config(std::string_view text, const std::string& 
   const auto document = parse_json(text, name);
   const JsonView view(document, name);
   if (const auto format = view["format"].as<std::string>(); format != detail::model_format)
-    raise<config_error>(103, name, ": format is '", format.substr(0, 80), "', expected '", detail::model_format, "'");
+    raise<config_error>(103, name, ": format is '", utf8_head(format, 80), "', expected '", detail::model_format, "'");
   if (const Index version = view.value_or("version", Index{1}); version != detail::model_version)
     raise<io_error>(404, name, ": version is ", version, ", known is ", detail::model_version);
   ModelFolder out;

@@ -39,7 +39,7 @@ inline std::pair<std::string, std::string> parse_merge(std::string_view line, st
   const std::size_t blank = line.find(' ');
   const bool two = blank != line.npos && blank > 0 && blank + 1 < line.size() && line.find(' ', blank + 1) == line.npos;
   if (!two || !is_utf8(line))
-    raise<io_error>(403, name, ":", number, ": '", line.substr(0, 40), "' is not two symbols with one blank between");
+    raise<io_error>(403, name, ":", number, ": '", utf8_head(line, 40), "' is not two symbols with one blank between");
   return {std::string(line.substr(0, blank)), std::string(line.substr(blank + 1))};
 }
 

@@ -57,7 +57,7 @@ namespace detail {
 /// Throws io_error 404: the file asks for a kind of thing that is not known here.
 [[noreturn]] inline void unknown_kind(const JsonView& view, std::string_view wanted) {
   const std::string found = view.contains("type") && view["type"].is_string() ? view["type"].as<std::string>() : "none";
-  raise<io_error>(404, view.path(), ": type ", found.substr(0, 40), ", known are ", wanted);
+  raise<io_error>(404, view.path(), ": type ", utf8_head(found, 40), ", known are ", wanted);
 }
 inline bool has_type(const JsonView& view, std::string_view type) {
   return view.contains("type") && view["type"].is_string() && view["type"].as<std::string>() == type;

@@ -373,7 +373,7 @@ class TorchFile {
     if (const ZipEntry* order = zip.find(folder + "byteorder")) {
       const std::string_view text = detail::as_text(zip.checked(*order));
       if (text != "little" && text != "big")
-        raise<io_error>(403, zip.name(), ": byte order '", text.substr(0, 16), "'");
+        raise<io_error>(403, zip.name(), ": byte order '", utf8_head(text, 16), "'");
       tensors.set_swapped(text == "big");
     }
     const auto bytes = zip.checked(*zip.find(folder + "data.pkl"));

@@ -33,6 +33,14 @@ TEST_CASE("bytes that are not UTF-8 are stepped over one by one") {
   }
 }
 
+TEST_CASE("a text is cut between two characters") {
+  const std::string text = "a\xC3\xA4\xE6\xAD\xA9\xF0\x9F\x9A\xB6z";  // of 1, 2, 3, 4 and 1 bytes
+  const std::size_t fits[] = {0, 1, 1, 3, 3, 3, 6, 6, 6, 6, 10, 11, 11};
+  for (std::size_t bytes = 0; bytes < std::size(fits); ++bytes) CHECK(ml::utf8_head(text, bytes).size() == fits[bytes]);
+  CHECK(ml::utf8_head("\x80\x80\x80\x80", 2).size() == 2);  // no characters: bytes
+  CHECK(ml::utf8_head("\xE6\xAD", 1).size() == 1);
+}
+
 TEST_CASE("printable: no control characters, and UTF-8") {
   CHECK(ml::printable("w\xC3\xA4lk, \xE6\xAD\xA9~") == "w\xC3\xA4lk, \xE6\xAD\xA9~");
   CHECK(ml::printable("\x1B[31m\n\t\x7F") == "?[31m???");

@@ -344,6 +344,12 @@ TEST_CASE("BVH: malformed files are refused where they are wrong") {
   };
   refuses("", "[motionlang.io.402] f.bvh:1:1: the text ends where hierarchy should be");
   refuses("HIERARCHY", "[motionlang.io.402]");
+  std::string word = "a", shown;  // a long word is cut between two characters
+  for (int i = 1; i < 30; ++i) {
+    if (i == 20) shown = word;
+    word += "\xC3\xA4";
+  }
+  refuses(word, "found '" + shown + "...'");
   refuses("HELLO", "[motionlang.io.403] f.bvh:1:1: expected 'hierarchy', found 'HELLO'");
   refuses("\x1B[31m\xFFw\xC3\xA4lk\x7F", "found '[31m?w\xC3\xA4lk?'");
   refuses(

@@ -128,9 +128,9 @@ class TextScanner {
     raise<io_error>(id, name_, ":", line, ":", column, ": ", parts...);
   }
 
-  /// A word for a message: cut after 40 characters.
+  /// A word for a message: cut after 40 bytes.
   static std::string shortened(std::string_view w) {
-    return std::string(w.substr(0, 40)) + (w.size() > 40 ? "..." : "");
+    return std::string(utf8_head(w, 40)) + (w.size() > 40 ? "..." : "");
   }
 
  private:
