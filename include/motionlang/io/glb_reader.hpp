@@ -8,12 +8,13 @@
 /// translations of other joints are dropped (stretched_joints names these).
 ///
 /// Two keys of a small file can be years apart. What is sampled has at most 10 million rotations (frames x joints;
-/// nearly four hours at 30 per second with 24 joints), or 16 for each key of a channel in the file, which is enough for
-/// any recording with keys at its frames. motions() counts all animations together.
+/// nearly four hours at 30 per second with 24 joints: 320 MB), or 16 for each key of a channel in the file, which is
+/// enough for any recording with keys at its frames. motions() counts all animations together, and for each of them the
+/// rotations that would fill the memory of its skeleton, of which every motion has its own.
 #pragma once
 
 #include <algorithm>  // max
-#include <cmath>      // floor
+#include <cmath>      // ceil, floor
 #include <limits>     // precision of a float
 #include <optional>   // frame rates
 
@@ -72,7 +73,11 @@ class GlbFile {
   Motion motion(Index animation, std::optional<double> wanted = {}) const {
     const detail::GltfAnimation& a = at(animation);
     const double fps = wanted ? *wanted : rate(animation), frames = frames_of(a, fps);
-    require_short(frames, a.keys(), "animation '", a.name(), "' of ", a.duration(), " s at ", fps, " per second");
+    const double rotations = frames * skeleton().size(), most = most_rotations(a.keys());
+    if (rotations > most)
+      raise<io_error>(405, file_, ": animation '", a.name(), "' of ", a.duration(), " s at ", fps,
+                      " per second: ", rotations, " rotations (frames x joints), at most ", most, " of ",
+                      counted(a.keys(), "key"));
     Motion motion{skeleton(), fps, {}, {}, a.name()};
     motion.root.reserve(static_cast<std::size_t>(frames));
     motion.local.reserve(static_cast<std::size_t>(frames) * joints_.nodes.size());
@@ -87,7 +92,12 @@ class GlbFile {
       frames += frames_of(animations_[i], wanted ? *wanted : rate(static_cast<Index>(i)));
       keys += animations_[i].keys();
     }
-    require_short(frames, keys, animations_.size(), " animations");
+    const double rotations = frames * skeleton().size(), most = most_rotations(keys),
+                 skeletons = std::ceil(static_cast<double>(animations_.size()) * skeleton_rotations());
+    if (rotations + skeletons > most)
+      raise<io_error>(405, file_, ": ", counted(animations_.size(), "animation"), ": ", rotations,
+                      " rotations (frames x joints) and skeletons that take the memory of ", skeletons, ", at most ",
+                      most, " of ", counted(keys, "key"));
     std::vector<Motion> out;
     for (std::size_t i = 0; i < animations_.size(); ++i) out.push_back(motion(static_cast<Index>(i), wanted));
     return out;
@@ -126,14 +136,16 @@ class GlbFile {
     const double last = a.duration() * fps;  // the time of the last key is a float
     return std::floor(last + std::max(1e-4, std::numeric_limits<float>::epsilon() * last)) + 1;
   }
-  template <class... What>
-  void require_short(double frames, std::size_t keys, const What&... what) const {
+  static double most_rotations(std::size_t keys) {
     constexpr double most_of_any = 1e7, most_of_key = 16;
-    const double most = std::max(most_of_any, most_of_key * static_cast<double>(keys)),
-                 rotations = frames * skeleton().size();
-    if (rotations > most)
-      raise<io_error>(405, file_, ": ", what..., ": ", rotations, " rotations (frames x joints), at most ", most,
-                      " of ", keys, " keys");
+    return std::max(most_of_any, most_of_key * static_cast<double>(keys));
+  }
+  /// How many rotations take as much memory as the skeleton of a motion.
+  double skeleton_rotations() const {
+    std::size_t bytes = 0;
+    for (const std::string& name : skeleton().names)
+      bytes += sizeof name + name.size() + sizeof(int) + sizeof(Vec3<double>);
+    return static_cast<double>(bytes) / sizeof(Quaternion<double>);
   }
 
   detail::GltfTransform transform(const detail::GltfAnimation& a, int node, double time) const {

@@ -456,7 +456,7 @@ TEST_CASE("sparse accessors: some values are replaced, those that are not in the
     INFO(damaged.document.dump());
     CHECK_THROWS_WITH_AS(damaged.file(), doctest::Contains(text), ml::error);
   };
-  refused([](json& s) { s["indices"]["byteOffset"] = 1; }, "1 elements do not fit into 2 bytes");
+  refused([](json& s) { s["indices"]["byteOffset"] = 1; }, "1 element does not fit into 2 bytes");
   refused([](json& s) { s["indices"]["componentType"] = 5126; }, "componentType 5126");
   refused([](json& s) { s["indices"]["componentType"] = 5125; }, "402");
   refused([](json& s) { s["count"] = 2; }, "402");
@@ -591,13 +591,34 @@ TEST_CASE("a small file cannot ask for much memory: keys that are years apart, m
   CHECK_THROWS_WITH_AS(
       with_times({0, 1.6e6f}).file().motion(0),
       doctest::Contains("[motionlang.io.405] test.glb: animation 'clip' of 1600000 s at 30 per second: 96000012 "
-                        "rotations (frames x joints), at most 1e+07 of 2 keys"),
+                        "rotations (frames x joints), at most 10000000 of 2 keys"),
       ml::io_error);
   Builder six = with_times({0, 3e4f});
   CHECK(six.file().motions(1).front().frames() == 30'001);
   for (int i = 1; i < 6; ++i) six.document["animations"].push_back(six.document["animations"][0]);
   CHECK(six.file().motion(5, 30).frames() == 900'001);
   CHECK_THROWS_WITH_AS(six.file().motions(), doctest::Contains("6 animations: 10800012 rotations"), ml::io_error);
+
+  Builder poses;  // many animations of one key, whose skeletons take more memory than their rotations
+  json all = json::array();
+  for (int i = 0; i < 400; ++i) {
+    poses.node({{"name", "a joint with a name of 32 letters"}});
+    if (i > 0) poses.document["nodes"][static_cast<std::size_t>(i) - 1]["children"] = {i};
+    all.push_back(i);
+  }
+  poses.skin(std::move(all));
+  poses.animate(0, "rotation", poses.floats({0}, "SCALAR"), poses.floats({0, 0, 0, 1}, "VEC4"));
+  const auto with_animations = [&](std::size_t count) {
+    poses.document["animations"].get_ref<json::array_t&>().resize(count, poses.document["animations"][0]);
+    return poses.file();
+  };
+  CHECK(with_animations(5'000).motions().size() == 5'000);
+  CHECK_THROWS_WITH_AS(with_animations(20'000).motions(),
+                       doctest::Contains("[motionlang.io.405] test.glb: 20000 animations: 8000000 rotations (frames x "
+                                         "joints) and skeletons that take the memory of 24181250, at most 10000000 of "
+                                         "20000 keys"),
+                       ml::io_error);
+  CHECK(poses.file().motion(19'999).frames() == 1);
 
   Builder recording = two_joints();  // every key allows for sixteen
   std::vector<float> times(700'000), rotations(4 * times.size(), 0.5f);
