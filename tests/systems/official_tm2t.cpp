@@ -4,6 +4,7 @@
 #include <motionlang/io/tm2t_run.hpp>
 
 #include "../support/check_error.hpp"
+#include "../support/file_of_model.hpp"
 #include "../support/official_tm2t.hpp"
 #include "../support/small_model.hpp"
 #include "../support/temporary_folder.hpp"
@@ -120,6 +121,53 @@ TEST_CASE("TM2T: what is missing, what does not fit") {
   config.text_to_motion.symbols = 14;
   official::write_tm2t_runs(folder.path, config);
   CHECK_ERROR(load(), "has 14 motion symbols");
+}
+
+namespace {
+/// In the place of a checkpoint: tensors of these shapes, all zeros.
+void write_shapes(const fs::path& run, std::initializer_list<std::pair<const char*, ml::FileShape>> tensors) {
+  const auto file = models::file_of_shapes(tensors);
+  ml::write_safetensors(run / "model/finest.tar", file.tensors());
+}
+}  // namespace
+
+TEST_CASE("TM2T: files that are too small for networks of their sizes are refused before memory is taken") {
+  const TemporaryFolder folder;
+  const fs::path t2m = official::write_tm2t_runs(folder.path, official::small_tm2t()),
+                 m2t = t2m.parent_path() / "M2T_EL2_DL1_NH2_PS", tokenizer = t2m.parent_path() / "VQVAEV3";
+  const Index huge = 70'000;
+  const std::string step = "t2m_model.motion_decoder_step.", reads = "m2t_transformer.encoder.",
+                    writes = "m2t_transformer.decoder.";
+  write_shapes(t2m, {{(step + "input_emb.weight").c_str(), {13, huge}},
+                     {(step + "gru.0.weight_ih").c_str(), {1, 1}},
+                     {"t2m_model.text_encoder.input_emb.weight", {1, 4}},
+                     {"t2m_model.text_encoder.gru.weight_hh_l0", {1, 1}}});
+  official::write_text(t2m / "opt.txt", "---- Options\n---- End\n");
+  CHECK_ERROR(ml::load_tm2t_run<B>(ml::find_run(t2m)),
+              "model/finest.tar: 910006 numbers, a network of its sizes has at least");
+  write_shapes(m2t, {{(reads + "src_word_emb.weight").c_str(), {13, huge}},
+                     {(reads + "layer_stack.0.pos_ffn.w_1.weight").c_str(), {huge, 1}},
+                     {(reads + "layer_stack.0.slf_attn.w_qs.weight").c_str(), {8, 1}},
+                     {(reads + "layer_stack.0.slf_attn.w_vs.weight").c_str(), {8, 1}},
+                     {(reads + "position_enc.positional_encoding").c_str(), {1, 1}},
+                     {(writes + "trg_word_emb.weight").c_str(), {8, 1}},
+                     {(writes + "layer_stack.0.slf_attn.w_qs.weight").c_str(), {1, 1}},
+                     {(writes + "position_enc.positional_encoding").c_str(), {1, 1}}});
+  official::write_text(m2t / "opt.txt", "---- Options\n---- End\n");
+  CHECK_ERROR(ml::load_tm2t_describer<B>(ml::find_run(m2t)),
+              "model/finest.tar: 980027 numbers, a network of its sizes has at least");
+  const auto write_codes = [&](Index width) {
+    write_shapes(tokenizer, {{"vq_encoder.main.0.weight", {huge, 1, 1}},
+                             {"quantizer.embedding.weight", {10, width}},
+                             {"vq_decoder.main.0.model.0.weight", {1}}});
+  };
+  official::write_text(tokenizer / "opt.txt", "---- Options\n---- End\n");
+  write_codes(1);
+  const std::string refusal = "[motionlang.config.102] " + (tokenizer / "model/finest.tar").string() +
+                              ": 70011 numbers, a network of its sizes has at least 14700";
+  CHECK_ERROR(ml::load_tm2t_tokenizer<B>(ml::find_run(tokenizer)), refusal.c_str());
+  write_codes(0);
+  CHECK_ERROR(ml::load_tm2t_tokenizer<B>(ml::find_run(tokenizer)), "tensor 'quantizer.embedding.weight' is (10, 0)");
 }
 
 TEST_CASE("MDM for actions: args.json and a checkpoint; motions of 60 frames of rotations") {

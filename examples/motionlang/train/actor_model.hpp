@@ -79,15 +79,6 @@ struct Classifier {
   }
 };
 
-/// Compares the sizes of a config.json with the file of weights, before memory is taken for them. Throws config_error
-/// 102.
-inline void require_room(const ml::TensorSet& weights, const ClassifierConfig& c) {
-  if (c.kind == "gru")
-    ml::detail::check_room(weights, 72, c.hidden_size, c.hidden_size, c.num_layers);
-  else
-    ml::detail::check_room(weights, 0, c.width, 0, 64);  // the layers of 64 matrices: less than its convolutions have
-}
-
 /// What config.json says of either.
 template <class Config>
 struct ActionModelFile {
@@ -155,7 +146,7 @@ struct ActorModel {
     file = read_action_config<ActorTrainingConfig>(folder, "actor");
     const auto weights = open_action_weights(folder);
     const ml::ActorConfig sizes = actor_sizes(file.config, std::ssize(file.labels));
-    ml::detail::check_actor_room(weights, sizes);
+    const auto room = ml::detail::room_of(weights);
     ml::NoInit zeros;
     actor = ml::Actor<B>(sizes, zeros);
     load_action_weights(actor, weights);

@@ -54,7 +54,7 @@ TextMotionModel<B, System> make_babel_model(const Config& c, ml::Index width, st
 template <template <class> class System, ml::Backend B, class Config>
 TextMotionModel<B, System> load_babel_model(const std::filesystem::path& folder, const TextModelFile<Config>& file) {
   const auto weights = ml::open_weights(folder);
-  require_room(weights, file);
+  const auto room = ml::detail::room_of(weights);
   auto model = make_babel_model<System, B>(file.config, ml::motion_features(file.config.features).width, file.pieces,
                                            ml::Philox{});
   ml::load_module(model, weights);

@@ -40,7 +40,7 @@ struct Judge {
   explicit Judge(const std::filesystem::path& folder)
       : file(read_action_config<ClassifierConfig>(folder, "classifier")) {
     const auto weights = open_action_weights(folder);
-    require_room(weights, file.config);
+    const auto room = ml::detail::room_of(weights);
     classifier = Classifier<B>(file.config, std::ssize(file.labels), ml::Philox{});
     load_action_weights(classifier, weights);
   }

@@ -241,17 +241,6 @@ TmrModel<B> load_published_tmr(const ml::TensorSet& weights, const ml::RunFolder
   ml::prepare(m);
   return m;
 }
-/// Compares the sizes in a config.json with the file of weights, before memory is taken for them. Throws config_error
-/// 102.
-template <class Config>
-void require_room(const ml::TensorSet& weights, const TextModelFile<Config>& file) {
-  const auto& n = file.config.network;
-  const ml::Index width = file.config.text.width;
-  ml::detail::check_room(weights, ml::motion_features(file.config.features).width + width, n.latent_dim, n.ff_size,
-                         n.num_layers);
-  if (file.pieces) ml::detail::check_room(weights, file.pieces->size(), width, 0, 0);
-  if (file.language) ml::detail::check_room(weights, file.language->sizes);
-}
 /// The model with weights of a file that somebody has opened. Throws what the readers throw; config_error 102 for one
 /// of the other system.
 template <template <class> class System, ml::Backend B>
@@ -262,7 +251,7 @@ TextMotionModel<B, System> load_text_motion(const ml::TensorSet& weights, const 
     if (file.published)
       return load_published_tmr<B>(weights, *file.published, ml::motion_features(file.config.features));
   }
-  require_room(weights, file);
+  const auto room = ml::detail::room_of(weights);
   auto model = make_text_motion<System, B>(file.config, ml::motion_features(file.config.features).width, file.pieces,
                                            ml::Philox{});
   if (file.language) model.language.emplace(*file.language);

@@ -107,20 +107,6 @@ inline ActorConfig actor_config(const RunReader& r) {
   return c;
 }
 
-/// Throws config_error 102 for sizes that the file has no room for.
-inline void check_actor_room(const TensorSet& file, const ActorConfig& c) {
-  const Index features = c.njoints * c.nfeats;
-  const auto one_is = [&c](ActorEncoderKind encoder, ActorDecoderKind decoder) {
-    return c.encoder == encoder || c.decoder == decoder;
-  };
-  const bool transformer = one_is(ActorEncoderKind::tokens, ActorDecoderKind::transformer) ||
-                           one_is(ActorEncoderKind::average, ActorDecoderKind::autoregressive);
-  const bool layers = transformer || one_is(ActorEncoderKind::gru, ActorDecoderKind::gru);
-  check_room(file, features + c.num_classes, c.latent_dim, transformer ? c.ff_size : 0, layers ? c.num_layers : 0);
-  if (one_is(ActorEncoderKind::fully_connected, ActorDecoderKind::fully_connected))
-    check_room(file, 512 * features, c.num_frames, 0, 0);  // the layer that reads or writes all frames
-}
-
 }  // namespace detail
 
 /// Frames of the longest motions that a run learned from: num_frames. Where that is -1 (whole clips) or -2 (windows of
@@ -166,7 +152,7 @@ inline ActorPointOptions actor_point_options(const RunFolder& run, const TensorS
 template <Backend B>
 Actor<B> load_actor(const TensorSet& file, const RunFolder& run = {}) {
   const ActorConfig config = detail::actor_config(detail::RunReader(run, file, ""));
-  detail::check_actor_room(file, config);
+  const auto room = detail::room_of(file);
   NoInit zeros;
   Actor<B> model(config, zeros);
   detail::load_run_module(model, file, "", [](const std::string& name) {
@@ -180,6 +166,7 @@ template <Backend B>
 GruClassifier<B> load_gru_classifier(const TensorSet& file) {
   const RunFolder no_options{};
   const detail::RunReader t(no_options, file, "");
+  const auto room = detail::room_of(file);
   NoInit zeros;
   GruClassifier<B> model({.input_size = t.size("recurrent.weight_ih_l0", 1),
                           .hidden_size = t.size("recurrent.weight_hh_l0", 1),
@@ -200,7 +187,9 @@ StGcn<B> load_stgcn(const TensorSet& file) {
     if (view.shape.rank() != rank) raise<io_error>(407, file.name(), ": tensor '", name, "' is ", view.shape);
     return view.shape;
   };
-  const Index joints = shape("A", 3)[1], numbers = shape("data_bn.weight", 1)[0];
+  const FileShape edges = shape("A", 3);
+  const Index joints = edges[1], numbers = shape("data_bn.weight", 1)[0];
+  if (edges[0] < 1 || edges[2] != joints) raise<io_error>(407, file.name(), ": tensor 'A' is ", edges);
   StGcnConfig c{.in_channels = numbers / std::max<Index>(joints, 1),
                 .num_classes = shape("fcn.weight", 4)[0],
                 .channels = {},
@@ -212,6 +201,7 @@ StGcn<B> load_stgcn(const TensorSet& file) {
     c.channels.push_back(shape(name + ".tcn.2.weight", 4)[0]);
     c.strides.push_back(t.has(name + ".residual.0.weight") ? 2 : 1);
   }
+  const auto room = detail::room_of(file);
   NoInit zeros;
   StGcn<B> model(c, zeros);
   load_module(model, file);

@@ -211,7 +211,8 @@ inline WeightFile run_weights(const RunFolder& run) {
 }
 
 template <Backend B>
-AnyDenoiser<B> make_denoiser(const DiffusionRun& run) {
+AnyDenoiser<B> make_denoiser(const DiffusionRun& run, const TensorSet& weights) {
+  const auto room = room_of(weights);
   NoInit zeros;
   AnyDenoiser<B> out;
   if (run.system == "stmc")

@@ -30,6 +30,7 @@ inline GuoEvaluatorConfig guo_evaluator_config(const TensorSet& file) {
 /// numeric_error 301.
 template <Backend B>
 GuoEvaluator<B> load_guo_evaluator(const TensorSet& file) {
+  const auto room = detail::room_of(file);
   NoInit zeros;
   GuoEvaluator<B> networks(guo_evaluator_config(file), zeros);
   detail::load_run_module(networks, file, "", [](const std::string& name) { return name.starts_with("opt_"); });

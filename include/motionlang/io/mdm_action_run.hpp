@@ -58,6 +58,7 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
     raise<io_error>(404, weights.name(), ": not a model of actions");
   if (unconstrained) c.num_actions = 1;
   c.crop_frames = r.number({"num_frames"}, 60, 10'000);
+  const auto room = detail::room_of(weights);
   NoInit zeros;
   MdmActionRun<B> out{
       .model = {.denoiser = MdmDenoiser<B>(c, zeros),

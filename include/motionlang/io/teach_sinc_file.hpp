@@ -34,7 +34,7 @@ Teach<B> load_teach(const TensorSet& file, const RunFolder& run = {}) {
   config.z_prev_text = r.flag("model/z_prev_text", false);
   config.motion_encoder = r.has("motionencoder.mu_token");
   config.unused_encoder = r.has("textencoder.motionTransEncoder.layers.0.linear1.weight");
-  detail::check_temos_room(file, config);
+  const auto room = detail::room_of(file);
   NoInit zeros;
   Teach<B> model(config, zeros);
   detail::load_run_module(model, file, "", detail::beside_teach_and_sinc);
@@ -47,7 +47,7 @@ Sinc<B> load_sinc(const TensorSet& file, const RunFolder& run = {}, SincMode mod
   auto config = detail::temos_sizes<SincConfig>(r);
   config.mode = mode;
   config.motion_encoder = r.has("motionencoder.mu_token");
-  detail::check_temos_room(file, config);
+  const auto room = detail::room_of(file);
   NoInit zeros;
   Sinc<B> model(config, zeros);
   detail::load_run_module(model, file, "", detail::beside_teach_and_sinc);

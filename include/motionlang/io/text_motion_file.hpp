@@ -36,17 +36,6 @@ Config temos_sizes(const RunReader& r) {
   c.activation = parse_activation(r.one_of("model/activation", "gelu", {"gelu", "relu"}));
   return c;
 }
-/// Throws config_error 102 for sizes that the file has no room for. Config: of TEMOS, TEACH, SINC or TMR.
-template <class Config>
-void check_temos_room(const TensorSet& file, const Config& c) {
-  Index features = 0;
-  if constexpr (requires { c.motion_nfeats; })
-    features = c.motion_nfeats + c.text_nfeats;
-  else
-    features = c.nfeats + c.text_dim;
-  check_room(file, features, c.latent_dim, c.ff_size, c.num_layers);
-}
-
 inline TemosConfig temos_config(const RunReader& r) {
   auto network = [&](const std::string& module, const char* transformer) {
     if (r.has(module + ".gru.weight_ih_l0")) return TemosNetwork::gru;
@@ -83,7 +72,7 @@ inline bool beside_temos(const std::string& name) {
 template <Backend B>
 Temos<B> load_temos(const TensorSet& file, const RunFolder& run = {}) {
   const TemosConfig config = detail::temos_config(detail::RunReader(run, file, ""));
-  detail::check_temos_room(file, config);
+  const auto room = detail::room_of(file);
   NoInit zeros;
   Temos<B> model(config, zeros);
   detail::load_run_module(model, file, "", detail::beside_temos);
@@ -92,7 +81,7 @@ Temos<B> load_temos(const TensorSet& file, const RunFolder& run = {}) {
 template <Backend B>
 Tmr<B> load_tmr(const TensorSet& file, const RunFolder& run = {}) {
   const TmrConfig config = detail::tmr_config(detail::RunReader(run, file, ""));
-  detail::check_temos_room(file, config);
+  const auto room = detail::room_of(file);
   NoInit zeros;
   Tmr<B> model(config, zeros);
   detail::load_run_module(model, file, "", [](const std::string& name) {

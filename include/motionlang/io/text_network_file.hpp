@@ -203,16 +203,11 @@ void pack_layers(std::vector<Layer>& layers) {
   for (Layer& layer : layers) visit_tensors(layer, PrepareLoadedOnce{});
 }
 
-/// Memory is taken for a network only where the file justifies it: twice its numbers and 16 Mi. `rows` are those of all
-/// tables. Throws config_error 102.
-inline void check_room(const TensorSet& weights, Index rows, Index width, Index d_ff, Index layers) {
-  const auto real = [](Index size) { return static_cast<double>(size); };  // a product may be beyond Index
-  const double wanted = real(width) * (real(rows) + real(layers) * (4 * real(width) + 2 * real(d_ff)));
-  Index found = 0;
-  for (const TensorView& t : weights.tensors()) found += t.shape.count();
-  if (wanted > 2 * real(found) + (1 << 24))
-    raise<config_error>(102, weights.name(), ": ", found, " numbers, a network of ", rows, " rows, width ", width, ", ",
-                        d_ff, " and ", layers, " layers has ", wanted);
+/// For a network that is about to be made and filled from these weights.
+inline ParameterRoom room_of(const TensorSet& weights) {
+  Index numbers = 0;
+  for (const TensorView& t : weights.tensors()) numbers += t.shape.count();
+  return {weights.name(), numbers};
 }
 
 /// A size in a configuration file, 1 ... largest.
@@ -259,16 +254,10 @@ inline BertConfig bert_config(const JsonView& config, std::string_view model_typ
   return c;
 }
 
-namespace detail {
-inline void check_room(const TensorSet& weights, const BertConfig& c) {
-  check_room(weights, c.vocabulary + c.positions + c.token_types, c.width, c.d_ff, c.layers);
-}
-}  // namespace detail
-
 /// Fills a network of the BERT family.
 template <class Network>
 Network load_text_network(const BertConfig& config, const TensorSet& weights) {
-  detail::check_room(weights, config);
+  const auto room = detail::room_of(weights);
   NoInit zeros;
   Network network(config, zeros);
   load_module(network, detail::bert_tensors(weights));
@@ -353,8 +342,7 @@ inline ClipTextConfig clip_text_config(const TensorSet& file) {
 
 template <Backend B>
 ClipText<B> load_clip_text(const ClipTextConfig& config, const TensorSet& weights) {
-  detail::check_room(weights, config.vocabulary + config.context + config.out, config.width, config.d_ff,
-                     config.layers);
+  const auto room = detail::room_of(weights);
   NoInit zeros;
   ClipText<B> network(config, zeros);
   load_module(network, detail::clip_tensors(weights));

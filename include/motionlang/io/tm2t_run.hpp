@@ -185,6 +185,7 @@ Tm2t<B> load_tm2t_tokenizer(const RunFolder& run) {
     raise<io_error>(404, weights.name(), ": not TM2T's motion tokenizer (vq_encoder, quantizer, vq_decoder)");
   const MotionTokenizerConfig config = detail::tm2t_tokenizer_config(detail::RunReader(run, weights, ""));
   Tm2t<B> out;
+  const auto room = detail::room_of(weights);
   NoInit zeros;
   out.tokenizer = MotionTokenizer<B>(config, zeros);
   detail::load_run_module(
@@ -225,8 +226,9 @@ Tm2tRun<B> load_tm2t_run(const RunFolder& run, const Tm2tRunOptions& options = {
   const Seq2SeqGruConfig gru = detail::tm2t_gru_config(r);
   auto out = detail::tm2t_around<B>(run, weights, gru.symbols, options);
   if (gru.word != out.words.width())
-    raise<config_error>(102, weights.name(), ": reads word vectors of ", gru.word, " numbers, those found have ",
-                        out.words.width());
+    raise<config_error>(102, weights.name(), ": reads word vectors of ", counted(gru.word, "number"),
+                        ", those found have ", out.words.width());
+  const auto room = detail::room_of(weights);
   NoInit zeros;
   out.model.t2m_model = Seq2SeqGru<B>(gru, zeros);
   detail::load_run_module(
@@ -244,8 +246,9 @@ Tm2tRun<B> load_tm2t_describer(const RunFolder& run, const Tm2tRunOptions& optio
   const Seq2SeqConfig config = detail::tm2t_describer_config(r, weights);
   auto out = detail::tm2t_around<B>(run, weights, config.source_symbols, options);
   if (config.target_symbols != out.words.size() + 1)
-    raise<config_error>(102, weights.name(), ": writes ", config.target_symbols, " symbols, the words found are ",
-                        out.words.size(), " and one for padding");
+    raise<config_error>(102, weights.name(), ": writes ", counted(config.target_symbols, "symbol"),
+                        ", the words found are ", out.words.size(), " and one for padding");
+  const auto room = detail::room_of(weights);
   NoInit zeros;
   out.model.m2t_transformer = Seq2SeqTransformer<B>(config, zeros);
   detail::load_run_module(

@@ -5,10 +5,51 @@
 #include <cmath>    // sqrt
 #include <cstdlib>  // calloc
 #include <memory>   // owner of zeros
+#include <string>   // name of a file
+#include <utility>  // exchange
 
+#include <motionlang/core/thread_object.hpp>
 #include <motionlang/tensor/tensor.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+/// While it lives, this thread makes no more parameters than a file of weights justifies: twice its numbers and 16 Mi.
+/// So a small file whose sizes are huge is refused before memory is taken for them.
+class ParameterRoom {
+ public:
+  /// file: its name in messages; numbers: of all its tensors
+  ParameterRoom(std::string file, Index numbers)
+      : file_(std::move(file)), numbers_(numbers), before_(std::exchange(innermost(), this)) {}
+  ~ParameterRoom() { innermost() = before_; }
+  ParameterRoom(const ParameterRoom&) = delete;
+  ParameterRoom& operator=(const ParameterRoom&) = delete;
+
+  /// Throws config_error 102 if there is no room for a parameter of this shape.
+  static void take(const Shape& shape) {
+    if (innermost() != nullptr) innermost()->take_numbers(shape);
+  }
+
+ private:
+  static ParameterRoom*& innermost() {
+    struct Innermost {
+      ParameterRoom* room = nullptr;
+    };
+    return thread_object<Innermost, ParameterRoom>().room;
+  }
+  void take_numbers(const Shape& shape) {
+    double count = 1;  // may be beyond Index
+    for (const Index n : shape.sizes()) count *= static_cast<double>(n);
+    taken_ += count;
+    if (taken_ > 2 * static_cast<double>(numbers_) + (1 << 24))
+      raise<config_error>(102, file_, ": ", counted(numbers_, "number"), ", a network of its sizes has at least ",
+                          taken_, ", with a tensor ", shape);
+  }
+
+  std::string file_;
+  Index numbers_;
+  double taken_ = 0;
+  ParameterRoom* before_;
+};
 
 /// A generator that gives zeros at no cost: for models whose parameters are about to be loaded.
 struct NoInit {
@@ -50,6 +91,7 @@ inline constexpr bool is_no_init = std::is_same_v<std::remove_cvref_t<G>, NoInit
 /// Uniform in [-bound, bound].
 template <Backend B, int R>
 Tensor<B, R> uniform_init(const Shape& shape, double bound, Rng auto& rng) {
+  ParameterRoom::take(shape);
   if constexpr (detail::is_no_init<decltype(rng)>) return detail::untouched_zeros<B, R>(shape);
   std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
   rng.uniform(std::span<typename B::scalar>(values));
@@ -66,6 +108,7 @@ Tensor<B, 2> xavier_uniform(const Shape& shape, Rng auto& rng) {
 /// Normal with the given standard deviation.
 template <Backend B, int R>
 Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
+  ParameterRoom::take(shape);
   if constexpr (detail::is_no_init<decltype(rng)>) return detail::untouched_zeros<B, R>(shape);
   std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
   rng.normal(std::span<typename B::scalar>(values));
@@ -83,6 +126,7 @@ Tensor<B, R> xavier_normal(const Shape& shape, Rng auto& rng) {
 }
 template <Backend B, int R>
 Tensor<B, R> constant_init(const Shape& shape, double value) {
+  ParameterRoom::take(shape);
   Tensor<B, R> t = Tensor<B, R>::full(shape, value);
   if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
   return t;

@@ -146,11 +146,17 @@ TEST_CASE("ACTOR: a file that is too small for a network of its sizes is refused
                            .encoder = ml::ActorEncoderKind::fully_connected,
                            .decoder = ml::ActorDecoderKind::fully_connected};
   };
-  const auto file = models::file_of_shapes({{"encoder.mu.weight", {256, 256}}});
-  ml::detail::check_actor_room(file, connected(2048));  // it has no layers, whatever their number is
+  const auto made = [](const ml::ActorConfig& config) {
+    const auto file = models::file_of_shapes({{"encoder.mu.weight", {256, 256}}});
+    const auto room = ml::detail::room_of(file);
+    ml::NoInit zeros;
+    return ml::Actor<B>(config, zeros);
+  };
+  CHECK(made(connected(2048)).config == connected(2048));  // it has no layers, whatever their number is
   ml::ActorConfig long_ones = connected(256);
   long_ones.num_frames = 100'000;
-  CHECK_ERROR(ml::detail::check_actor_room(file, long_ones), "[motionlang.config.102]");
+  CHECK_ERROR(made(long_ones),
+              "[motionlang.config.102] model.ckpt: 65536 numbers, a network of its sizes has at least");
 }
 
 TEST_CASE("classifiers of ACTOR's motions") {
@@ -162,5 +168,16 @@ TEST_CASE("classifiers of ACTOR's motions") {
   const ml::Sequences<B> y(tensors::normal<B, 2>({20, 72}, 4), ml::Offsets{20});
   CHECK(same_bits(std::as_const(graph)(y).logits, ml::load_stgcn<B>(file_of(graph))(y).logits));
   CHECK_ERROR(ml::load_stgcn<B>(file_of(gru)), "[motionlang.io.406]");
+  CHECK_ERROR(
+      ml::load_gru_classifier<B>(models::file_of_shapes(
+          {{"recurrent.weight_ih_l0", {1, 1}}, {"recurrent.weight_hh_l0", {1, 70'000}}, {"linear2.weight", {1, 1}}})),
+      "[motionlang.config.102] model.ckpt: 70002 numbers");
+  CHECK_ERROR(ml::load_stgcn<B>(models::file_of_shapes({{"A", {3, 2, 2}},
+                                                        {"data_bn.weight", {2}},
+                                                        {"fcn.weight", {1, 1, 1, 1}},
+                                                        {"st_gcn_networks.0.tcn.2.weight", {70'000, 1, 1, 1}}})),
+              "[motionlang.config.102] model.ckpt: 70015 numbers");
+  CHECK_ERROR(ml::load_stgcn<B>(models::file_of_shapes({{"A", {3, 70'000, 1}}, {"data_bn.weight", {1}}})),
+              "[motionlang.io.407] model.ckpt: tensor 'A' is (3, 70000, 1)");
   CHECK_ERROR(ml::load_gru_classifier<B>(file_of(graph)), "[motionlang.io.406]");
 }

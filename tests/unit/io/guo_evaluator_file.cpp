@@ -30,6 +30,16 @@ TEST_CASE("Guo's evaluator: sizes are those of the tensors, optimisers are passe
   CHECK(loaded.embed_texts(words).size(1) == 9);
 }
 
+TEST_CASE("Guo's evaluator: a file that is too small for networks of its sizes is refused before memory is taken") {
+  CHECK_ERROR(ml::load_guo_evaluator<B>(models::file_of_shapes({{"movement_encoder.main.0.weight", {2, 1, 1}},
+                                                                {"movement_encoder.main.3.weight", {70'000, 1, 1}},
+                                                                {"text_encoder.pos_emb.weight", {1, 1}},
+                                                                {"text_encoder.hidden", {1, 1, 1}},
+                                                                {"motion_encoder.hidden", {1, 1, 1}},
+                                                                {"text_encoder.output_net.3.weight", {1, 1}}})),
+              "[motionlang.config.102] model.ckpt: 70006 numbers, a network of its sizes has at least");
+}
+
 TEST_CASE("Guo's evaluator: other networks are refused by the names of their tensors") {
   ml::Philox rng{.seed = 8};
   const ml::GuoEvaluator<B> model({.features = 9,

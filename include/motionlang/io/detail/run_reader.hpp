@@ -28,10 +28,10 @@ class RunReader {
 
   const std::string& prefix() const { return prefix_; }
   bool has(const std::string& name) const { return weights_->find(prefix_ + name) != nullptr; }
-  /// Size of a tensor along an axis.
+  /// Size of a tensor along an axis. Throws io_error 407 if it has no such axis or no numbers.
   Index size(const std::string& name, int axis) const {
     const TensorView& t = weights_->tensor(prefix_ + name);
-    if (axis >= t.shape.rank() || t.shape[axis] < 1)
+    if (axis >= t.shape.rank() || t.shape.count() < 1)
       raise<io_error>(407, weights_->name(), ": tensor '", t.name, "' is ", t.shape);
     return t.shape[axis];
   }
