@@ -72,6 +72,71 @@ TEST_CASE("a character, weights and texts are not written over") {
   w.keeps("babel.json", {"convert", "babel.json", "babel.json"});
 }
 
+TEST_CASE("what an earlier run wrote is no input: weights into their own folder, copies below the originals") {
+  const Originals w;
+  ml::TensorStore store;
+  store.add<double>("weight", ml::Shape{2}, std::vector<double>{1, 2}, ml::DType::F32);
+  std::filesystem::create_directories(w / "tm");
+  ml::write_safetensors(w / "tm/model.safetensors", store.views());
+  const std::vector<std::string> half{"convert", "tm", "tm/half.safetensors", "--store", "F16"};
+  for (int i = 0; i < 2; ++i) {
+    const Outcome out = run(half, w.path);
+    CHECK_MESSAGE((out.code == 0 && contains(out.text, "1 tensor, 2 numbers")), out.text);
+  }
+  w.keeps("tm/model.safetensors", {"convert", "tm", "tm/model.safetensors", "--store", "F16"});
+  ml::write_file(w / "tm/model.safetensors.index.json", std::string_view(R"({"weight_map": {"weight": "a.st"}})"));
+  std::filesystem::rename(w / "tm/model.safetensors", w / "tm/a.st");
+  std::filesystem::create_symlink("a.st", w / "tm/link.safetensors");
+  w.keeps("tm/link.safetensors", {"convert", "tm", "tm/link.safetensors", "--store", "F16"});
+
+  w.walk("d/x.bvh");
+  w.walk("d/sub/y.bvh");
+  const auto into = [&](std::vector<std::string> arguments, const std::string& folder, const std::string& text) {
+    arguments.push_back("d/" + folder);
+    for (int i = 0; i < 2; ++i) {
+      const Outcome out = run(arguments, w.path);
+      CHECK_MESSAGE((out.code == 0 && contains(out.text, text)), out.text);
+      CHECK_MESSAGE(contains(out.text, "not read: d/" + folder + ", where results go") == (i == 1), out.text);
+    }
+  };
+  into({"doctor", "d", "--clean"}, "clean", "2 motions, ");
+  CHECK(std::filesystem::exists(w / "d/clean/sub/y.bvh"));
+  std::filesystem::remove_all(w / "d/clean");
+  into({"convert", "d", "--as", ".bvh"}, "again", "d/again: 2 of 2 files converted");
+  CHECK(!std::filesystem::exists(w / "d/again/again"));
+  std::filesystem::remove_all(w / "d/again");
+  into({"convert", "d", "--features", "guoh3d"}, "set", "d/set: 2 of 2 files converted");
+  std::filesystem::remove_all(w / "d/set");
+  std::filesystem::create_directory_symlink("sub", w / "d/link");  // the folder, by whatever name
+  const Outcome linked = run({"convert", "d", "d/link", "--as", ".bvh"}, w.path);
+  CHECK_MESSAGE(contains(linked.text, "d/link: 1 of 1 file converted"), linked.text);
+  for (const char* itself : {"d", "d/sub/.."}) {
+    const Outcome out = run({"convert", "d", itself, "--as", ".bvh"}, w.path);
+    CHECK_MESSAGE((out.code == 2 && contains(out.text, ".bvh files of d cannot go into the folder itself")), out.text);
+  }
+}
+
+TEST_CASE("an output that is an input is refused before a model is loaded") {
+  const Originals w;
+  w.walk("walk.bvh");
+  std::filesystem::create_directories(w / "model");  // none
+  ml::write_file(w / "model/opt.txt", std::string_view("---- Options\n---- End\n"));
+  w.keeps("walk.bvh", {"convert", "walk.bvh", "walk.bvh", "--denoise", "model"});
+  w.keeps("walk.bvh", {"describe", "walk.bvh", "--model", "model", "-o", "walk.bvh"});
+  w.keeps("walk.bvh", {"generate", "--text", "walk", "--keep", "walk.bvh", "--keep-parts", "legs", "--model", "model",
+                       "--out", "."});
+  ml::write_file(w / "two.txt", std::string_view("walk # 0 # 1\n\nsit down # 0 # 1\n"));
+  w.walk("two_1.bvh");
+  w.keeps("two_1.bvh", {"generate", "--timeline", "two.txt", "--keep", "two_1.bvh", "--keep-parts", "legs", "--model",
+                        "model", "--out", "."});
+  const Outcome other = run({"generate", "--timeline", "two.txt", "--keep", "walk.bvh", "--keep-parts", "legs",
+                             "--model", "model", "--out", "."},
+                            w.path);
+  CHECK_MESSAGE((other.code == 1 && contains(other.text, "[motionlang.io.401] model")), other.text);
+  const Outcome itself = run({"convert", ".", ".", "--as", ".bvh", "--denoise", "model"}, w.path);
+  CHECK_MESSAGE((itself.code == 2 && contains(itself.text, "cannot go into the folder itself")), itself.text);
+}
+
 TEST_CASE("texts of two motions that would be one file are refused, those of no duration are named") {
   const Originals w;
   const auto entry = [](const char* id, const char* times) {
@@ -82,7 +147,7 @@ TEST_CASE("texts of two motions that would be one file are refused, those of no 
   ml::write_file(w / "babel.json", "{" + entry("7", R"("start_t": 0, "end_t": 0)") + "}");
   const Outcome one = run({"convert", "babel.json", "texts"}, w.path);
   CHECK_MESSAGE(one.code == 0, one.text);
-  CHECK_MESSAGE(contains(one.text, "babel.json: 1 texts of no duration are left out"), one.text);
+  CHECK_MESSAGE(contains(one.text, "babel.json: 1 text of no duration is left out"), one.text);
   CHECK(ml::read_file(w / "texts/texts/00007.txt") == "walk##0.0#1.0\n");
 
   const std::string times = R"("start_t": 1, "end_t": 2)";
@@ -102,6 +167,20 @@ TEST_CASE("a clip of a data set is not replaced by that of another motion") {
   const std::string before = ml::read_file(w / "set/new_joint_vecs/walk.npy");
   const Outcome other = run({"convert", "walk.bvh", "set", "--features", "guoh3d"}, w.path);
   CHECK(other.code == 1);
-  CHECK_MESSAGE(contains(other.text, "the clip 'walk' is there already, of another motion"), other.text);
+  CHECK_MESSAGE(contains(other.text,
+                         "set/new_joint_vecs/walk.npy: the clip 'walk' is there already, of another motion: "
+                         "--replace puts this one in its place"),
+                other.text);
   CHECK(ml::read_file(w / "set/new_joint_vecs/walk.npy") == before);
+
+  std::filesystem::create_directories(w / "set/texts");
+  ml::write_file(w / "set/texts/walk.txt", std::string_view("a person walks#a/DET person/NOUN walk/VERB#0.0#0.0\n"));
+  const Outcome replaced = run({"convert", "walk.bvh", "set", "--features", "guoh3d", "--replace"}, w.path);
+  CHECK_MESSAGE((replaced.code == 0 && contains(replaced.text, "clip walk, 59 frames at 20 per second, 1 caption")),
+                replaced.text);
+  CHECK(ml::read_npy(w / "set/new_joint_vecs/walk.npy").shape == std::vector<ml::Index>{59, 263});
+  CHECK(ml::read_npy(w / "set/new_joints/walk.npy").shape.front() == 59);
+  CHECK(ml::read_file(w / "set/all.txt") == "walk\n");
+  const Outcome alone = run({"convert", "walk.bvh", "walk.npz", "--replace"}, w.path);
+  CHECK_MESSAGE((alone.code == 2 && contains(alone.text, "--replace: is for clips of a data set")), alone.text);
 }

@@ -105,7 +105,8 @@ TEST_CASE("help names every command and option, and the exit codes") {
         "--store",
         "--body",
         "--betas",
-        "--hands"}},
+        "--hands",
+        "--replace"}},
       {"compose", {"motions", "--first", "--second", "--table", "--center", "--output", "--units", "--scale", "--asf"}},
       {"join", {"motions", "--blend", "--output", "--units", "--scale", "--asf"}},
       {"doctor", {"folder", "--report", "--clean", "--strips", "--scale", "--rate", "--up", "--asf", "--all"}},
@@ -809,8 +810,8 @@ TEST_CASE("convert, strip: whole folders, and the files that fail are named") {
   CHECK(no_kind.code == 2);
   CHECK_MESSAGE(contains(no_kind.text, "in is a folder"), no_kind.text);
   CHECK(no_folder.code == 2);
-  for (const char* inside : {"in", "in/new", "./in/../in"}) {
-    const auto refused = w.run({"convert", "in", inside, "--as", ".bvh"});
+  for (const char* itself : {"in", "in/a/..", "./in/../in"}) {
+    const auto refused = w.run({"convert", "in", itself, "--as", ".bvh"});
     CHECK(refused.code == 2);
     CHECK_MESSAGE(contains(refused.text, "[motionlang.config.102]"), refused.text);
   }

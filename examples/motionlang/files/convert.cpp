@@ -48,6 +48,7 @@ struct ConvertOptions {
   BodyOptions body;
   double scale = 100, fps = 0, from = 0, to = 0, speed = 1, loop = 0;
   bool smpl = false, mirror = false, smooth = false, fix_feet = false, in_place = false;
+  bool replace = false;  // clips of the data set
 };
 
 /// What a motion becomes by --denoise; none without it. The model is loaded at once.
@@ -234,8 +235,9 @@ class Conversion {
                                counted(made_.front().skeleton.size(), "joint"), "\n");
     } else if (o_.data_set != nullptr) {
       for (const ml::Motion& m : made_)
-        attempt(m.name,
-                [&] { told_ += write_humanml3d(o_.out, unique(file_name(m.name), taken_), m, *o_.data_set, o_.fps); });
+        attempt(m.name, [&] {
+          told_ += write_humanml3d(o_.out, unique(file_name(m.name), taken_), m, *o_.data_set, o_.fps, o_.replace);
+        });
     } else {
       for (const ml::Motion& m : made_) {
         const auto path = motions_.size() == 1 ? fs::path(o_.out) : name_of(o_.out, m.name, taken_);
@@ -268,7 +270,7 @@ class Conversion {
 /// that fails is named and stops no other.
 class FolderConversion {
  public:
-  explicit FolderConversion(const ConvertOptions& o) : o_(o), files_(motion_files_below(o.in)), loaded_(o, files_) {}
+  explicit FolderConversion(const ConvertOptions& o) : o_(o), files_(files_of(o)), loaded_(o, inputs_of(o, files_)) {}
 
   void run() {
     ProgressBar bar("converting");
@@ -289,15 +291,17 @@ class FolderConversion {
   }
 
  private:
-  /// What is written must not stand among what is read: it could be in the place of a file that is still to be read,
-  /// and a second run would read it as well.
-  void refuse_to_overwrite() const {
-    const std::string kind = o_.data_set != nullptr ? ".npy" : o_.as;
-    const bool is_read = is_motion_file("a" + kind);
-    const fs::path inside = fs::weakly_canonical(o_.out).lexically_relative(fs::weakly_canonical(o_.in));
-    if (is_read && !inside.empty() && *inside.begin() != "..")
-      ml::raise<usage_error>(102, "convert: ", kind, " files of ", o_.in, " into ", o_.out,
-                             ", which is inside of it: name another folder");
+  /// What is read. Motions that are written must not stand among the originals: they could be in the place of a file
+  /// that is still to be read. In a folder below them they are no originals of the next run.
+  static std::vector<fs::path> files_of(const ConvertOptions& o) {
+    const std::string kind = o.data_set != nullptr ? ".npy" : o.as;
+    const bool are_motions = is_motion_file("a" + kind);
+    if (are_motions && is_same_place(o.in, o.out))
+      ml::raise<usage_error>(102, "convert: ", kind, " files of ", o.in,
+                             " cannot go into the folder itself: name another one, which may be below it");
+    auto files = motion_files_below(o.in, are_motions ? o.out : "");
+    if (files.empty()) ml::raise<ml::config_error>(101, "convert: no motion file in ", o.in);
+    return files;
   }
 
   void convert(const fs::path& file) {
@@ -390,6 +394,8 @@ void run(ConvertOptions o) {
       !o.skeleton.empty() && (o.data_set != nullptr || kind == ".npz" || kind == ".npy"))
     throw CLI::ValidationError("--skeleton", "is for results on any joints (.bvh, .glb, .html, .svg, .png), not for " +
                                                  (o.data_set != nullptr ? "data sets" : kind));
+  if (o.replace && o.data_set == nullptr)
+    throw CLI::ValidationError("--replace", "is for clips of a data set (--features guoh3d or kit, into a folder)");
   if (folder) return FolderConversion(o).run();
   o.read.require_for(o.in);
   if (o.data_set == nullptr) require_folder_of(o.out);
@@ -504,6 +510,8 @@ void add_convert(CLI::App& app) {
       ->check(features_name())
       ->excludes(rig)
       ->excludes(body);
+  c->add_flag("--replace", o->replace,
+              "Of a data set: a clip takes the place of another motion that has its name there, whose captions stay");
   CLI::Option* denoise =
       c->add_option("--denoise", o->denoise,
                     "Model (ACTOR, TEMOS, TMR, SINC: of our training or as published) that encodes and decodes the "

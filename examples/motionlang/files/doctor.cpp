@@ -29,14 +29,14 @@ class Doctor {
   explicit Doctor(const DoctorOptions& options) : o_(options), folder_(options.folder) {}
 
   void run() {
-    if (!o_.clean.empty() && fs::weakly_canonical(o_.clean) == fs::weakly_canonical(folder_))
+    if (!o_.clean.empty() && is_same_place(o_.clean, folder_))
       ml::raise<usage_error>(102, "doctor: --clean '", o_.clean, "' is the folder of the originals");
     if (!o_.report.empty()) {
       if (const std::string kind = kind_of(o_.report); kind != ".html" && kind != ".htm")
         ml::raise<usage_error>(103, "doctor: --report '", o_.report, "' is a page: its name ends in .html");
       require_folder_of(o_.report);
     }
-    const auto files = motion_files_below(folder_);
+    const auto files = motion_files_below(folder_, o_.clean);
     inputs_ = InputFiles(files);
     inputs_.refuse(o_.report);
     if (files.empty())

@@ -25,14 +25,10 @@ class InputFiles {
     for (const auto& file : files) add(file);
   }
 
-  /// A file, or all of a folder. "": none.
+  /// "": none. Of a folder, what is read of it: its other files may be results of an earlier run.
   void add(const std::filesystem::path& file) {
-    if (file.empty()) return;
     std::error_code problem;
-    files_.insert(std::filesystem::weakly_canonical(file, problem));
-    std::filesystem::recursive_directory_iterator entries(file, problem);
-    for (; entries != std::filesystem::recursive_directory_iterator(); entries.increment(problem))
-      files_.insert(std::filesystem::weakly_canonical(entries->path(), problem));
+    if (!file.empty()) files_.insert(std::filesystem::weakly_canonical(file, problem));
   }
 
   /// Throws usage_error 102 if the file is one of them, by whatever name.

@@ -115,6 +115,14 @@ bool has_frames(const std::filesystem::path& npy) {
     return true;
   }
 }
+
+bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code missing;
+  return std::filesystem::weakly_canonical(a, missing) == std::filesystem::weakly_canonical(b, missing) ||
+         std::filesystem::equivalent(a, b, missing);
+}
+
+namespace {
 /// The joints of a data set of features: the same clips once more.
 bool is_second_form(const std::filesystem::path& file) {
   const auto folder = file.parent_path();
@@ -124,7 +132,8 @@ void tell_skipped(const std::filesystem::path& path, const std::error_code& prob
   std::fprintf(stderr, "skipped: %s: %s\n", ml::printable(path.string()).c_str(), problem.message().c_str());
 }
 /// What ended it before the end of the folder. Links to folders are not followed.
-std::error_code add_motion_files(const std::filesystem::path& folder, std::vector<std::filesystem::path>& files) {
+std::error_code add_motion_files(const std::filesystem::path& folder, const std::filesystem::path& results,
+                                 std::vector<std::filesystem::path>& files) {
   std::error_code problem;
   for (std::filesystem::directory_iterator at(folder, problem), end; !problem && at != end; at.increment(problem)) {
     const auto& path = at->path();
@@ -133,7 +142,10 @@ std::error_code add_motion_files(const std::filesystem::path& folder, std::vecto
     if (type == std::filesystem::file_type::none) {
       tell_skipped(path, unknown);
     } else if (type == std::filesystem::file_type::directory && !at->is_symlink(unknown)) {
-      if (const auto inside = add_motion_files(path, files)) tell_skipped(path, inside);
+      if (!results.empty() && is_same_place(path, results))
+        std::fprintf(stderr, "not read: %s, where results go\n", ml::printable(path.string()).c_str());
+      else if (const auto inside = add_motion_files(path, results, files))
+        tell_skipped(path, inside);
     } else if (type == std::filesystem::file_type::regular && is_motion_file(path) && !is_second_form(path)) {
       if (kind_of(path) != ".npy" || has_frames(path)) files.push_back(path);
     }
@@ -142,9 +154,10 @@ std::error_code add_motion_files(const std::filesystem::path& folder, std::vecto
 }
 }  // namespace
 
-std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder) {
+std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder,
+                                                      const std::filesystem::path& results) {
   std::vector<std::filesystem::path> files;
-  if (const auto problem = add_motion_files(folder, files))
+  if (const auto problem = add_motion_files(folder, results, files))
     ml::raise<ml::io_error>(401, "cannot read the folder ", folder.string(), ": ", problem.message());
   std::sort(files.begin(), files.end());
   return files;
@@ -369,7 +382,7 @@ std::string write_features(const std::filesystem::path& path, const ml::Motion& 
 }
 
 std::string write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion,
-                            const DataSetForm& form, double fps) {
+                            const DataSetForm& form, double fps, bool replace) {
   const auto list = folder / "all.txt";
   auto ids = std::filesystem::exists(list) ? ml::read_ids(list) : std::vector<std::string>{};
   auto other = ids.empty() ? std::filesystem::path() : rows_file(folder, ids.front());
@@ -385,9 +398,9 @@ std::string write_humanml3d(const std::filesystem::path& folder, const std::stri
   }
   FeatureRows made = feature_rows(motion, ml::motion_features(form.features), fps);
   if (const auto there = rows_file(folder, id);
-      std::filesystem::exists(there) && ml::read_npy(there).to<float>() != made.values)
+      !replace && std::filesystem::exists(there) && ml::read_npy(there).to<float>() != made.values)
     ml::raise<ml::config_error>(102, there.string(), ": the clip '", id,
-                                "' is there already, of another motion: name the file otherwise");
+                                "' is there already, of another motion: --replace puts this one in its place");
   ml::HumanMl3dClip clip{id, made.rows, std::move(made.values), {}, {}};
   const std::vector<double> rows(clip.features.begin(), clip.features.end());
   for (const auto& p : ml::guoh3d_joints(std::span<const double>(rows), form.form.joints)) {

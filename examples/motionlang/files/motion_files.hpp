@@ -58,8 +58,15 @@ bool is_motion_file(const std::filesystem::path& path);
 
 /// The motion files in a folder and in those below it, in order, but not .npy files with one axis, which are mean and
 /// deviation of a data set. Folders below it that cannot be read and links that lead in a circle are skipped, and named
-/// on stderr. Throws io_error 401 if the folder itself cannot be read.
-std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder);
+/// on stderr.
+/// results  a folder for results: if it is below the other one, its files are no inputs, which is said on stderr
+/// Throws   io_error 401 if the folder itself cannot be read
+std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder,
+                                                      const std::filesystem::path& results = {});
+/// Whether two paths lead to one place.
+bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
+/// Whether an .npy file may hold a motion: it has more than one axis, or it cannot be read, and its reader says why.
+bool has_frames(const std::filesystem::path& npy);
 
 /// Throws io_error 401 unless the folder is there in which a file is to be written: before long work rather than after
 /// it.
@@ -129,10 +136,12 @@ std::string write_features(const std::filesystem::path& path, const ml::Motion& 
                            double fps = 0);
 
 /// A clip of a data set in HumanML3D's or KIT-ML's form (data_set_form.hpp): features, joints, its captions if there
-/// are any already, its id in all.txt. Returns a line about it. Throws what write_humanml3d_clip throws, config_error
-/// 102 if the clips of the data set are of the other form.
+/// are any already, its id in all.txt. Returns a line about it.
+/// replace  another motion of this id gives way to it
+/// Throws   what write_humanml3d_clip throws; config_error 102 if the clips of the data set are of the other form, or
+///          if another motion has this id and does not give way
 std::string write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion,
-                            const DataSetForm& form, double fps = 0);
+                            const DataSetForm& form, double fps = 0, bool replace = false);
 
 /// A character's GLB file to put motions on: --rig.
 struct RigOptions {

@@ -65,10 +65,10 @@ void show_weights(const std::filesystem::path& path) {
 
 void convert_weights(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& keys,
                      std::optional<ml::DType> stored) {
-  InputFiles{in}.refuse(out);
   ml::WeightOptions options;
   if (!keys.empty()) options.path = keys;
   const auto file = ml::open_weights(in, options);
+  InputFiles(file.files()).refuse(out);
   std::map<std::string, std::string> metadata;
   for (const ml::FileValue& v : file.values()) {
     if (ml::is_utf8(v.path)) metadata[v.path] = to_string(v);

@@ -65,6 +65,8 @@ class WeightFile : public TensorSet {
   const FileValue* value(std::string_view path) const { return find_value(values_, path); }
   /// The first 1,000 values that were passed over, in the order of the file.
   const std::vector<SkippedValue>& skipped() const { return skipped_; }
+  /// All files that hold these tensors; of shards their index as well. None of bytes in memory.
+  const std::vector<std::filesystem::path>& files() const { return files_; }
 
   /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
   /// messages.
@@ -96,6 +98,7 @@ class WeightFile : public TensorSet {
   std::string format_;
   std::vector<FileValue> values_;
   std::vector<SkippedValue> skipped_;
+  std::vector<std::filesystem::path> files_;
 };
 
 namespace detail {
@@ -581,6 +584,7 @@ inline WeightFile WeightFile::from_bytes(std::span<const std::byte> bytes, std::
 inline void WeightFile::add(const WeightFile& file, const std::string& prefix,
                             std::vector<std::shared_ptr<const void>>& owners) {
   owners.push_back(file.owner());
+  files_.insert(files_.end(), file.files_.begin(), file.files_.end());
   for (TensorView t : file.tensors()) {
     if (!prefix.empty()) t.name = t.name == "array" ? prefix : prefix + "." + t.name;
     tensors_.push_back(std::move(t));
@@ -601,12 +605,14 @@ inline WeightFile WeightFile::from_shards(const FilePath& index, const WeightOpt
   std::map<std::string, std::vector<std::string>> files;
   for (const auto& [tensor, file] : map) files[file].push_back(tensor);
   const auto folder = std::filesystem::path(index.string()).parent_path();
+  out.files_.emplace_back(index.string());
   for (const auto& [name, tensors] : files) {
     if (name.empty() || name == ".." || name.find_first_of(std::string_view("/\\\0", 3)) != name.npos)
       raise<io_error>(403, index.string(), ": '", name, "' is no name of a file in the same folder");
     const auto bytes = MappedFile::open(folder / name);
     const WeightFile shard = from_bytes(bytes->bytes(), (folder / name).string(), bytes, options);
     owners->push_back(shard.owner());
+    out.files_.push_back(folder / name);
     for (const std::string& tensor : tensors) out.tensors_.push_back(shard.tensor(tensor));
     out.skipped_.insert(out.skipped_.end(), shard.skipped().begin(), shard.skipped().end());
   }
@@ -656,7 +662,9 @@ inline WeightFile open_weights(const FilePath& path, const WeightOptions& option
   if (std::filesystem::is_directory(path.string(), ignored)) return WeightFile::from_run(find_run(path), options);
   if (path.string().ends_with(".index.json")) return WeightFile::from_shards(path, options);
   const auto file = MappedFile::open(path);
-  return WeightFile::from_bytes(file->bytes(), path.string(), file, options);
+  WeightFile out = WeightFile::from_bytes(file->bytes(), path.string(), file, options);
+  out.files_.emplace_back(path.string());
+  return out;
 }
 
 MOTIONLANG_NAMESPACE_END
