@@ -677,8 +677,7 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
   // the way comes to another place, which is said
   const auto apart = begun.root_at(16) - walk.root_at(16);
   REQUIRE(std::hypot(apart.x, apart.z) > 0.1);
-  CHECK_MESSAGE(contains(performed.text, "--keep-seconds: frames that are kept behind made ones are up to"),
-                performed.text);
+  CHECK_MESSAGE(contains(performed.text, "--keep: kept frames are up to "), performed.text);
   // what is made goes on where what is kept ends, and comes to where it begins again
   REQUIRE(w.generate("fitted", {"--keep", "walk.bvh", "--keep-seconds", "0-0.25,0.8-1", "--no-fix-feet"}).code == 0);
   const ml::Motion fitted = ml::read_bvh_motion(w / "fitted/two.bvh");
@@ -689,6 +688,18 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
     return out;
   };
   for (const ml::Index f : {5, 16}) CHECK(largest_step(fitted, f) < 0.7 * largest_step(begun, f));
+  // how far kept frames are from where they were is measured when feet are fixed, at the farthest of them
+  const Outcome steady = w.generate("steady", {"--keep", "walk.bvh", "--keep-seconds", "0-0.25,0.8-1"});
+  const ml::Motion fixed = ml::read_bvh_motion(w / "steady/two.bvh");
+  double farthest = 0;
+  for (const ml::Index f : {0, 1, 2, 3, 4, 16, 17, 18, 19}) {
+    const auto d = fixed.root_at(f) - walk.root_at(f);
+    farthest = std::max(farthest, std::hypot(d.x, d.z));
+  }
+  const std::string up_to = "kept frames are up to ";
+  REQUIRE_MESSAGE(contains(steady.text, up_to), steady.text);
+  const double said = std::stod(steady.text.substr(steady.text.find(up_to) + up_to.size()));
+  CHECK((said > farthest - 1e-4 && said < farthest + 0.011));
   CHECK(turn(begun, 0, "pelvis") < 1e-3);
   CHECK(std::hypot(begun.root_at(4).x - walk.root_at(4).x, begun.root_at(4).z - walk.root_at(4).z) < 1e-3);
 

@@ -1,6 +1,7 @@
 // motionlang generate: a timeline in, motions out in every format, and a page to look at.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <set>
 
@@ -251,11 +252,10 @@ void run(const GenerateOptions& o) {
   std::printf("%s", notes.reuse.c_str());
   constexpr double noticeable = 0.1;  // metres
   if (notes.kept_moved > noticeable)
-    std::fprintf(
-        stderr,
-        "--keep-seconds: frames that are kept behind made ones are up to %.1f m from where they were: the made "
-        "ones lead there\n",
-        notes.kept_moved);
+    std::fprintf(stderr,
+                 "--keep: kept frames are up to %.2f m over the floor from where they were. Made frames before them, "
+                 "smoothing and feet that are fixed lead them there\n",
+                 std::ceil(100 * notes.kept_moved) / 100);
   for (const ml::ViewerMotion& m : made) write(m, o.out, write_on_rig);
   const auto model =
       std::filesystem::is_directory(o.model) ? std::filesystem::path(o.model) : std::filesystem::path(o.model).stem();

@@ -26,7 +26,7 @@ struct GenerationNotes {
   std::vector<std::vector<double>> features{};  // of each motion before it was smoothed and put on its feet
   std::string reuse{};                          // what was taken over, in words
   std::optional<std::uint64_t> seed{};          // of the run that was reused
-  double kept_moved = 0;                        // metres from where they were that kept stretches begin, at most
+  double kept_moved = 0;                        // metres over the floor that any kept frame is from where it was
 };
 
 /// A motion of which something is kept: the model makes the rest.

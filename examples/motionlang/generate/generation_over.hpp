@@ -50,6 +50,8 @@ class GeneratorOver final : public Generator {
       ml::Motion motion = motion_of_features(model_.layout.name, rows, model_.layout.size, model_.fps);
       if (s.keep) motion = in_its_place(motion, kept, s);
       motions.push_back(finished(std::move(motion), s));
+      if (s.keep && s.notes != nullptr)
+        s.notes->kept_moved = std::max(s.notes->kept_moved, farthest_from(kept, motions.back(), *s.keep));
     }
     return motions;
   }
@@ -126,21 +128,25 @@ class GeneratorOver final : public Generator {
                                   std::span<const ml::KeptMotion<B>>(kept));
   }
   /// Without jumps where what is kept begins and ends; turned and moved over the floor to where the clip is, where its
-  /// way is kept. Frames that are kept behind made ones are where these lead, which is noted.
+  /// way is kept. Frames that are kept behind made ones are where these lead.
   ml::Motion in_its_place(ml::Motion motion, const Kept& kept, const GenerationSettings& s) const {
     const auto ranges = kept_frames(*s.keep, kept.frames, motion.frames());
     if (s.smooth) motion = without_jumps(std::move(motion), ranges, ml::frame_at(s.overlap, model_.fps));
     if (!s.keep->parts.has(ml::BodyPart::legs)) return motion;
     const ml::Index first = std::ranges::min(ranges, {}, &ml::IndexRange::begin).begin;
-    motion = ml::placed(motion, ml::placement_between(motion, first, kept.clip, first));
-    if (s.notes != nullptr) {
-      for (const ml::IndexRange& r : ranges) {
-        const auto d =
-            motion.root[static_cast<std::size_t>(r.begin)] - kept.clip.root[static_cast<std::size_t>(r.begin)];
-        s.notes->kept_moved = std::max(s.notes->kept_moved, std::hypot(d.x, d.z));
+    return ml::placed(motion, ml::placement_between(motion, first, kept.clip, first));
+  }
+  /// Metres over the floor that the root of any kept frame is from where it was; 0 where the way is not kept.
+  double farthest_from(const Kept& kept, const ml::Motion& motion, const KeptClip& keep) const {
+    double out = 0;
+    if (!keep.parts.has(ml::BodyPart::legs)) return out;
+    for (const ml::IndexRange& r : kept_frames(keep, kept.frames, motion.frames())) {
+      for (ml::Index f = r.begin; f < r.end; ++f) {
+        const auto d = motion.root_at(f) - kept.clip.root_at(f);
+        out = std::max(out, std::hypot(d.x, d.z));
       }
     }
-    return motion;
+    return out;
   }
   /// Made frames, at most so many beside those that are kept, lead from the ones to the others.
   static ml::Motion without_jumps(ml::Motion motion, const std::vector<ml::IndexRange>& kept, ml::Index frames) {
