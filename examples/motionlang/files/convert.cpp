@@ -60,16 +60,19 @@ Denoiser denoiser_of(const ConvertOptions& o) {
   return [generator, &model, &o](const ml::Motion& m) { return model.denoised(m, o.action); };
 }
 
+/// What is read: motions and what the options name.
+InputFiles inputs_of(const ConvertOptions& o, const std::vector<fs::path>& motions) {
+  InputFiles inputs{o.rig.file, o.rig.joints,  o.body.file == "free" ? "" : o.body.file,
+                    o.skeleton, o.read.joints, o.read.asf};
+  for (const fs::path& file : motions) inputs.add(file);
+  return inputs;
+}
+
 /// What the options name, read once for all files; null without the option.
 struct Loaded {
-  Loaded(const ConvertOptions& o, const std::vector<fs::path>& files)
-      : inputs{o.rig.file, o.rig.joints,  o.body.file == "free" ? "" : o.body.file,
-               o.skeleton, o.read.joints, o.read.asf},
-        rig(rig_writer(o.rig)),
-        body(shown_body(o.body)),
-        denoised(denoiser_of(o)) {
+  Loaded(const ConvertOptions& o, InputFiles read)
+      : inputs(std::move(read)), rig(rig_writer(o.rig)), body(shown_body(o.body)), denoised(denoiser_of(o)) {
     if (!o.skeleton.empty()) skeleton = read_motions(o.skeleton, {.scale = 1 / o.scale}).front().skeleton;
-    for (const fs::path& file : files) inputs.add(file);
   }
   InputFiles inputs;
   RigWriter rig;
@@ -351,8 +354,9 @@ class FolderConversion {
 };
 
 void convert_file(const ConvertOptions& o) {
-  const Loaded loaded(o, {o.in});
-  loaded.inputs.refuse(o.out);
+  InputFiles inputs = inputs_of(o, {o.in});
+  inputs.refuse(o.out);
+  const Loaded loaded(o, std::move(inputs));
   std::set<std::string> taken;
   Conversion one(o, loaded, taken);
   const auto tell = [&] { std::printf("%s", one.told().c_str()); };

@@ -61,11 +61,26 @@ std::vector<ml::Track> tracks_of(const ml::Timeline& timeline, double fps) {
 ml::Timeline timeline_of(const std::string& text, double seconds, double fps) {
   return {{{text, 0, ml::frame_at(seconds, fps), ml::BodyParts::all()}}};
 }
-/// The timelines of the file, or the one text.
-std::vector<ml::Timeline> wanted_timelines(const GenerateOptions& o, double fps) {
-  if (o.text.empty()) return read_timelines(o.timeline, fps);
-  return {timeline_of(o.text, o.seconds, fps)};
-}
+/// What the user wrote: one text, or timelines, which are read at once and become frames when the rate of the model is
+/// known.
+class WantedTimelines {
+ public:
+  explicit WantedTimelines(const GenerateOptions& o) : o_(o), source_(timeline_source(o.timeline)) {
+    if (!o.text.empty()) return;
+    text_ = read_timeline_text(o.timeline);
+    count_ = timelines_of(text_, {.fps = 1, .as_published = true, .name = source_}).size();
+  }
+  std::size_t count() const { return count_; }
+  std::vector<ml::Timeline> at(double fps) const {
+    if (o_.text.empty()) return timelines_of(text_, {.fps = fps, .name = source_});
+    return {timeline_of(o_.text, o_.seconds, fps)};
+  }
+
+ private:
+  const GenerateOptions& o_;
+  std::string source_, text_;
+  std::size_t count_ = 1;
+};
 /// A text as the name of a file, cut to a length that fits: letters and digits of any script.
 std::string name_of(const std::string& text) {
   constexpr std::size_t longest = 40;
@@ -212,6 +227,14 @@ std::shared_ptr<const KeptClip> kept_clip(const GenerateOptions& o) {
 void run(const GenerateOptions& o) {
   o.machine.apply();
   const OutputFolder out("--out", o.out);
+  const std::string name = wanted_name(o);
+  const WantedTimelines wanted(o);
+  const ml::Index samples = o.samples.value_or(o.towards.empty() ? 1 : 5);
+  const auto names = names_of(name, wanted.count(), samples);
+  require_other_files(o, name, names);
+  GenerationSettings settings = o.settings;
+  settings.keep = kept_clip(o);
+  if (!o.reuse.empty()) settings.reuse_file = record_file(o.reuse).string();
   const RigWriter write_on_rig = rig_writer(o.rig);
   const auto generator = load_generator(o.backend, o.model, o.sources);
   if (o.action && !generator->takes_actions())
@@ -220,21 +243,14 @@ void run(const GenerateOptions& o) {
     ml::raise<usage_error>(102, o.model,
                            ": --fact is for models that draw a latent (ACTOR, TEMOS, TMR, SINC, TEACH); this is ",
                            generator->system(), ", which draws none");
-  const std::string name = wanted_name(o);
-  GenerationSettings settings = o.settings;
   GenerationNotes notes;
   settings.notes = &notes;
-  settings.keep = kept_clip(o);
   if (o.preset == "fast") use_fast_preset(settings);
   if (o.preset == "full") use_full_preset(settings);
-  if (!o.reuse.empty()) settings.reuse_file = record_file(o.reuse).string();
   if (o.record || !o.reuse.empty())
     settings.record_file = (std::filesystem::path(o.out) / (name + record_extension)).string();
 
-  auto timelines = o.towards.empty() ? wanted_timelines(o, generator->fps()) : std::vector<ml::Timeline>();
-  const ml::Index samples = o.samples.value_or(o.towards.empty() ? 1 : 5);
-  const auto names = names_of(name, o.towards.empty() ? timelines.size() : 1, samples);
-  require_other_files(o, name, names);
+  auto timelines = o.towards.empty() ? wanted.at(generator->fps()) : std::vector<ml::Timeline>();
   if (o.in_turn && generator->system() != diffusion_model)
     ml::raise<usage_error>(102, o.model, ": --in-turn is for models of timelines (STMC); this is ",
                            generator->system());

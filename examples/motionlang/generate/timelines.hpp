@@ -44,17 +44,20 @@ inline std::string read_timeline_text(const std::string& path) {
   return {std::istreambuf_iterator<char>(std::cin), {}};
 }
 
-/// Every timeline of a file or of standard input, in frames. A list of "text # duration" gives one timeline for each
-/// line, on the whole body.
+/// Every timeline of a text, in frames. A list of "text # duration" gives one timeline for each line, on the whole
+/// body.
 /// Throws timeline_error 5xx with line and column.
-inline std::vector<ml::Timeline> read_timelines(const std::string& path, double fps) {
-  const std::string text = read_timeline_text(path), name = timeline_source(path);
-  const ml::TimelineTextOptions options{.fps = fps, .name = name};
-  if (!ml::is_text_list(text, options)) return ml::parse_timelines(text, options);
+inline std::vector<ml::Timeline> timelines_of(const std::string& text, const ml::TimelineTextOptions& options) {
+  if (!ml::is_text_list(text, {.name = options.name})) return ml::parse_timelines(text, options);
   std::vector<ml::Timeline> out;
   for (const auto& t : ml::parse_text_list(text, options))
     out.push_back({{{t.text, 0, t.frames, ml::BodyParts::all()}}});
   return out;
+}
+/// Those of a file or of standard input.
+inline std::vector<ml::Timeline> read_timelines(const std::string& path, double fps) {
+  const std::string text = read_timeline_text(path), name = timeline_source(path);
+  return timelines_of(text, {.fps = fps, .name = name});
 }
 
 /// Texts cut, as `generate` does unless told not to.
