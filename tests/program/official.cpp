@@ -1259,7 +1259,7 @@ TEST_CASE("describe: TM2T as published; a listing, JSON, a table that index and 
   };
   refused({"describe", "clips/short.bvh", "--model", "packed"}, "[motionlang.shape.205]");
   const Outcome twice = w.run({"describe", "clips", "clips", "--model", "packed", "-o", "x.tsv"});
-  CHECK_MESSAGE((twice.code == 2 && contains(twice.text, "would both be 'more/long' in the table")), twice.text);
+  CHECK_MESSAGE((twice.code == 2 && contains(twice.text, "would both be 'more/long.bvh' in the table")), twice.text);
   fs::create_directories(w / "nothing");
   refused({"describe", "nothing", "--model", "packed"}, "describe: no motion file in nothing");
   refused({"describe", "clips", "--model", "elsewhere/t2m/T2M_Seq2Seq"},

@@ -301,7 +301,8 @@ TEST_CASE("index: what is said later about clips that are there already: caption
                  {"(0 added", "left.bvh\t1.00\t2.00\t20\t20\ta person turns left\tCC0\n", "\tturns\tCC0\n"});
   CHECK(file_of(g.search({"a person turns left", "--captions"})[0]) == "left.bvh");
   check_contains(with({"--license", "MIT"}), 0, {"5 unchanged", "5 files have another license now"});
-  for (const auto& clip : ml::read_motion_index(g / "moves.index").clips()) CHECK(clip.license == "MIT");
+  const auto licensed = ml::read_motion_index(g / "moves.index");
+  for (const auto& clip : licensed.clips()) CHECK(clip.license == "MIT");
 
   ml::write_file(g / "captions.tsv", "left\t1\t3\tlegs\ta person turns left\n");  // one line less, one is longer
   check_contains(with({"--captions", "captions.tsv"}), 0, {"6 clips", "(1 added, 2 removed, 0 renamed, 4 unchanged"});
@@ -362,7 +363,8 @@ TEST_CASE("index: a LICENSE file that comes, changes or goes later; --license of
   fs::remove(g / "clips/LICENSE.txt");
   const auto licenses = [&] {
     std::set<std::string> all;
-    for (const auto& clip : ml::read_motion_index(g / "moves.index").clips()) all.insert(clip.license);
+    const auto index = ml::read_motion_index(g / "moves.index");
+    for (const auto& clip : index.clips()) all.insert(clip.license);
     return all;
   };
   using Licenses = std::set<std::string>;
@@ -373,12 +375,12 @@ TEST_CASE("index: a LICENSE file that comes, changes or goes later; --license of
   CHECK(licenses() == Licenses{"CC0"});
   CHECK(!contains(g.index().text, "another license"));
   ml::write_file(g / "clips/sub/LICENSE", "MIT\n");
-  check_contains(g.index(), 0, {"5 unchanged", "1 files have another license now"});
+  check_contains(g.index(), 0, {"5 unchanged", "1 file has another license now"});
   CHECK(licenses() == Licenses{"CC0", "MIT"});
   check_contains(g.index({"--license", "mine"}), 0, {"5 files have another license now"});
   CHECK(licenses() == Licenses{"mine"});
   fs::remove(g / "clips/LICENSE");
-  check_contains(g.index(), 0, {"1 files have another license now"});
+  check_contains(g.index(), 0, {"1 file has another license now"});
   CHECK(licenses() == Licenses{"mine", "MIT"});
 }
 

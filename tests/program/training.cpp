@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include <motionlang/features/motion_features.hpp>
+#include <motionlang/io/amass.hpp>
 #include <motionlang/io/bvh.hpp>
 #include <motionlang/io/humanml3d_folder.hpp>
 #include <motionlang/io/model_folder.hpp>
@@ -333,6 +334,38 @@ TEST_CASE(
   }
   enlarge("train-classifier", {{"hidden_size", 65536}});
   refused(evaluate("train-classifier", {"--labels", "labels.tsv"}));
+}
+
+TEST_CASE("clips that only their extensions tell apart do not get each other's captions and labels") {
+  const Clips clips;
+  ml::write_amass(clips / "clip0.npz", synthetic::walk({.frames = 44, .turn = 0.8}));
+  const auto doubt = [&](const Outcome& out, const std::string& place) {
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(
+        contains(out.text, "[motionlang.io.403] " + place +
+                               ": 'clip0' may be clip0.bvh or clip0.npz: a name with its extension says which"),
+        out.text);
+  };
+  doubt(clips.train("train-tmr", "x"), "captions.tsv:2");
+  doubt(clips.train("train-actor", "x"), "labels.tsv:2");
+  ml::write_file(clips / "annotations.json", std::string_view(R"({"00": {"path": "clip0", "duration": 2.0,
+    "annotations": [{"seg_id": "0", "text": "walk", "start": 0.0, "end": 2.0, "act_cat": ["walk"]}]}})"));
+  for (const std::string command : {"train-tmr", "train-actor"}) {
+    const Outcome out = run({command, "--data", ".", "--annotations", "annotations.json", "--out", "x", "--preset",
+                             "small", "--set", "data.test_share=0", "--set", "data.validation_share=0"},
+                            clips.path);
+    CHECK_MESSAGE((out.code == 1 && contains(out.text, "'clip0' may be clip0.bvh or clip0.npz")), out.text);
+  }
+  std::string captions = ml::read_file(clips / "captions.tsv");
+  captions.insert(captions.find("clip0") + 5, ".bvh");
+  ml::write_file(clips / "captions.tsv", captions + "clip0.npz\t0\t2\tlegs\ta person turns left\n");
+  std::filesystem::create_directories(clips / "lists");
+  ml::write_file(clips / "lists/test.txt", std::string_view("clip0\nclip1\n"));  // both of that name
+  ml::write_file(clips / "lists/train.txt", std::string_view("clip2\nclip3\nclip4\n"));
+  ml::write_file(clips / "lists/val.txt", std::string_view("clip5\n"));
+  const Outcome out = clips.train("train-tmr", "x", {"--splits", "lists"});
+  CHECK_MESSAGE((out.code == 0 && contains(out.text, "3 motions to train on, 1 for validation, 3 for tests")),
+                out.text);
 }
 
 TEST_CASE(
@@ -842,7 +875,7 @@ TEST_CASE("tables that cannot be used are refused with file and line") {
   refused("train-tmr", "--captions", "clip0\ta person walks | ", "wrong.tsv:2: an empty text");
   refused("train-temos", "--captions", "clip0\t0\t2\twings\ta person flies", "wrong.tsv:2: 'wings' is no body part");
   refused("train-tmr", "--captions", "clip0\t0\t2\tlegs\ta person walks | ", "wrong.tsv:2: an empty text");
-  refused("train-tmr", "--captions", "clip9\t0\t2\tlegs\ta person walks", "wrong.tsv:2: no ./clip9.bvh");
+  refused("train-tmr", "--captions", "clip9\t0\t2\tlegs\ta person walks", "wrong.tsv:2: there is no ./clip9.bvh");
   refused("train-actor", "--labels", "clip0\tsoon\t2\twalk", "wrong.tsv:2: 'soon' is not a time");
   refused("train-actor", "--labels", "clip0\t0\t2\twalk\tturn", "wrong.tsv:2: expected clip, start, end, label");
   refused("train-classifier", "--labels", "clip0\t1\t1.1\twalk", "wrong.tsv:2: clip0 1 to 1.1 s holds");

@@ -7,7 +7,12 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/kinematics/foot_contact.hpp>
 
+#include <motionlang/io/npy.hpp>
+
+#include "../../examples/motionlang/train/clip_lines.hpp"
 #include "../../examples/motionlang/train/foot_loss.hpp"
+#include "../support/check_error.hpp"
+#include "../support/temporary_folder.hpp"
 #include "../support/training_set.hpp"
 
 namespace ml = motionlang;
@@ -42,6 +47,48 @@ double mean_of(const program::SampleOptions& options, const std::string& caption
 }
 
 }  // namespace
+
+TEST_CASE("tables of clips: a name with its extension, a name without where one file has it, an error where two have") {
+  namespace fs = std::filesystem;
+  const TemporaryFolder folder;
+  for (const char* file : {"a.bvh", "a.npz", "b.bvh", "b.txt", "sub/c.npz.bvh", "Mean.bvh"}) {
+    fs::create_directories((folder / file).parent_path());
+    ml::write_file(folder / file, std::string_view("x"));
+  }
+  ml::write_npy(folder / "Mean.npy", ml::NpyArray::of(std::span<const float>(std::vector<float>{1, 2}), {2}));
+  const auto read = [&](const std::string& clip) {
+    ml::write_file(folder / "t.tsv", clip + "\t0\t1\tlegs\twalk\n");
+    const auto line = program::read_captions(folder / "t.tsv", folder.path).front();
+    ml::write_file(folder / "t.tsv", clip + "\t0\t1\twalk\n");
+    const auto label = program::read_labels(folder / "t.tsv", folder.path).front();
+    CHECK((line.clip == label.clip && line.file == label.file && line.id == label.id && line.id == line.clip));
+    return std::pair(line.clip, line.file.empty() ? "" : line.file.lexically_relative(folder.path).generic_string());
+  };
+  using Found = std::pair<std::string, std::string>;
+  CHECK(read("a.bvh") == Found("a.bvh", "a.bvh"));
+  CHECK(read("a.npz") == Found("a.npz", "a.npz"));
+  CHECK(read("b") == Found("b", "b.bvh"));
+  CHECK(read("b.bvh") == Found("b", "b.bvh"));
+  CHECK(read("sub/c.npz") == Found("sub/c.npz", "sub/c.npz.bvh"));  // that is its name without extension
+  CHECK(read("b.npz") == Found("b.npz", ""));
+  CHECK(read("Mean") == Found("Mean", "Mean.bvh"));  // an array of one axis is no motion
+  for (const char* table : {"\t0\t1\tlegs\twalk\n", "\twalk\n"}) {
+    ml::write_file(folder / "t.tsv", "b" + std::string(table) + "a" + table);
+    const std::string refusal = "[motionlang.io.403] " + (folder / "t.tsv").string() + ":2: 'a' may be " +
+                                (folder / "a.bvh").string() + " or " + (folder / "a.npz").string() +
+                                ": a name with its extension says which";
+    CHECK_ERROR(program::read_captions(folder / "t.tsv", folder.path), refusal.c_str());
+  }
+  // a data set, whose features have names of their own, and AMASS by the names of its folders
+  fs::create_directories(folder / "new_joint_vecs");
+  ml::write_file(folder / "new_joint_vecs/d.npy", std::string_view("x"));
+  fs::create_directories(folder / "MoSh/1");
+  ml::write_file(folder / "MoSh/1/e.npz", std::string_view("x"));
+  CHECK(read("d") == Found("d", "new_joint_vecs/d.npy"));
+  CHECK(read("MPI_mosh/1/e") == Found("MPI_mosh/1/e", "MoSh/1/e.npz"));
+  ml::write_file(folder / "d.bvh", std::string_view("x"));
+  CHECK_ERROR(read("d"), "'d' may be ");
+}
 
 TEST_CASE("a caption of walking played backwards says so, and one that says more has none") {
   CHECK(program::reversed_caption("a person walks forward") == "a person walks backwards");

@@ -47,17 +47,35 @@ struct Described {
   std::vector<ml::Description> texts{};
 };
 
-std::vector<MotionPlace> places_of(const std::vector<std::string>& inputs) {
+/// Clips that only their extensions tell apart keep these. Throws usage_error 102 if the table, where there is to be
+/// one, could not tell clips apart all the same, or if it would take the place of what is read.
+std::vector<MotionPlace> places_of(const DescribeOptions& o) {
   std::vector<MotionPlace> out;
-  for (const fs::path input : inputs) {
+  for (const fs::path input : o.inputs) {
     if (!fs::is_directory(input)) {
-      out.push_back({input, input.stem().string()});
+      out.push_back({input, input.filename().string()});
       continue;
     }
     for (const fs::path& file : motion_files_below(input))
-      out.push_back({file, file.lexically_relative(input).replace_extension().generic_string(), true});
+      out.push_back({file, file.lexically_relative(input).generic_string(), true});
   }
-  if (out.empty()) ml::raise<ml::config_error>(101, "describe: no motion file in ", inputs.front());
+  if (out.empty()) ml::raise<ml::config_error>(101, "describe: no motion file in ", o.inputs.front());
+  InputFiles inputs{o.read.joints, o.read.asf};
+  std::map<std::string, int> named;
+  for (const MotionPlace& p : out) {
+    inputs.add(p.path);
+    ++named[fs::path(p.clip).replace_extension().generic_string()];
+  }
+  inputs.refuse(o.out);
+  std::map<std::string, fs::path> of_clip;
+  for (MotionPlace& p : out) {
+    const std::string stem = fs::path(p.clip).replace_extension().generic_string();
+    if (named[stem] == 1) p.clip = stem;
+    const auto [other, is_new] = of_clip.emplace(p.clip, p.path);
+    if (!is_new && !o.out.empty())
+      ml::raise<usage_error>(102, "--out: ", other->second.string(), " and ", p.path.string(), " would both be '",
+                             p.clip, "' in the table");
+  }
   return out;
 }
 
@@ -65,6 +83,7 @@ class Describer {
  public:
   explicit Describer(const DescribeOptions& options)
       : o_(options),
+        places_(places_of(o_)),
         run_(ml::load_tm2t_describer<B>(ml::find_run(o_.model), {.tokenizer = o_.tokenizer, .words = o_.words})),
         features_(ml::motion_features(run_.width() == 251 ? "kit" : "guoh3d")) {
     if (features_.width != run_.width())
@@ -73,43 +92,29 @@ class Describer {
   }
 
   void run() {
-    const auto places = places_of(o_.inputs);
-    if (!o_.out.empty()) require_names(places);
-    InputFiles inputs{o_.read.joints, o_.read.asf};
-    for (const MotionPlace& p : places) inputs.add(p.path);
-    inputs.refuse(o_.out);
     bool stopped = false;
     {
       ProgressBar bar("describing");
-      for (std::size_t i = 0; i < places.size() && !stopped; ++i) {
+      for (std::size_t i = 0; i < places_.size() && !stopped; ++i) {
         try {
-          describe(places[i], ml::Philox{.seed = o_.seed}.split(static_cast<std::uint64_t>(i)));
+          describe(places_[i], ml::Philox{.seed = o_.seed}.split(static_cast<std::uint64_t>(i)));
         } catch (const ml::error& e) {
-          if (places.size() == 1) throw;
-          problems_.push_back(places[i].path.string() + ": " + e.what());
+          if (places_.size() == 1) throw;
+          problems_.push_back(places_[i].path.string() + ": " + e.what());
         }
-        stopped = !bar(static_cast<std::ptrdiff_t>(i) + 1, std::ssize(places)) && i + 1 < places.size();
+        stopped = !bar(static_cast<std::ptrdiff_t>(i) + 1, std::ssize(places_)) && i + 1 < places_.size();
       }
     }
     if (!o_.out.empty() && !described_.empty()) write_table();
     for (const std::string& problem : problems_) std::fprintf(stderr, "skipped: %s\n", ml::printable(problem).c_str());
     if (described_.empty() && !stopped)
-      ml::raise<ml::config_error>(101, "describe: none of the ", places.size(), " files could be described");
+      ml::raise<ml::config_error>(101, "describe: none of the ", ml::counted(places_.size(), "file"),
+                                  " could be described");
     o_.json ? say_json() : say();
     if (stopped) throw ml::cancelled();  // what was described is kept
   }
 
  private:
-  /// A table could not tell clips of one name apart.
-  static void require_names(const std::vector<MotionPlace>& places) {
-    std::map<std::string, fs::path> of_clip;
-    for (const MotionPlace& p : places) {
-      const auto [other, is_new] = of_clip.emplace(p.clip, p.path);
-      if (!is_new)
-        ml::raise<usage_error>(102, "--out: ", other->second.string(), " and ", p.path.string(), " would both be '",
-                               p.clip, "' in the table");
-    }
-  }
   void describe(const MotionPlace& place, const ml::Philox& rng) {
     if (kind_of(place.path) == ".npy") {
       if (const auto shape = npy_shape(place.path); shape.size() == 2 && shape[1] == features_.width) {
@@ -204,6 +209,7 @@ class Describer {
   }
 
   const DescribeOptions& o_;
+  const std::vector<MotionPlace> places_;
   ml::Tm2tRun<B> run_;
   const ml::MotionFeatures& features_;
   std::vector<Described> described_;

@@ -59,8 +59,6 @@ fs::path folder_of(const fs::path& path) {
   const fs::path whole = fs::weakly_canonical(path);
   return whole.has_filename() ? whole : whole.parent_path();
 }
-/// As a table of captions names it.
-std::string named_as(const fs::path& path) { return fs::path(path).replace_extension().string(); }
 std::string checksum(std::span<const std::byte> bytes) {
   return ml::detail::hexadecimal(ml::detail::content_hash(bytes));
 }
@@ -167,8 +165,10 @@ class Indexer {
 
   void update() {
     const fs::path folder = folder_of(o_.folder);
+    std::vector<ClipLine> table;
+    if (!o_.captions.empty()) table = read_captions(o_.captions, folder);
     open_model();
-    read_table(folder);
+    take_table(std::move(table), folder);
     LicenseFiles licenses(folder);
     licenses_ = &licenses;
     const auto files = file_states(folder);
@@ -189,15 +189,16 @@ class Indexer {
     if (added_ + removed_ + renamed_ + relicensed_ > 0 || model_moved_ || !before_ || lacks_graphs())
       stopped = write(stopped);
     for (const std::string& problem : problems_) std::fprintf(stderr, "skipped: %s\n", ml::printable(problem).c_str());
-    std::printf("%s: %td clips, %zu moments (%td added, %td removed, %td renamed, %td unchanged, %zu skipped)\n",
-                o_.out.c_str(), index_->count(), index_->moments().size(), added_, removed_, renamed_, unchanged_,
-                problems_.size());
-    if (relicensed_ > 0) std::printf("%td files have another license now\n", relicensed_);
+    std::printf("%s: %s, %s (%td added, %td removed, %td renamed, %td unchanged, %zu skipped)\n", o_.out.c_str(),
+                ml::counted(index_->count(), "clip").c_str(), ml::counted(index_->moments().size(), "moment").c_str(),
+                added_, removed_, renamed_, unchanged_, problems_.size());
+    if (relicensed_ > 0)
+      std::printf("%s another license now\n", ml::counted(relicensed_, "file has", "files have").c_str());
     if (stopped) throw ml::cancelled();  // what was encoded is kept
+    for (const FileState& f : files) lines_of_.erase(f.path.string());
     for (const auto& [clip, lines] : lines_of_)
-      if (!named_.contains(clip))
-        std::fprintf(stderr, "%s: there is no clip '%s' below %s\n", o_.captions.c_str(), ml::printable(clip).c_str(),
-                     folder.string().c_str());
+      std::fprintf(stderr, "%s: there is no clip '%s' below %s\n", o_.captions.c_str(), ml::printable(clip).c_str(),
+                   folder.string().c_str());
   }
 
   void open_model() {
@@ -229,12 +230,13 @@ class Indexer {
     index_->move_model(wanted.path, wanted.text_encoder);
   }
 
-  void read_table(const fs::path& folder) {
-    if (o_.captions.empty()) return;
+  void take_table(std::vector<ClipLine> table, const fs::path& folder) {
+    if (table.empty()) return;
     std::set<std::string> distinct;
-    for (ClipLine& line : read_captions(o_.captions)) {
+    for (ClipLine& line : table) {
       distinct.insert(line.texts.begin(), line.texts.end());
-      lines_of_[(folder / line.clip).lexically_normal().string()].push_back(std::move(line));
+      const fs::path path = line.file.empty() ? (folder / line.clip).lexically_normal() : line.file;
+      lines_of_[path.string()].push_back(std::move(line));
     }
     const std::vector<std::string> texts(distinct.begin(), distinct.end());
     const auto vectors = model_->texts(texts);
@@ -292,12 +294,11 @@ class Indexer {
   }
   /// Whether the clips of a file are what the table says; a file that it does not name stays as it is.
   bool has_lines(const ml::IndexedClip& c, const std::string& path) const {
-    const auto found = lines_of_.find(named_as(path));
+    const auto found = lines_of_.find(path);
     return found == lines_of_.end() || c.lines == checksum(found->second);
   }
   /// A file that is not read again.
   void keep(const ml::IndexedClip& c, const std::string& path) {
-    named_.insert(named_as(path));
     const std::string license = license_of(path, c.license);
     if (license == c.license) return;
     index_->set_license(path, license);
@@ -341,7 +342,7 @@ class Indexer {
     if (!ml::is_utf8(file.path.string()))
       ml::raise<ml::io_error>(404, "the path is not UTF-8, as which an index keeps it");
     const auto motions = read_motions(file.path, options_in_folder(o_.read, file.path));
-    const auto found = lines_of_.find(named_as(file.path));
+    const auto found = lines_of_.find(file.path.string());
     const std::string content = checksum(file.path), lines = found != lines_of_.end() ? checksum(found->second) : "";
     const auto take = [&](const ml::Motion& m, const ClipLine* line) {
       Prepared& p = out.emplace_back();
@@ -367,7 +368,6 @@ class Indexer {
     return out;
   }
   void encode(Prepared p) {
-    named_.insert(named_as(p.clip.path));
     const std::string name = p.clip.path + (p.clip.name.empty() ? "" : "#" + p.clip.name);
     try {
       if (p.problem.empty()) {
@@ -409,9 +409,8 @@ class Indexer {
   std::optional<SearchModel> model_;
   bool model_moved_ = false;
   LicenseFiles* licenses_ = nullptr;
-  std::map<std::string, std::vector<ClipLine>> lines_of_;  // by path without extension
+  std::map<std::string, std::vector<ClipLine>> lines_of_;  // by the path of their file
   std::map<std::string, std::vector<float>> vector_of_;    // of captions
-  std::set<std::string> named_;                            // clips that there are
   std::map<std::string, std::string> license_before_;      // of files that are read again for their captions
   std::vector<std::string> problems_;
   Index added_ = 0, removed_ = 0, renamed_ = 0, unchanged_ = 0, relicensed_ = 0;

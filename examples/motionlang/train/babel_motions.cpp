@@ -34,17 +34,20 @@ ml::Motion at_babel_rate(const ml::Motion& clip, double fps) {
 /// A sequence, in the part that it is for.
 struct Entry {
   ml::BabelSequence sequence;
-  std::string place, clip;
+  ClipLine clip;  // all of it
   int part = 0;
 };
 void add_entries(std::vector<Entry>& out, const BabelSources& sources, const std::filesystem::path& path, int part) {
   const auto members = ml::JsonMembers::open(path);
   const ml::BabelFile file(members);
+  ClipFolder clips(sources.data);
   for (const std::string& id : file.ids()) {
     const std::string place = members.place(id);
-    Entry e{file.load(id), place, "", part};
-    e.clip = babel_clip(sources.data, e.sequence.feat_p);
-    if (!ml::detail::is_clip_id(e.clip)) ml::raise<ml::io_error>(403, place, ": '", e.clip, "' is no path of a clip");
+    Entry e{file.load(id), {place, id, "", 0, 0, {}, {}}, part};
+    e.clip.clip = babel_clip(clips, e.sequence.feat_p, place);
+    if (!ml::detail::is_clip_id(e.clip.clip))
+      ml::raise<ml::io_error>(403, place, ": '", e.clip.clip, "' is no path of a clip");
+    clips.find(e.clip);
     out.push_back(std::move(e));
   }
 }
@@ -55,7 +58,7 @@ std::vector<Entry> entries_of(const BabelSources& sources, const DataConfig& lot
     add_entries(out, sources, sources.validation, 1);
     return out;
   }
-  const auto key = [&](const Entry& e) { return sources.splits.empty() ? e.clip : e.sequence.id; };
+  const auto key = [&](const Entry& e) { return sources.splits.empty() ? e.clip.clip : e.sequence.id; };
   std::vector<std::string> keys;
   for (const Entry& e : out) keys.push_back(key(e));
   const Split split(sources.splits, lots, std::move(keys));
@@ -189,14 +192,14 @@ DescribedMotions read_babel_motions(const BabelSources& sources, const std::stri
   Index done = 0;
   ml::parallel_for(std::ssize(entries), [&](Index i) {
     const Entry& e = entries[static_cast<std::size_t>(i)];
-    const auto clip = read_clip(sources.data, {e.place, e.sequence.id, e.clip, 0, 0, {}, {}});
-    const auto motion = at_babel_rate(clip, ml::corrected_amass_fps(e.clip, clip.fps));
+    const auto clip = read_clip(sources.data, e.clip);
+    const auto motion = at_babel_rate(clip, ml::corrected_amass_fps(e.clip.clip, clip.fps));
     BabelItems items;
     if (clip.seconds() >= least_seconds) items = reader(e.sequence, motion.frames(), spelling, e.part == 0);
     for (BabelItem& item : items.items) {
       const auto rows = maker.from_motion(ml::crop(motion, item.frames.first, item.frames.first + item.frames.length));
       found[static_cast<std::size_t>(i)].push_back(
-          {item.key, e.clip, {rows.begin(), rows.end()}, std::move(item.texts)});
+          {item.key, e.clip.clip, {rows.begin(), rows.end()}, std::move(item.texts)});
     }
     left_out[static_cast<std::size_t>(i)] = std::move(items.left_out);
     const std::lock_guard lock(mutex);

@@ -62,12 +62,9 @@ std::vector<ClipLine> read_rows(const std::filesystem::path& path, const char* e
 /// Of a row with two columns: the whole clip.
 constexpr double to_the_end = std::numeric_limits<double>::infinity();
 
-/// A clip may be named with the extension of its file.
-std::vector<ClipLine> without_extensions(std::vector<ClipLine> lines) {
-  for (ClipLine& line : lines) {
-    if (is_motion_file(line.clip))
-      line.id = line.clip = std::filesystem::path(line.clip).replace_extension().generic_string();
-  }
+std::vector<ClipLine> with_files(std::vector<ClipLine> lines, const std::filesystem::path& data) {
+  ClipFolder clips(data);
+  for (ClipLine& line : lines) clips.find(line);
   return lines;
 }
 
@@ -108,37 +105,94 @@ class LabelTable {
 
 }  // namespace
 
-std::vector<ClipLine> read_captions(const std::filesystem::path& path) {
-  return without_extensions(read_rows(path, "clip, start, end, parts, captions, or clip, captions",
-                                      [](ClipLine& line, const std::vector<std::string>& fields) {
-                                        if (fields.size() != 2 && fields.size() != 5) return false;
-                                        line.texts = split(fields.back(), "|");
-                                        if (fields.size() == 2) {
-                                          line.end = to_the_end;
-                                          line.parts = ml::BodyParts::all();
-                                          return true;
-                                        }
-                                        read_times(line, fields);
-                                        for (const std::string& name : split(fields[3], ",")) {
-                                          const auto part = ml::parse_body_part(name);
-                                          if (!part) wrong(line, "'" + name + "' is no body part");
-                                          line.parts = line.parts.with(*part);
-                                        }
-                                        return true;
-                                      }));
+ClipFolder::ClipFolder(std::filesystem::path folder) : places_{std::move(folder)} {
+  if (is_data_set(places_.front())) places_.push_back(rows_file(places_.front(), "").parent_path());
 }
 
-std::vector<ClipLine> read_labels(const std::filesystem::path& path) {
-  return without_extensions(read_rows(path, "clip, start, end, label, or clip, label",
-                                      [](ClipLine& line, const std::vector<std::string>& fields) {
-                                        if (fields.size() != 2 && fields.size() != 4) return false;
-                                        line.texts = {fields.back()};
-                                        if (fields.size() == 4)
-                                          read_times(line, fields);
-                                        else
-                                          line.end = to_the_end;
-                                        return true;
-                                      }));
+const ClipFolder::Stems& ClipFolder::listed(const std::filesystem::path& folder) {
+  const auto [entry, is_new] = listed_.try_emplace(folder);
+  Stems& stems = entry->second;
+  std::error_code problem, unknown;
+  for (std::filesystem::directory_iterator at(folder.empty() ? "." : folder, problem), end;
+       is_new && !problem && at != end; at.increment(problem)) {
+    const auto& path = at->path();
+    if (is_motion_file(path) && at->is_regular_file(unknown))
+      stems.emplace(path.stem().string(), folder / path.filename());
+  }
+  return stems;
+}
+
+std::vector<std::filesystem::path> ClipFolder::namesakes(const std::filesystem::path& name) {
+  std::vector<std::filesystem::path> out;
+  for (const auto& place : places_) {
+    const auto path = (place / name).lexically_normal();
+    const auto [first, last] = listed(path.parent_path()).equal_range(path.filename().string());
+    for (auto found = first; found != last; ++found) out.push_back(found->second);
+  }
+  if (out.size() > 1) std::erase_if(out, [](const auto& file) { return kind_of(file) == ".npy" && !has_frames(file); });
+  std::ranges::sort(out);
+  return out;
+}
+
+std::filesystem::path ClipFolder::file(const std::string& clip, const std::string& place) {
+  for (const std::filesystem::path name : ml::amass_paths(clip)) {
+    std::vector<std::filesystem::path> found;
+    if (is_motion_file(name)) {
+      found = namesakes(std::filesystem::path(name).replace_extension());
+      std::erase_if(found, [&](const auto& file) { return file.extension() != name.extension(); });
+    }
+    if (found.empty()) found = namesakes(name);
+    if (found.size() > 1)
+      ml::raise<ml::io_error>(403, place, ": '", clip, "' may be ", found[0].string(), " or ", found[1].string(),
+                              ": a name with its extension says which");
+    if (!found.empty()) return found.front();
+  }
+  return {};
+}
+
+void ClipFolder::find(ClipLine& line) {
+  line.file = file(line.clip, line.place);
+  const std::filesystem::path name = line.clip;
+  if (line.file.empty() || line.file.extension() != name.extension() || line.file.stem() != name.stem()) return;
+  const auto stem = std::filesystem::path(name).replace_extension();
+  if (namesakes(stem).size() > 1) return;
+  if (line.id == line.clip) line.id = stem.generic_string();
+  line.clip = stem.generic_string();
+}
+
+std::vector<ClipLine> read_captions(const std::filesystem::path& path, const std::filesystem::path& data) {
+  return with_files(read_rows(path, "clip, start, end, parts, captions, or clip, captions",
+                              [](ClipLine& line, const std::vector<std::string>& fields) {
+                                if (fields.size() != 2 && fields.size() != 5) return false;
+                                line.texts = split(fields.back(), "|");
+                                if (fields.size() == 2) {
+                                  line.end = to_the_end;
+                                  line.parts = ml::BodyParts::all();
+                                  return true;
+                                }
+                                read_times(line, fields);
+                                for (const std::string& name : split(fields[3], ",")) {
+                                  const auto part = ml::parse_body_part(name);
+                                  if (!part) wrong(line, "'" + name + "' is no body part");
+                                  line.parts = line.parts.with(*part);
+                                }
+                                return true;
+                              }),
+                    data);
+}
+
+std::vector<ClipLine> read_labels(const std::filesystem::path& path, const std::filesystem::path& data) {
+  return with_files(read_rows(path, "clip, start, end, label, or clip, label",
+                              [](ClipLine& line, const std::vector<std::string>& fields) {
+                                if (fields.size() != 2 && fields.size() != 4) return false;
+                                line.texts = {fields.back()};
+                                if (fields.size() == 4)
+                                  read_times(line, fields);
+                                else
+                                  line.end = to_the_end;
+                                return true;
+                              }),
+                    data);
 }
 
 std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& annotations,
@@ -146,6 +200,7 @@ std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& ann
                                                 const std::filesystem::path& labels) {
   std::optional<LabelTable> table;
   if (!labels.empty()) table.emplace(labels);
+  ClipFolder clips(data);
   std::vector<ClipLine> lines;
   bool any = false;
   const auto add = [&](const std::string& place, const std::string& id, const std::string& clip, double start,
@@ -153,6 +208,7 @@ std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& ann
     if (!ml::detail::is_clip_id(clip)) ml::raise<ml::io_error>(403, place, ": '", clip, "' is no path of a clip");
     any = any || !own.empty();
     lines.push_back({place, id, clip, start, end, {}, std::move(own)});
+    clips.find(lines.back());
   };
   const auto members = ml::JsonMembers::open(annotations);
   for (const std::string& id : members.keys()) {
@@ -160,7 +216,7 @@ std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& ann
     const ml::JsonView view(document, members.place(id));
     if (ml::BabelFile::is_entry(view)) {
       const ml::BabelSequence s = ml::BabelFile::parse(id, view);
-      const std::string clip = babel_clip(data, s.feat_p);
+      const std::string clip = babel_clip(clips, s.feat_p, view.path());
       for (const ml::BabelAnnotation& a : s.frame_annotations.empty() ? s.sequence_annotations : s.frame_annotations) {
         for (const ml::BabelLabel& l : a.labels)
           add(view.path(), id, clip, l.start, l.end, table ? table->of(l.seg_id, id, l.proc_label) : l.act_cat);
@@ -186,33 +242,24 @@ std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& ann
   return lines;
 }
 
-std::string babel_clip(const std::filesystem::path& data, const std::string& feat_p) {
+std::string babel_clip(ClipFolder& clips, const std::string& feat_p, const std::string& place) {
   std::string twice = feat_p.ends_with(".npz") ? feat_p.substr(0, feat_p.size() - 4) : feat_p;
   const std::string first = twice.substr(0, twice.find('/') + 1), once = twice.substr(first.size());
-  return once.starts_with(first) && clip_file(data, twice).empty() ? once : twice;
-}
-
-std::filesystem::path clip_file(const std::filesystem::path& data, const std::string& clip) {
-  const auto bvh = data / (clip + ".bvh"), amc = data / (clip + ".amc");
-  if (std::filesystem::exists(bvh)) return bvh;
-  for (const std::string& name : ml::amass_paths(clip)) {
-    const auto npz = data / (name + ".npz");
-    if (std::filesystem::exists(npz)) return npz;
-  }
-  if (std::filesystem::exists(amc)) return amc;
-  const auto npy = is_data_set(data) ? rows_file(data, clip) : data / (clip + ".npy");
-  return std::filesystem::exists(npy) ? npy : std::filesystem::path();
+  return once.starts_with(first) && clips.file(twice, place).empty() ? once : twice;
 }
 
 ml::Motion read_clip(const std::filesystem::path& data, const ClipLine& line) {
-  const auto file = clip_file(data, line.clip);
-  const std::string kind = file.extension().string();
+  const std::filesystem::path& file = line.file;
+  const std::string kind = kind_of(file);
   if (file.empty())
-    ml::raise<ml::io_error>(401, line.place, ": no ", (data / line.clip).string(),
-                            ".bvh, no .npz, no .amc and no .npy");
+    ml::raise<ml::io_error>(401, line.place, ": there is no ", (data / line.clip).string(),
+                            is_motion_file(line.clip) ? "" : ".bvh, no .npz, no .amc and no .npy");
   if (kind == ".bvh") return ml::retarget(ml::read_bvh_motion(file));
   if (kind == ".npz") return on_smpl(ml::read_amass(file).motion);
   if (kind == ".npy") return on_smpl(ml::read_motion_npy(file));
+  if (kind != ".amc")
+    ml::raise<ml::io_error>(404, line.place, ": ", file.string(),
+                            ": clips are .bvh, .npz, .amc and .npy files; convert makes them");
   auto asf = asf_beside(file);
   if (!std::filesystem::exists(asf))
     asf = data / "cmu-asf-amc" / "01.asf";  // angles of another figure of the same hierarchy
@@ -231,7 +278,7 @@ ml::Motion segment_of(const ml::Motion& clip, const ClipLine& line, ml::Index le
   const auto [first, frames] = frames_of(clip, line);
   if (frames < least)
     wrong(line, ml::concat_text(line.clip, " ", line.start, " to ", std::min(line.end, clip.seconds()), " s holds ",
-                                frames, " frames, at least ", least, " are wanted"));
+                                ml::counted(frames, "frame"), ", at least ", least, " are wanted"));
   return ml::crop(clip, first, first + frames);
 }
 

@@ -10,6 +10,7 @@
 #include <motionlang/core/rng.hpp>
 #include <motionlang/io/id_list.hpp>
 
+#include "../files/motion_files.hpp"
 #include "described_motions.hpp"
 
 namespace program {
@@ -38,9 +39,11 @@ class Split {
                validation = static_cast<std::size_t>(config.validation_share * count + 0.5);
     for (std::size_t i = 0; i < clips.size(); ++i) part_[clips[i]] = i < test ? 2 : i < test + validation ? 1 : 0;
   }
-  /// -1 for a clip that is on no list.
+  /// -1 for a clip that is on no list, neither with an extension nor without.
   int of(const std::string& clip) const {
-    const auto found = part_.find(clip);
+    auto found = part_.find(clip);
+    if (found == part_.end() && is_motion_file(clip))
+      found = part_.find(std::filesystem::path(clip).replace_extension().generic_string());
     return found == part_.end() ? -1 : found->second;
   }
 

@@ -64,9 +64,8 @@ void keep_actions(std::vector<ClipLine>& lines, const std::vector<std::string>& 
 }
 
 /// Whether a clip is no features with numbers that are not finite; its reader says if there is none.
-bool can_be_read(const DataSources& sources, const std::string& clip) {
-  const auto file = clip_file(sources.data, clip);
-  return file.extension() != ".npy" || all_finite(ml::read_npy(file).to<float>());
+bool can_be_read(const ClipLine& line) {
+  return kind_of(line.file) != ".npy" || all_finite(ml::read_npy(line.file).to<float>());
 }
 
 /// Captions of one segment on several lines, of different body parts say, belong to one motion.
@@ -108,7 +107,7 @@ void read_lines(DescribedMotions& out, std::vector<ClipLine> lines, const DataSo
   ml::parallel_for(std::ssize(clips), [&](Index c) {
     const auto& mine = lines_of.at(clips[static_cast<std::size_t>(c)]);
     const auto unused = [&](std::size_t i) { return split.of(keys[i]) < 0; };
-    if (!std::all_of(mine.begin(), mine.end(), unused) && can_be_read(sources, clips[static_cast<std::size_t>(c)])) {
+    if (!std::all_of(mine.begin(), mine.end(), unused) && can_be_read(lines[mine.front()])) {
       const auto clip = ml::resample(read_clip(sources.data, lines[mine.front()]), maker.fps);
       for (const std::size_t i : mine) {
         const int part = split.of(keys[i]);
@@ -202,11 +201,13 @@ std::filesystem::path npy_of(const DataSources& sources, const ml::AnnotatedMoti
   return sources.data / (motion.path + ".npy");
 }
 /// The rows of a motion of the annotation file: features as they are, or a clip.
-std::vector<float> rows_of_path(const DataSources& sources, const RowMaker& maker, const ml::AnnotatedMotion& motion) {
+std::vector<float> rows_of_path(const DataSources& sources, ClipFolder& clips, const RowMaker& maker,
+                                const ml::AnnotatedMotion& motion) {
   const auto npy = npy_of(sources, motion);
   if (std::filesystem::exists(npy))
     return ml::detail::read_rows(npy, {form_of(maker, npy).width()}, /*any_number=*/true);
-  const ClipLine line{sources.annotations.string() + ": " + motion.id, motion.id, motion.path, 0, 0, {}, {}};
+  ClipLine line{sources.annotations.string() + ": " + motion.id, motion.id, motion.path, 0, 0, {}, {}};
+  clips.find(line);
   return rows_of(maker, ml::resample(read_clip(sources.data, line), maker.fps));
 }
 
@@ -218,6 +219,7 @@ void read_annotations(DescribedMotions& out, const DataSources& sources, const D
   for (const std::string& id : file.ids())
     keys.push_back(key_of(sources, id, sources.splits.empty() ? file.load(id).path : id));
   const Split split(sources.splits, config, keys);
+  ClipFolder clips(sources.data);
   for (std::size_t i = 0; i < file.ids().size(); ++i) {
     progress(static_cast<Index>(i), std::ssize(file.ids()));
     const std::string& id = file.ids()[i];
@@ -228,7 +230,7 @@ void read_annotations(DescribedMotions& out, const DataSources& sources, const D
         ml::training_annotations(motion, part == 2 ? "test" : "train", config.min_seconds, config.max_seconds);
     out.left_out.add(of_other_length(config), id, std::ssize(motion.annotations) - std::ssize(texts));
     if (texts.empty()) continue;
-    DescribedMotion d{id, motion.path, rows_of_path(sources, maker, motion), {}};
+    DescribedMotion d{id, motion.path, rows_of_path(sources, clips, maker, motion), {}};
     if (!all_finite(d.rows)) {
       out.left_out.add(not_finite, id, std::ssize(texts));
       continue;
@@ -285,12 +287,12 @@ DescribedMotions read_described_motions(const DataSources& sources, const DataCo
   if (listed.splits.empty() && is_data_set(sources.data) && std::filesystem::exists(sources.data / "train.txt"))
     listed.splits = sources.data;
   if (captions)
-    read_lines(out, one_per_segment(read_captions(sources.captions)), listed, config, maker, progress);
+    read_lines(out, one_per_segment(read_captions(sources.captions, sources.data)), listed, config, maker, progress);
   else if (annotations && sources.labelled())
     read_lines(out, read_labelled_annotations(sources.annotations, sources.data, sources.labels), sources, config,
                maker, progress);
   else if (!sources.labels.empty())
-    read_lines(out, read_labels(sources.labels), listed, config, maker, progress);
+    read_lines(out, read_labels(sources.labels, sources.data), listed, config, maker, progress);
   else if (annotations)
     read_annotations(out, sources, config, maker, progress);
   else if (is_data_set(sources.data))

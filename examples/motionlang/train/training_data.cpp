@@ -122,7 +122,7 @@ std::optional<std::string> reversed_caption(const std::string& caption) {
 
 TrainingSet::TrainingSet(const std::filesystem::path& captions, const std::filesystem::path& data,
                          ml::Progress progress) {
-  const auto lines = read_captions(captions);
+  const auto lines = read_captions(captions, data);
   std::map<std::string, ml::Motion> clips;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     progress(static_cast<Index>(i), std::ssize(lines));
