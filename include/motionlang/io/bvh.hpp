@@ -27,8 +27,8 @@ struct BvhReadOptions {
 struct BvhWriteOptions {
   double scale = 100;              // units per metre; 100: centimetres (Blender: import with scale 0.01)
   std::string_view order = "ZXY";  // of the rotation channels: three different axes
-  // Metres, of the bones after leaf joints where the skeleton has none, but no longer than the bone before: for bones of
-  // length 0, Blender invents a length of its own.
+  // Metres, of the bones after leaf joints where the skeleton has none, but no longer than the bone before: for bones
+  // of length 0, Blender invents a length of its own.
   double end_length = 0.1;
 };
 

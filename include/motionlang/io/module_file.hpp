@@ -48,27 +48,27 @@ bool all_finite(std::span<const S> numbers) {
 
 /// Gives a tensor the numbers of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
 /// A variable stays the variable it was. NaN is let through. Throws io_error 407 if the shape is another.
-template <Backend B, int R>
-void assign_tensor(Tensor<B, R>& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
+template <Backend B>
+void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
                    const std::string& where) {
-  if (view.shape != tensor.shape())
-    raise<io_error>(407, where, ": tensor '", view.name, "' is ", view.shape, ", the model has ", tensor.shape());
-  using S = typename B::scalar;
-  auto make = [&]<class C>() -> typename C::tensor {
-    if constexpr (std::is_constructible_v<typename C::tensor, const S*, Shape, std::shared_ptr<const void>>) {
-      const auto numbers = direct<S>(view);
-      if (numbers && owner != nullptr) return typename C::tensor(numbers->data(), view.shape, owner);
-    }
-    const auto copy = [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(tensor.count()))); };
-    return Tensor<C, R>::written(tensor.shape(), copy).data();
-  };
   if constexpr (AutodiffBackend<B>) {
-    B::mutable_value(tensor.mutable_data()) = make.template operator()<typename B::inner>();
+    assign_tensor<typename B::inner>(B::mutable_value(tensor), view, owner, where);
   } else {
-    tensor = Tensor<B, R>(make.template operator()<B>());
+    using S = typename B::scalar;
+    const Shape shape = B::shape(tensor);
+    if (view.shape != shape)
+      raise<io_error>(407, where, ": tensor '", view.name, "' is ", view.shape, ", the model has ", shape);
+    if constexpr (std::is_constructible_v<typename B::tensor, const S*, Shape, std::shared_ptr<const void>>) {
+      const auto numbers = direct<S>(view);
+      if (numbers && owner != nullptr) {
+        tensor = typename B::tensor(numbers->data(), view.shape, owner);
+        return;
+      }
+    }
+    tensor = written_tensor<B>(
+        shape, [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(shape.count()))); });
   }
 }
-
 /// What a module is loaded for. For inference it is made ready as by prepare_loaded, in the same pass over the file:
 /// all its matrices are weights, and it is neither trained nor changed afterwards.
 enum class LoadFor { any_use, inference };
@@ -76,9 +76,8 @@ enum class LoadFor { any_use, inference };
 namespace detail {
 
 /// Throws numeric_error 301 if a number is NaN or infinite.
-template <Backend B, int R>
-void require_finite(const Tensor<B, R>& tensor, const TensorView& view, const std::string& where) {
-  const auto numbers = tensor.span();
+template <Scalar S>
+void require_finite(std::span<const S> numbers, const TensorView& view, const std::string& where) {
   if (all_finite(numbers)) return;
   const auto wrong = std::find_if(numbers.begin(), numbers.end(), [](auto x) { return !std::isfinite(x); });
   raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
@@ -93,16 +92,16 @@ struct TensorLoader {
   KeyReport& report;
   std::set<std::string>& known;
 
-  template <Backend B, int R>
-  void operator()(const std::string& path, Tensor<B, R>& tensor) const {
-    const std::string& name = *known.insert(key(prefix, path)).first;
+  template <Backend B>
+  void fill(const ModuleTensor<B>& tensor) const {
+    const std::string& name = *known.insert(key(prefix, tensor.path)).first;
     const TensorView* view = file.find(name);
     if (view == nullptr) {
       report.missing.push_back(name);
       return;
     }
-    assign_tensor(tensor, *view, file.owner(), file.name());
-    if (use == LoadFor::any_use) require_finite(tensor, *view, file.name());
+    assign_tensor<B>(*tensor.data, *view, file.owner(), file.name());
+    if (use == LoadFor::any_use) require_finite<typename B::scalar>(tensor.span(), *view, file.name());
     MappedFile::forget_if_mapped(view->bytes);  // until it is needed
   }
 };
@@ -151,9 +150,7 @@ class TensorStore {
   /// All tensors of a module.
   template <Module M>
   void add_module(const M& module, const std::string& prefix = "", DType dtype = DType::F32) {
-    visit_tensors(module, [&](const std::string& path, const auto& t) {
-      add(tensor_key<M>(prefix, path), t.shape(), t.span(), dtype);
-    });
+    for (const auto& t : tensors_of(module)) add(tensor_key<M>(prefix, t.path), t.shape(), t.span(), dtype);
   }
   std::vector<TensorView> views() const {
     std::vector<TensorView> out;
@@ -193,79 +190,78 @@ class TensorStore {
 namespace detail {
 /// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the
 /// file again. Whether all its numbers are finite.
-template <PackingBackend B, int R>
-bool pack_loaded(const Tensor<B, R>& weight) {
-  const bool finite = pack_weight(weight);
-  MappedFile::forget_if_mapped(std::as_bytes(weight.span()));
+template <PackingBackend B>
+bool pack_loaded(const typename B::tensor& weight) {
+  const bool finite = pack_weight<B>(weight);
+  MappedFile::forget_if_mapped(std::as_bytes(B::to_span(weight)));
   return finite;
 }
 
 /// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a
 /// place for it.
-template <PackingBackend B, int R>
-void put_aside(Tensor<B, R>& weight) {
-  const auto bytes = std::as_bytes(weight.span());
-  if (MappedFile::that_holds(bytes) != nullptr || !weight.data().unique()) return;
+template <PackingBackend B>
+void put_aside(typename B::tensor& weight) {
+  const auto bytes = std::as_bytes(B::to_span(weight));
+  if (MappedFile::that_holds(bytes) != nullptr || !weight.unique()) return;
   const auto aside = MappedFile::put_aside(bytes);
   if (aside == nullptr) return;
   const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
-  weight = Tensor<B, R>(typename B::tensor(numbers, weight.shape(), aside));
+  weight = typename B::tensor(numbers, B::shape(weight), aside);
   BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
 }
 
 /// A small tensor in a mapped file becomes a copy: for a bias the system may keep two megabytes of the file in memory.
-template <Backend B, int R>
-void copy_small(Tensor<B, R>& t) {
-  if constexpr (requires { t.data().attached(); }) {
+template <Backend B>
+void copy_small(typename B::tensor& t) {
+  if constexpr (requires { t.attached(); }) {
     constexpr std::size_t small = 1 << 14;
-    const auto bytes = std::as_bytes(t.span());
+    const auto numbers = B::to_span(t);
+    const auto bytes = std::as_bytes(numbers);
     const MappedFile* const file = MappedFile::that_holds(bytes);
-    if (file == nullptr || t.data().attached() != nullptr || t.span().size() >= small) return;
-    auto copy = Tensor<B, R>::from(t.span(), t.shape());
+    if (file == nullptr || t.attached() != nullptr || numbers.size() >= small) return;
+    auto copy = B::from_span(numbers, B::shape(t));
     file->forget(bytes);  // before the tensor, which may be the last to keep the file
     t = std::move(copy);
   }
 }
 
-/// Of `count` tensors in `shares` parts, those of one part are made ready.
-struct PrepareLoaded {
-  Index share, shares, count;
-  Index& at;
-  std::atomic<bool>* finite;  // false from the first number on that is not; null: not looked at
-
-  template <Backend B, int R>
-  void operator()(const std::string&, Tensor<B, R>& t) const {
-    if (at++ * shares / count != share) return;
-    bool good = true;
-    if constexpr (has_panels<B, R>)
-      good = pack_loaded(t);
-    else if (finite != nullptr)
-      good = all_finite(t.span());
-    if (finite != nullptr && !good) finite->store(false);
-    copy_small(t);
+/// Makes a tensor ready; returns whether its numbers are finite, if they are `looked_at`.
+template <Backend B>
+bool prepare_loaded_tensor(const ModuleTensor<B>& t, bool looked_at) {
+  bool finite = true;
+  if constexpr (PackingBackend<B>) {
+    if (has_panels<B>(t.rank)) {
+      finite = pack_loaded<B>(*t.data);
+      looked_at = false;
+    }
   }
-};
+  if (looked_at) finite = all_finite(t.span());
+  copy_small<B>(*t.data);
+  return finite;
+}
 /// For large networks: a weight that had to be converted is put aside, so that it is not there twice. If it cannot be,
 /// it is not packed.
-struct PrepareLoadedOnce {
-  template <Backend B, int R>
-  void operator()(const std::string&, Tensor<B, R>& t) const {
-    if constexpr (has_panels<B, R>) {
-      put_aside(t);
-      if (MappedFile::that_holds(std::as_bytes(t.span())) != nullptr) pack_loaded(t);
+template <Backend B>
+void prepare_loaded_once(const ModuleTensor<B>& t) {
+  if constexpr (PackingBackend<B>) {
+    if (has_panels<B>(t.rank)) {
+      put_aside<B>(*t.data);
+      if (MappedFile::that_holds(std::as_bytes(t.span())) != nullptr) pack_loaded<B>(*t.data);
     }
-    copy_small(t);
   }
-};
-/// Every thread takes some tensors: new memory is slow to come, and a thread gets it for itself.
-template <Module M>
-void prepare_in_shares(M& model, std::atomic<bool>* finite) {
-  Index count = 0;
-  visit_tensors(model, [&](const std::string&, const auto&) { ++count; });
-  const Index shares = parallel_width();
+  copy_small<B>(*t.data);
+}
+/// Every thread takes some tensors: new memory is slow to come, and a thread gets it for itself. `finite` (null: not
+/// looked at) becomes false if a number is not.
+template <Backend B>
+void prepare_in_shares(const std::vector<ModuleTensor<B>>& tensors, std::atomic<bool>* finite) {
+  const Index count = std::ssize(tensors), shares = parallel_width();
   parallel_for(shares, [&](Index share) {
-    Index at = 0;
-    visit_tensors(model, PrepareLoaded{share, shares, count, at, finite});
+    for (Index i = 0; i < count; ++i) {
+      if (i * shares / count != share) continue;
+      const bool good = prepare_loaded_tensor(tensors[static_cast<std::size_t>(i)], finite != nullptr);
+      if (finite != nullptr && !good) finite->store(false);
+    }
   });
 }
 }  // namespace detail
@@ -275,7 +271,7 @@ void prepare_in_shares(M& model, std::atomic<bool>* finite) {
 /// reads the file gets it from the disk. Weights that had to be converted are packed beside their numbers.
 template <Module M>
 void prepare_loaded(M& model) {
-  detail::prepare_in_shares(model, nullptr);
+  detail::prepare_in_shares(tensors_of(model), nullptr);
 }
 
 /// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
@@ -285,17 +281,19 @@ void prepare_loaded(M& model) {
 template <Module M>
 KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "",
                              LoadFor use = LoadFor::any_use) {
+  const auto tensors = tensors_of(module);
   KeyReport report;
   std::set<std::string> known;
   const auto fill = [&](LoadFor how) {
     report = {};
     known.clear();
-    visit_tensors(module, detail::TensorLoader{file, prefix, &tensor_key<M>, how, report, known});
+    const detail::TensorLoader loader{file, prefix, &tensor_key<M>, how, report, known};
+    for (const auto& t : tensors) loader.fill(t);
   };
   fill(use);
   if (use == LoadFor::inference) {
     std::atomic<bool> finite{report.missing.empty()};
-    if (finite) detail::prepare_in_shares(module, &finite);
+    if (finite) detail::prepare_in_shares(tensors, &finite);
     if (!finite) fill(LoadFor::any_use);  // says which number is not
   }
   for (const TensorView& t : file.tensors()) {

@@ -21,7 +21,7 @@ namespace detail {
 template <Module M>
 std::string weights_checksum(const M& module) {
   std::uint64_t h = 0;
-  visit_tensors(module, [&](const std::string&, const auto& t) { h = content_hash(std::as_bytes(t.span()), h); });
+  for (const auto& t : tensors_of(module)) h = content_hash(std::as_bytes(t.span()), h);
   return hexadecimal(h);
 }
 inline std::string metadata_real_text(double x) {

@@ -200,7 +200,9 @@ inline RenamedTensors clip_tensors(const TensorSet& file) {
 
 template <class Layer>
 void pack_layers(std::vector<Layer>& layers) {
-  for (Layer& layer : layers) visit_tensors(layer, PrepareLoadedOnce{});
+  for (Layer& layer : layers) {
+    for (const auto& t : tensors_of(layer)) prepare_loaded_once(t);
+  }
 }
 
 /// Memory is taken for a network only where the file justifies it: twice its numbers and 16 Mi. `rows` are those of all

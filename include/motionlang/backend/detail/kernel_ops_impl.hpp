@@ -108,7 +108,7 @@ void pack_into(Panels<S>& p, const S* b, Index stride_k, Index stride_n, std::at
   };
   if constexpr (std::is_same_v<S, float>) {
     if (bf16) {
-      pack(*current_bf16_kernels(), static_cast<std::uint16_t*>(p.memory.data()));
+      pack(bf16_product_kernels(), static_cast<std::uint16_t*>(p.memory.data()));
       return;
     }
   }
@@ -153,13 +153,13 @@ const FloatTiles* float_tiles(Index m, Index n, Index k) {
   if (precision_of<S>() != Precision::bf16x3) return nullptr;
   const Index rows = RowsTogether::count() > 0 ? RowsTogether::count() : m;
   const bool pays = rows >= 128 && n >= 128 && k >= 128 && rows * n >= (k < 256 ? 131072 : 32768);
-  return pays ? kernels<S>().tiles : nullptr;
+  return pays ? tile_products.load(std::memory_order_relaxed)(kernels<float>()) : nullptr;
 }
 /// Scratch of products of at most so many rows with such panels.
 template <class S>
 Scratch<S> gemm_scratch(const Panels<S>& p, Index rows) {
   if constexpr (std::is_same_v<S, float>) {
-    if (p.kernels == nullptr) return Scratch<S>(current_bf16_kernels()->gemm_scratch(p.k));
+    if (p.kernels == nullptr) return Scratch<S>(bf16_product_kernels().gemm_scratch(p.k));
   }
   const FloatTiles* tiles = float_tiles<S>(rows, p.n, p.k);
   return Scratch<S>(std::max(tiles == nullptr ? 0 : tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
@@ -214,7 +214,7 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
   };
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) {
-      const Bf16Kernels& kernel = *current_bf16_kernels();
+      const Bf16Kernels& kernel = bf16_product_kernels();
       run(kernel, 1, [&](Index r0, Index r1, Index j0, Index j1) {  // rows would be rounded for every piece
         kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch.mine());
       });
@@ -314,17 +314,9 @@ Attention<S> attention_arguments(const Offsets& q_offsets, const Offsets& k_offs
           .causal = options.causal,
           .dropout = options.dropout};
 }
-/// f(kernels), whose attention is that of the current precision.
-template <class S, class F>
-void with_attention_kernels(const F& f) {
-  if constexpr (std::is_same_v<S, float>) {
-    if (product_precision() == Precision::bf16) return f(*current_bf16_kernels());
-  }
-  f(kernels<S>());
-}
 template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
-  with_attention_kernels<S>([&](const auto& kernel) {
+  const auto run = [&](const auto& kernel) {
     const Scratch<S> scratch(kernel.attention_scratch(k.longest(), t.width));
     // Few heads: the queries of each are split, so that every thread has as many tasks. Each task packs keys and
     // values.
@@ -336,15 +328,26 @@ void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
       if (q.length(i / t.heads) > 0)
         kernel.attention_head(t, i / t.heads, i % t.heads, task % pieces, pieces, scratch.mine());
     });
-  });
+  };
+  if constexpr (std::is_same_v<S, float>) {
+    if (product_precision() == Precision::bf16) return run(bf16_product_kernels());
+  }
+  run(kernels<S>());
 }
 template <class S>
 void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k) {
-  with_attention_kernels<S>([&](const auto& kernel) {
-    const Scratch<S> scratch(kernel.attention_vjp_scratch(q.longest(), k.longest(), t.width));
-    parallel_for(q.count() * t.heads,
-                 [&](Index i) { kernel.attention_head_vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
-  });
+  const auto run = [&](const auto& scratch_of, const auto& vjp) {
+    const Scratch<S> scratch(scratch_of(q.longest(), k.longest(), t.width));
+    parallel_for(q.count() * t.heads, [&](Index i) { vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
+  };
+  if constexpr (std::is_same_v<S, float>) {
+    if (product_precision() == Precision::bf16) {
+      const Bf16Kernels& kernel = bf16_product_kernels();
+      return run(kernel.attention_vjp_scratch, kernel.attention_head_vjp);
+    }
+  }
+  const GradientKernels<S>& kernel = gradient_kernels_of(kernels<S>());
+  run(kernel.attention_scratch, kernel.attention_head);
 }
 
 /// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums
@@ -628,10 +631,11 @@ Dense<S> KernelOps<S>::activate(const Dense<S>& x, Activation act, const Dropout
 template <Scalar S>
 Dense<S> KernelOps<S>::activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act, const Dropout& drop) {
   Dense<S> dx(x.shape());
+  const auto& kernel = detail::gradient_kernels_of(detail::kernels<S>());
   detail::in_pieces(x.count(), [&](Index a, Index n) {
     const S* g = dy.data() + a;
     if (drop.p > 0) detail::kernels<S>().dropout(g, n, a, drop, dx.data() + a), g = dx.data() + a;
-    detail::kernels<S>().activate_vjp(x.data() + a, g, n, act, dx.data() + a);
+    kernel.activate(x.data() + a, g, n, act, dx.data() + a);
   });
   return dx;
 }
@@ -658,11 +662,11 @@ std::array<Dense<S>, 3> KernelOps<S>::layer_norm_vjp(const Dense<S>& x, const De
   const Index rows = x.shape()[0];
   const auto t = detail::layer_norm_arguments<S>(x, weight, nullptr, eps, nullptr);
   Dense<S> dx(x.shape()), dweight(weight.shape()), dbias(weight.shape()), moments(Shape{rows, 2});
-  parallel_ranges(rows, t.width, [&](Index a, Index b) {
-    detail::kernels<S>().layer_norm_rows_vjp(t, dy.data(), dx.data(), moments.data(), a, b);
-  });
+  const auto& kernel = detail::gradient_kernels_of(detail::kernels<S>());
+  parallel_ranges(rows, t.width,
+                  [&](Index a, Index b) { kernel.layer_norm_rows(t, dy.data(), dx.data(), moments.data(), a, b); });
   parallel_columns(rows, t.width, [&](Index a, Index b) {
-    detail::kernels<S>().layer_norm_columns_vjp(t, dy.data(), moments.data(), dweight.data(), dbias.data(), rows, a, b);
+    kernel.layer_norm_columns(t, dy.data(), moments.data(), dweight.data(), dbias.data(), rows, a, b);
   });
   return {std::move(dx), std::move(dweight), std::move(dbias)};
 }
@@ -755,7 +759,8 @@ void KernelOps<S>::adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const De
       .eps = static_cast<S>(u.eps),
       .decay = static_cast<S>(1 - u.lr * u.weight_decay),
       .gradient_scale = static_cast<S>(u.gradient_scale)};
-  parallel_ranges(parameter.count(), 1, [&](Index a, Index b) { detail::kernels<S>().adamw(t, a, b); });
+  const auto& kernel = detail::gradient_kernels_of(detail::kernels<S>());
+  parallel_ranges(parameter.count(), 1, [&](Index a, Index b) { kernel.adamw(t, a, b); });
 }
 
 MOTIONLANG_NAMESPACE_END
