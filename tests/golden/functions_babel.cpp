@@ -29,7 +29,7 @@ ml::SpellingTable spelling_of(const Case& c) {
     spelling[word] = instead;
   return spelling;
 }
-/// Rows of `width` numbers. A list of no rows may be recorded without their width, as NumPy makes it.
+/// Compares rows of `width` numbers. NumPy may have recorded a list of no rows without their width.
 void out_rows(Case& c, const std::string& name, ml::Index width, const std::vector<ml::Index>& values) {
   const bool flat = values.empty() && c.wants(name) && c.shape("out/" + name) == ml::Shape{0};
   c.out(name, flat ? ml::Shape{0} : ml::Shape{std::ssize(values) / width, width}, values);

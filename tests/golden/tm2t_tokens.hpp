@@ -72,8 +72,8 @@ ml::VqDiscriminator<B> second_network(const Case& c) {
   return discriminator<B>(c, c.config()["disc_hidden"].as<Index>(), c.config()["disc_layers"].as<Index>(),
                           "weights/discriminator.");
 }
-/// Cases whose record has the running statistics of after the forwards in the place of those of before, too: from these
-/// nobody can tell what comes after. README.md has the proof.
+/// Some records are wrong: their running statistics of before the forwards are those of after, from which nobody can
+/// tell what comes after. README.md has the proof.
 inline bool records_after_as_before(const Case& c, const std::string& path) {
   const std::string before = "weights/discriminator." + path, after = "out/after_" + path;
   return c.name().starts_with("tm2t/vq-disc-loss-gan-") && path.find(".running_") != std::string::npos &&

@@ -17,6 +17,7 @@
 /// Source   spec weights.md
 #pragma once
 
+#include <algorithm>      // find
 #include <unordered_map>  // objects that were looked into
 
 #include <motionlang/io/file_value.hpp>
@@ -323,7 +324,7 @@ class WeightReader {
     const bool alone = visited.empty() && v.size() == 0 && !v.has_state() && v.arguments().size() == 1;
     if (alone) visit(v.arguments()[0]);
   }
-  /// By their number and the first one: some classes keep their entries as attributes, too.
+  /// Compares the number of keys and the first one: some classes keep their entries as attributes, too.
   static bool have_same_keys(const PickleValue& a, const PickleValue& b) {
     return a.size() == b.size() && a.size() > 0 && a.key(0).is(PickleKind::text) && b.find(a.key(0).text());
   }

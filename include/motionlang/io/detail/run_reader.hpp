@@ -46,7 +46,7 @@ class RunReader {
     }
     return found;
   }
-  /// The same, where a size of 0 means that there is no such tensor; an option has to state it.
+  /// The same for a tensor that may be missing: then an option has to state the size 0.
   Index size_if_any(const std::string& name, int axis, std::initializer_list<const char*> options) const {
     const bool none = !has(name) && std::ranges::any_of(options, [&](const char* key) { return whole(key) == 0; });
     return none ? 0 : size(name, axis, options);
