@@ -34,7 +34,7 @@ struct TimelineTextOptions {
   std::string_view name = "timeline";  // of the file, for messages
 };
 
-/// A text with a length, for motions of one text each.
+/// A text with a length, for motions of one text each: it moves the whole body.
 struct TimedText {
   std::string text;
   Index frames = 0;
@@ -198,24 +198,31 @@ inline Timeline parse_timeline(std::string_view text, const TimelineTextOptions&
 }
 
 /// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than
-/// three fields. The published programs ask for one such line only (`as_published`), and then blame the others.
+/// three fields, or a body part where timelines have their second time. The published programs ask for one line of
+/// fewer than three fields only (`as_published`), and then blame the others.
 inline bool is_text_list(std::string_view text, const TimelineTextOptions& options = {}) {
-  Index lines = 0, short_lines = 0;
-  detail::for_each_line(text, [&](std::string_view line, Index number) {
-    if (detail::trim(line).empty()) return;
+  Index lines = 0, short_lines = 0, lines_with_parts = 0;
+  detail::for_each_line(text, [&](std::string_view content, Index number) {
+    if (detail::trim(content).empty()) return;
     ++lines;
-    short_lines += detail::TimelineLine(line, number, options.name).fields() < 3 ? 1 : 0;
+    const detail::TimelineLine line(content, number, options.name);
+    if (line.fields() < 3)
+      ++short_lines;
+    else if (parse_body_part(line.field(2)))
+      ++lines_with_parts;
   });
-  return short_lines > 0 && (options.as_published || short_lines == lines);
+  return options.as_published ? short_lines > 0 : lines > 0 && short_lines + lines_with_parts == lines;
 }
 
-/// Lines "text # duration"; blank lines are skipped. Throws timeline_error 501, 502, 504, 507.
+/// Lines "text # duration"; blank lines are skipped. Body parts may follow, as in timelines, and have no effect: a
+/// single text moves the whole body. `as_published` takes any further field. Throws timeline_error 501 ... 504, 507.
 inline std::vector<TimedText> parse_text_list(std::string_view text, const TimelineTextOptions& options = {}) {
   std::vector<TimedText> out;
   detail::for_each_line(text, [&](std::string_view content, Index number) {
     if (detail::trim(content).empty()) return;
     const detail::TimelineLine line(content, number, options.name);
-    if (line.fields() != 2) line.fail(501, std::min<std::size_t>(line.fields(), 2), "expected 'text # duration'");
+    if (line.fields() < 2) line.fail(501, line.fields(), "expected 'text # duration'");
+    if (!options.as_published) line.parts(2);
     const double seconds = line.seconds(1);
     if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, 1, "'", line.field(1), "' is too long");
     const Index frames = frame_at(seconds, options.fps);

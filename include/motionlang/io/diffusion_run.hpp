@@ -70,7 +70,7 @@ inline void read_stmc(DiffusionRun& out, const RunReader& r) {
       .ff_size = r.size(layer + "0.linear1.weight", 0, {"diffusion/denoiser/ff_size"}),
       .num_layers = r.count(layer, ".linear1.weight", {"diffusion/denoiser/num_layers"}),
       .num_heads = r.number({"diffusion/denoiser/num_heads"}, 8, 1024),
-      .nb_registers = r.size("registers", 0, {"diffusion/denoiser/nb_registers"}),
+      .nb_registers = r.size_if_any("registers", 0, {"diffusion/denoiser/nb_registers"}),
       .activation = parse_activation(r.one_of("diffusion/denoiser/activation", "gelu", {"gelu", "relu"}))};
   out.steps =
       r.number({"diffusion/timesteps", "diffusion/schedule/timesteps", "diffusion/schedule/steps"}, 100, 10'000);

@@ -50,10 +50,11 @@ inline std::string metadata_text(const Metadata& metadata, const std::string& ke
   return found == metadata.end() ? otherwise : found->second;
 }
 /// A size that a file may ask for: a hostile one must not make us allocate.
-inline Index metadata_size(const Metadata& metadata, const std::string& key, Index largest, const std::string& file) {
+inline Index metadata_size(const Metadata& metadata, const std::string& key, Index largest, const std::string& file,
+                           Index smallest = 1) {
   const auto n = metadata_number<Index>(metadata, key, file);
-  if (n < 1 || n > largest)
-    raise<config_error>(101, file, ": metadata '", key, "' = ", n, " is not in 1 ... ", largest);
+  if (n < smallest || n > largest)
+    raise<config_error>(101, file, ": metadata '", key, "' = ", n, " is not in ", smallest, " ... ", largest);
   return n;
 }
 inline double metadata_real(const Metadata& metadata, const std::string& key, double least, double largest,
@@ -164,7 +165,7 @@ inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
   c.denoiser.ff_size = size("denoiser.ff_size", 32768);
   c.denoiser.num_layers = size("denoiser.num_layers", 256);
   c.denoiser.num_heads = heads("denoiser.num_heads", c.denoiser.latent_dim);
-  c.denoiser.nb_registers = size("denoiser.nb_registers", 256);
+  c.denoiser.nb_registers = detail::metadata_size(m, "denoiser.nb_registers", 256, name, 0);
   c.text.width = size("text.width", 8192);
   c.text.heads = heads("text.heads", c.text.width);
   c.text.d_ff = size("text.d_ff", 32768);
@@ -216,7 +217,7 @@ inline void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, I
     }
   };
   const MdmSmplConfig& d = c.denoiser;
-  expect("denoiser.registers", {d.nb_registers, d.latent_dim});
+  if (d.nb_registers > 0) expect("denoiser.registers", {d.nb_registers, d.latent_dim});
   expect("denoiser.skel_embedding.weight", {d.latent_dim, d.nfeats});
   expect("denoiser.tx_embedding.0.weight", {2 * d.latent_dim, d.tx_dim});
   transformer("denoiser.seqTransEncoder", d.num_layers, d.latent_dim, d.ff_size);

@@ -7,8 +7,8 @@
 ///     load_module(model, file, "denoiser.");
 ///     if (const FileValue* epoch = file.value("epoch")) ...
 ///
-/// Nothing in a file is executed: objects of classes that are not known are skipped, and listed. Tensors that lie in
-/// order in the file are views of it, without a copy.
+/// Nothing in a file is executed: objects of classes that are not known are skipped, and listed; numbers and texts in
+/// their fields are read as values. Tensors that lie in order in the file are views of it, without a copy.
 ///
 /// Memory   besides the mapped file at most twice its size and 64 MiB. What is packed as a whole (a joblib dump that
 ///          was written with compress=, or gzip) is unpacked in memory: to at most twice the size of the file and 30
@@ -16,6 +16,9 @@
 ///          io_error 405, and what is packed with bzip2, xz, lzma, lz4 or zstd with 404: unpack it first
 /// Source   spec weights.md
 #pragma once
+
+#include <algorithm>      // find
+#include <unordered_map>  // objects that were looked into
 
 #include <motionlang/io/file_value.hpp>
 #include <motionlang/io/gzip.hpp>
@@ -105,7 +108,11 @@ class WeightReader {
  public:
   /// file_size   an honest file has no more values to look at than bytes
   WeightReader(WeightFile& out, TensorMemory& memory, const WeightOptions& options, std::uint64_t file_size)
-      : out_(out), memory_(memory), options_(options), visits_left_(std::min(10'000 + file_size, most_visits)) {}
+      : out_(out),
+        memory_(memory),
+        options_(options),
+        visits_left_(std::min(10'000 + file_size, most_visits)),
+        visits_for_known_(visits_left_ / 2) {}
 
   void read(const TorchFile& file) {
     torch_ = &file;
@@ -169,7 +176,8 @@ class WeightReader {
     return std::nullopt;
   }
   bool selected() const {
-    return path_.size() >= selection_.size() && std::equal(selection_.begin(), selection_.end(), path_.begin());
+    return unknown_.empty() && path_.size() >= selection_.size() &&
+           std::equal(selection_.begin(), selection_.end(), path_.begin());
   }
 
   // Walking through a pickle.
@@ -234,7 +242,7 @@ class WeightReader {
     spend_visits(dict, dict.size() / 8);
     return dict.find(key);
   }
-  /// What an object of omegaconf stands for.
+  /// What an object of omegaconf stands for, or of a class that is made like it.
   std::optional<PickleValue> content(const PickleValue& state) {
     const auto inner = find_counted(state, "_content");
     return inner ? inner : find_counted(state, "_val");
@@ -263,9 +271,62 @@ class WeightReader {
       visit_entries(*state);
     } else if (v.size() > 0) {  // of a class that behaves like a list or a dictionary
       v.keyed() ? visit_entries(v) : visit_list(v);
+      visit_unknown(v);
     } else {
-      skip(name, "an object of class ");
+      if (unknown_.empty()) skip(name, "an object of class ");
+      visit_unknown(v);
     }
+  }
+
+  /// The fields of an object whose class nobody knows, as values. Its tensors are passed over: the class may mean
+  /// anything by them. Objects may share others and lead back to themselves, so each is looked into a few times at
+  /// most, and all of them together leave enough visits for what is known.
+  void visit_unknown(const PickleValue& v) {
+    constexpr int most_looks = 4;
+    const bool inside = std::ranges::find(unknown_, v.id()) != unknown_.end();
+    if (inside || looks_.size() >= most_values || out_.values_.size() >= most_values) return;
+    if (++looks_[v.id()] > most_looks) return;
+    const std::uint64_t kept = unknown_.empty() ? std::min(visits_left_, visits_for_known_) : 0;
+    visits_left_ -= kept;
+    unknown_.push_back(v.id());
+    const std::size_t keys = path_.size(), depth = depth_;
+    guard<io_error>([&] { visit_fields(v); }, [](const io_error&) { return true; });
+    path_.resize(keys);  // where there were too many
+    depth_ = depth;
+    unknown_.pop_back();
+    visits_left_ += kept;
+  }
+  /// Fields are the entries of dictionaries: of the state, of several in the state (attributes and slots, the keywords
+  /// of functools.partial), and among the arguments of the call that made the object. An object that was made from one
+  /// other value only stands for that value, as an Enum does.
+  void visit_fields(const PickleValue& v) {
+    constexpr std::size_t most_dictionaries = 8;
+    std::vector<PickleValue> fields;
+    const auto add = [&](const PickleValue& from) {
+      spend_visits(v, from.size() / 8);
+      if (from.keyed()) return fields.push_back(from);
+      for (std::size_t i = 0; i < from.size() && fields.size() < most_dictionaries; ++i) {
+        if (from[i].keyed()) fields.push_back(from[i]);
+      }
+    };
+    add(v.arguments());
+    if (v.has_state()) add(v.state());
+    for (const PickleValue& f : fields) {
+      if (const auto inner = content(f)) return visit(*inner);
+    }
+    std::vector<PickleValue> visited;
+    if (v.keyed()) visited.push_back(v);
+    for (const PickleValue& f : fields) {
+      if (std::ranges::none_of(visited, [&](const PickleValue& other) { return have_same_keys(f, other); }))
+        visit_entries(f);
+      visited.push_back(f);
+    }
+    const bool alone = visited.empty() && v.size() == 0 && !v.has_state() && v.arguments().size() == 1;
+    if (alone) visit(v.arguments()[0]);
+  }
+  /// Compares the number of keys and the first one: some classes keep their entries as attributes, too.
+  static bool have_same_keys(const PickleValue& a, const PickleValue& b) {
+    return a.size() == b.size() && a.size() > 0 && a.key(0).is(PickleKind::text) && b.find(a.key(0).text());
   }
 
   // What was found.
@@ -411,7 +472,9 @@ class WeightReader {
   char separator_ = '/';
   std::vector<std::string> selection_;
   std::vector<std::string_view> path_;  // keys from the root to the value that is looked at
-  std::uint64_t visits_left_;
+  std::uint64_t visits_left_, visits_for_known_;
+  std::vector<std::uint32_t> unknown_;              // objects around the value whose classes nobody knows
+  std::unordered_map<std::uint32_t, int> looks_{};  // how often such objects were looked into
   std::size_t depth_ = 0;  // values around the one that is looked at; objects that stand for another one add no key
   bool joblib_ = false;
 };

@@ -148,6 +148,77 @@ TEST_CASE("checkpoints: the tensors are found, other entries are told, classes t
   CHECK_ERROR(open("checkpoint.ckpt", {.path = "", .strict = true}), "an object of class nobody.Config at 'config'");
 }
 
+TEST_CASE("configurations in objects of classes that nobody knows are read, their tensors are not") {
+  for (int protocol = 1; protocol <= 5; ++protocol) {
+    CAPTURE(protocol);
+    const std::string name = ml::concat_text("objects_p", protocol, ".ckpt");
+    const auto file = open(name);
+    CHECK(file.names() == std::vector<std::string>{"a"});
+    const auto has = [&](const std::string& object, const auto&... fields) {
+      CAPTURE(object);
+      const auto check = [&](const std::string& field) {
+        const std::string path = "hyper_parameters/" + object + "/" + field;
+        if (field == "latent_dim") CHECK(value<std::int64_t>(file, path) == 256);
+        if (field == "name") CHECK(value<std::string>(file, path) == "temos");
+        if (field == "vae") CHECK(value<bool>(file, path));
+        if (field == "rate") CHECK(value<double>(file, path) == 1e-4);
+      };
+      (check(fields), ...);
+    };
+    has("plain", "latent_dim", "name", "vae", "rate");
+    has("nested/inner", "latent_dim", "name", "vae", "rate");
+    has("loop", "latent_dim", "name", "vae", "rate");
+    has("namespace", "latent_dim", "name", "vae", "rate");
+    has("simple", "latent_dim", "name", "vae", "rate");
+    has("tree", "latent_dim", "name");
+    has("settings", "latent_dim", "name");
+    has("repeated", "latent_dim", "name");
+    has("frozen", "latent_dim", "name");
+    has("ordered", "latent_dim");
+    has("user/data", "latent_dim");
+    has("partial", "latent_dim");
+    if (protocol >= 2) has("slots", "latent_dim"), has("slots_too", "latent_dim", "name");
+    if (protocol >= 4) has("keywords", "latent_dim");
+    CHECK(value<std::int64_t>(file, "hyper_parameters/nested/layers/0") == 1);
+    CHECK(value<std::int64_t>(file, "hyper_parameters/nested/layers/1/heads") == 4);
+    CHECK(value<std::int64_t>(file, "hyper_parameters/tree/inner/heads") == 4);
+    CHECK(value<std::string>(file, "hyper_parameters/mode") == "training");
+    CHECK(value<std::string>(file, "hyper_parameters/nested/mode") == "training");
+    for (const ml::FileValue& v : file.values()) {  // once each: loops end, and what stands twice is there once
+      CHECK_MESSAGE(v.path.find("again") == std::string::npos, v.path);
+      CHECK_MESSAGE(v.path.find("_parent") == std::string::npos, v.path);
+      CHECK_MESSAGE(file.value(v.path) == &v, v.path);
+    }
+    // the state dictionary is known throughout, the root is not
+    CHECK(open(name, {.path = {}, .strict = true}).names() == file.names());
+    CHECK_ERROR(open(name, {.path = "", .strict = true}),
+                "an object of class nobody.Config at 'hyper_parameters/plain'");
+  }
+}
+
+TEST_CASE("graphs of objects that nobody knows end, and leave the rest of the file to be read") {
+  // Object i holds all later ones twice: 2^30 ways through them. Then a dictionary that 3,000 objects share.
+  std::string graph = "\x80\x02}(U\1g(l";
+  for (int i = 0; i < 30; ++i) {
+    graph += ml::concat_text("cnobody\nNode\n)\x81p", i, "\n}(");
+    for (int k = std::max(0, i - 10); k < i; ++k)
+      graph += ml::concat_text("S'a", k, "'\ng", k, "\nS'b", k, "'\ng", k, "\n");
+    graph +=
+        "ub"
+        "a";
+  }
+  graph += "U\1h}p99\n(";
+  for (int i = 0; i < 2000; ++i) graph += ml::concat_text("S'", i, "'\n]");
+  graph += "uU\1s(l";
+  for (int i = 0; i < 3000; ++i) graph += "cnobody\nNode\n)\x81g99\nba";
+  graph += "U\1x](K\1K\2eU\1yK\3u.";
+  const std::clock_t start = std::clock();
+  const auto file = ml::WeightFile::from_bytes(std::as_bytes(std::span(graph)), "x.pkl");
+  CHECK((std::clock() - start) / CLOCKS_PER_SEC < 5);
+  CHECK(file.names() == std::vector<std::string>{"x"});
+  CHECK(value<std::int64_t>(file, "y") == 3);
+}
+
 TEST_CASE("each of several values of one class is skipped by its own keys, the first thousand are told") {
   std::string pickle = "\x80\x02(dS'layers'\n(l";
   for (int i = 0; i < 1001; ++i)

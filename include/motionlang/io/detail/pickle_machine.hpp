@@ -548,9 +548,10 @@ class PickleMachine {
         return call_with_tuple(pop(), arguments);
       }
       case 0x92: {
-        pop_node(PickleKind::dict);
+        const PickleRef keywords = top();
+        const bool none = pop_node(PickleKind::dict).items.empty();
         const PickleRef arguments = pop();
-        return call_with_tuple(pop(), arguments);
+        return call_with_tuple(pop(), none ? arguments : with_last(arguments, keywords));
       }
       case 'i': {
         const std::string_view module = line(max_line);
@@ -584,6 +585,13 @@ class PickleMachine {
     const auto n = number<std::int32_t>("length");
     if (n < 0) fail(403, "a negative length");
     return static_cast<std::uint64_t>(n);
+  }
+  /// A tuple with one value more: keyword arguments stand behind the others.
+  PickleRef with_last(PickleRef tuple, PickleRef last) {
+    std::vector<PickleRef> items = nodes_[tuple].items;
+    items.push_back(last);
+    push_items(nodes_[tuple].kind, std::move(items));
+    return pop();
   }
   void call_with_tuple(PickleRef callee, PickleRef arguments) {
     const PickleKind kind = nodes_[callee].kind;

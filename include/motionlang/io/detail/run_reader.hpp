@@ -46,6 +46,11 @@ class RunReader {
     }
     return found;
   }
+  /// The same for a tensor that may be missing: then an option has to state the size 0.
+  Index size_if_any(const std::string& name, int axis, std::initializer_list<const char*> options) const {
+    const bool none = !has(name) && std::ranges::any_of(options, [&](const char* key) { return whole(key) == 0; });
+    return none ? 0 : size(name, axis, options);
+  }
   /// How many tensors there are of a numbered name, "layers.#.weight".
   Index count(const std::string& before, const std::string& behind, std::initializer_list<const char*> options) const {
     Index n = 0;
