@@ -37,6 +37,7 @@
 #include <motionlang/core/scalar_math.hpp>
 #include <motionlang/core/shape.hpp>
 #include <motionlang/core/sort.hpp>
+#include <motionlang/core/standard_library.hpp>
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/core/thread_object.hpp>
 #include <motionlang/core/torch_random.hpp>

@@ -14,7 +14,6 @@
 ///          wrong with the whole of a timeline is found when it is planned, and named by line and column of an interval
 #pragma once
 
-#include <charconv>     // numbers
 #include <cmath>        // abs
 #include <optional>     // times
 #include <span>         // several timelines
@@ -22,6 +21,7 @@
 #include <type_traits>  // frames or seconds
 
 #include <motionlang/compose/timeline.hpp>
+#include <motionlang/core/standard_library.hpp>
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/core/utf8.hpp>
 
@@ -53,7 +53,7 @@ template <class... T>
 inline std::optional<double> parse_seconds(std::string_view text) {
   double t = 0;
   const char* last = text.data() + text.size();
-  const auto [end, status] = std::from_chars(text.data(), last, t);
+  const auto [end, status] = detail::from_chars(text.data(), last, t);
   const bool good = status == std::errc{} && end == last && std::abs(t) <= static_cast<double>(latest_time);
   return good ? std::optional(t) : std::nullopt;
 }
@@ -167,9 +167,9 @@ inline void append_python_float(std::string& out, double x) {
   char digits[64];
   const double size = std::abs(x);
   const bool fixed = size == 0 || (size >= 1e-4 && size < 1e16);
-  const auto end =
-      std::to_chars(digits, digits + sizeof digits, x, fixed ? std::chars_format::fixed : std::chars_format::scientific)
-          .ptr;
+  const auto end = detail::to_chars(digits, digits + sizeof digits, x,
+                                    fixed ? std::chars_format::fixed : std::chars_format::scientific)
+                       .ptr;
   const std::string_view text(digits, static_cast<std::size_t>(end - digits));
   out += text;
   if (fixed && text.find('.') == text.npos) out += ".0";

@@ -8,6 +8,7 @@
 #include <vector>   // nodes, values
 
 #include <motionlang/core/shape.hpp>
+#include <motionlang/core/standard_library.hpp>
 #include <motionlang/geometry/vec.hpp>
 #include <motionlang/io/detail/bytes.hpp>
 #include <motionlang/io/detail/text_scanner.hpp>
@@ -174,7 +175,7 @@ namespace detail {
 /// Fixed notation, no exponent; never "-0.000000".
 inline void append_fixed(std::string& out, double value, int decimals) {
   char digits[400];  // the largest double has 309 digits before the point
-  const auto end = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed, decimals).ptr;
+  const auto end = detail::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed, decimals).ptr;
   const std::string_view text(digits, static_cast<std::size_t>(end - digits));
   const bool zero = text.find_first_not_of("-0.") == text.npos;
   out += zero && text[0] == '-' ? text.substr(1) : text;

@@ -7,10 +7,10 @@
 /// Source  Guo et al. (CVPR 2022); spec humanml3d-features.md 8 and 10, exchange-formats.md 5.2
 #pragma once
 
-#include <charconv>  // numbers
-#include <cmath>     // isnan
-#include <utility>   // exchange
+#include <cmath>    // isnan
+#include <utility>  // exchange
 
+#include <motionlang/core/standard_library.hpp>
 #include <motionlang/features/humanml3d_source.hpp>
 #include <motionlang/io/id_list.hpp>
 #include <motionlang/text/mirror_caption.hpp>
@@ -32,7 +32,7 @@ namespace detail {
 inline double caption_time(std::string_view field, std::string_view name, Index line) {
   field = trim(field);
   double seconds = 0;
-  const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), seconds);
+  const auto [end, status] = detail::from_chars(field.data(), field.data() + field.size(), seconds);
   if (status == std::errc{} && end == field.data() + field.size()) {
     if (std::isnan(seconds)) return 0;
     if (seconds >= 0 && std::isfinite(seconds)) return seconds;
@@ -151,7 +151,7 @@ inline std::vector<HumanMl3dSource> parse_humanml3d_index(std::string_view text,
     if (fields.size() != 4) raise<io_error>(403, name, ":", number, ": ", fields.size(), " fields, 4 are expected");
     auto frame = [&](std::string_view field) {
       Index value = 0;
-      const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), value);
+      const auto [end, status] = detail::from_chars(field.data(), field.data() + field.size(), value);
       if (status != std::errc{} || end != field.data() + field.size() || value < -1)
         raise<io_error>(403, name, ":", number, ": '", field.substr(0, 40), "' is no frame");
       return value;

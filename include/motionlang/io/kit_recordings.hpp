@@ -12,9 +12,9 @@
 #include <dirent.h>  // opendir
 
 #include <algorithm>  // sort
-#include <charconv>   // numbers
 #include <cmath>      // isfinite
 
+#include <motionlang/core/standard_library.hpp>
 #include <motionlang/geometry/vec.hpp>
 #include <motionlang/io/id_list.hpp>
 #include <motionlang/io/json.hpp>
@@ -46,7 +46,7 @@ inline std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::st
       const std::size_t end = std::min(line.find(',', at), line.size());
       const std::string_view field = detail::trim(line.substr(at, end - at));
       double value = 0;
-      const auto [last, status] = std::from_chars(field.data(), field.data() + field.size(), value);
+      const auto [last, status] = detail::from_chars(field.data(), field.data() + field.size(), value);
       if (status != std::errc{} || last != field.data() + field.size() || !std::isfinite(value))
         raise<io_error>(403, name, ":", number, ": '", field.substr(0, 40), "' is no number");
       if (n < columns) values[n] = value;

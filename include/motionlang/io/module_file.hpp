@@ -5,7 +5,6 @@
 
 #include <algorithm>  // find_if
 #include <atomic>     // a finding of several threads
-#include <bit>        // bit_cast
 #include <cmath>      // isfinite
 #include <cstdint>    // bit patterns
 #include <limits>     // infinity
@@ -13,6 +12,7 @@
 
 #include <motionlang/core/buffer_pool.hpp>
 #include <motionlang/core/parallel.hpp>
+#include <motionlang/core/standard_library.hpp>
 #include <motionlang/io/key_report.hpp>
 #include <motionlang/io/safetensors.hpp>
 #include <motionlang/tensor/gradient.hpp>
@@ -34,12 +34,12 @@ namespace detail {
 template <Scalar S>
 bool all_finite(std::span<const S> numbers) {
   using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
-  constexpr Bits exponent = std::bit_cast<Bits>(std::numeric_limits<S>::infinity());
+  constexpr Bits exponent = detail::bit_cast<Bits>(std::numeric_limits<S>::infinity());
   std::atomic<bool> finite{true};
   parallel_ranges(std::ssize(numbers), 1, [&](Index first, Index last) {
     Bits wrong = 0;
     for (const S x : numbers.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first)))
-      wrong |= static_cast<Bits>((std::bit_cast<Bits>(x) & exponent) == exponent);
+      wrong |= static_cast<Bits>((detail::bit_cast<Bits>(x) & exponent) == exponent);
     if (wrong != 0) finite.store(false, std::memory_order_relaxed);
   });
   return finite;

@@ -12,10 +12,10 @@
 #pragma once
 
 #include <algorithm>  // replace
-#include <charconv>   // numbers
 #include <map>        // lines of keys
 #include <optional>   // a key without its value
 
+#include <motionlang/core/standard_library.hpp>
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/io/file_value.hpp>
 #include <motionlang/io/json.hpp>
@@ -94,12 +94,12 @@ inline void OptionValues::add_text(const std::string& path, std::string_view tex
   const char* const end = text.data() + text.size();
   const auto all_of_it = [&](const std::from_chars_result& r) { return r.ec == std::errc{} && r.ptr == end; };
   std::int64_t integer = 0;
-  const auto whole = std::from_chars(text.data(), end, integer);
+  const auto whole = detail::from_chars(text.data(), end, integer);
   if (!text.empty() && all_of_it(whole)) return add(path, integer);
   if (whole.ec == std::errc::result_out_of_range && whole.ptr == end) return add(path, std::string(text));
   double real = 0;
   const bool number = !text.empty() && text.find_first_not_of("0123456789+-.eE") == text.npos;
-  if (number && all_of_it(std::from_chars(text.data(), end, real))) return add(path, real);
+  if (number && all_of_it(detail::from_chars(text.data(), end, real))) return add(path, real);
   add(path, is_quoted(text) ? unquoted(text) : std::string(text));
 }
 

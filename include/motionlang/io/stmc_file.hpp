@@ -6,8 +6,7 @@
 ///             license, provenance, data, command, commit. Nothing in the file is executed.
 #pragma once
 
-#include <charconv>  // numbers in the metadata
-
+#include <motionlang/core/standard_library.hpp>  // numbers in the metadata
 #include <motionlang/io/module_file.hpp>
 #include <motionlang/systems/stmc.hpp>
 
@@ -33,7 +32,7 @@ using Metadata = std::map<std::string, std::string>;
 template <class N>
 N number_in_metadata(std::string_view text, const std::string& key, const std::string& file) {
   N value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const auto [end, error] = detail::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) {
     raise<config_error>(107, file, ": metadata '", key, "' = '", text, "' is not a number");
   }

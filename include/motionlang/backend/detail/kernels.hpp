@@ -10,7 +10,6 @@
 
 #include <algorithm>    // min, max
 #include <atomic>       // kernels of the current precision
-#include <bit>          // bit_cast
 #include <cmath>        // sqrt, erf, tanh
 #include <cstddef>      // byte
 #include <cstdint>      // bit patterns
@@ -25,6 +24,7 @@
 #include <motionlang/core/dropout.hpp>
 #include <motionlang/core/error.hpp>
 #include <motionlang/core/instruction_set.hpp>
+#include <motionlang/core/standard_library.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {

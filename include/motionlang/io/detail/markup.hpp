@@ -2,10 +2,10 @@
 /// Text and numbers as they stand in SVG and HTML.
 #pragma once
 
-#include <charconv>     // to_chars
 #include <string>       // output
 #include <string_view>  // input
 
+#include <motionlang/core/standard_library.hpp>
 #include <motionlang/core/utf8.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -49,7 +49,7 @@ inline std::string escape_markup(std::string_view text) {
 /// A number with a fixed count of decimals, without zeros at the end.
 inline std::string fixed(double value, int decimals = 1) {
   char digits[64];
-  const auto end = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed, decimals);
+  const auto end = detail::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed, decimals);
   if (end.ec != std::errc()) return "0";
   std::string out(digits, end.ptr);
   if (out.find('.') != std::string::npos) {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>      // find
-#include <charconv>       // numbers as text
 #include <deque>          // unescaped texts: views to them stay valid
 #include <span>           // file
 #include <string>         // messages
@@ -12,6 +11,7 @@
 #include <utility>        // opcodes and their names
 #include <vector>         // stack
 
+#include <motionlang/core/standard_library.hpp>
 #include <motionlang/core/utf8.hpp>
 #include <motionlang/io/detail/bytes.hpp>
 
@@ -262,7 +262,7 @@ class PickleMachine {
   T parse(std::string_view digits, const char* what) {
     T value{};
     const char* const end = digits.data() + digits.size();
-    const auto [stop, problem] = std::from_chars(digits.data(), end, value);
+    const auto [stop, problem] = detail::from_chars(digits.data(), end, value);
     if (problem != std::errc() || stop != end) fail(403, "not ", what, ": '", digits, "'");
     return value;
   }
@@ -270,7 +270,7 @@ class PickleMachine {
     if (digits.ends_with('L')) digits.remove_suffix(1);
     std::int64_t value = 0;
     const char* const end = digits.data() + digits.size();
-    const auto [stop, problem] = std::from_chars(digits.data(), end, value);
+    const auto [stop, problem] = detail::from_chars(digits.data(), end, value);
     if (problem == std::errc::invalid_argument || stop != end) fail(403, "not a whole number: '", digits, "'");
     if (problem != std::errc()) return push_text(PickleKind::text, digits);
     push_integer(value);
@@ -501,7 +501,7 @@ class PickleMachine {
       }
       case 'L': push_decimal(line(max_digits)); return;
       case 'F': push_real(parse<double>(line(max_digits), "a real number")); return;
-      case 'G': push_real(std::bit_cast<double>(__builtin_bswap64(number<std::uint64_t>("real number")))); return;
+      case 'G': push_real(detail::bit_cast<double>(__builtin_bswap64(number<std::uint64_t>("real number")))); return;
       case 0x8A: push_long(take(number<std::uint8_t>("length"), "integer")); return;
       case 0x8B: push_long(take(length(), "integer")); return;
 

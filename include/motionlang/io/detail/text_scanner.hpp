@@ -3,7 +3,6 @@
 /// between blanks (BVH, ASF, AMC); knows no format itself.
 #pragma once
 
-#include <charconv>     // from_chars: numbers without the locale
 #include <cmath>        // isfinite
 #include <concepts>     // integral
 #include <cstdint>      // uint64_t
@@ -11,6 +10,7 @@
 #include <string_view>  // the text
 
 #include <motionlang/core/error.hpp>
+#include <motionlang/core/standard_library.hpp>  // from_chars: numbers without the locale
 #include <motionlang/core/text_lines.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -175,7 +175,7 @@ class TextScanner {
   template <class N>
   static std::from_chars_result from_digits(std::string_view w, N& value) {
     if (w.size() > 1 && w[0] == '+' && w[1] != '-') w.remove_prefix(1);
-    return std::from_chars(w.data(), w.data() + w.size(), value);
+    return detail::from_chars(w.data(), w.data() + w.size(), value);
   }
   Place place(std::size_t offset) const {
     std::size_t line = 1, start = 0;
