@@ -5,7 +5,7 @@
 /// Source  Mahmood et al. (ICCV 2019); spec body-models.md 6
 #pragma once
 
-#include <algorithm>    // copy_n, find
+#include <algorithm>    // copy_n, find_if
 #include <array>        // names of parts
 #include <cmath>        // isfinite
 #include <optional>     // a rate that may be missing
@@ -120,7 +120,8 @@ inline AmassSequence read_amass_sequence(const FilePath& path, double fps = 0) {
   };
   AmassSequence out;
   std::string_view path_name = "trans";
-  const auto names = std::ranges::find(detail::pose_part_names, amass_poses(npz), &detail::PosePartNames::root);
+  const auto names = std::find_if(std::begin(detail::pose_part_names), std::end(detail::pose_part_names),
+                                  [root = amass_poses(npz)](const auto& n) { return n.root == root; });
   if (names != std::end(detail::pose_part_names)) {
     detail::join_pose_parts(npz, *names, matrix, out);
     path_name = names->path;

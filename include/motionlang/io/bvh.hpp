@@ -6,7 +6,7 @@
 /// channel replaces that coordinate of the OFFSET.
 #pragma once
 
-#include <algorithm>      // any_of, count, count_if
+#include <algorithm>      // any_of, count_if
 #include <numbers>        // pi
 #include <unordered_map>  // names
 #include <unordered_set>  // names
@@ -222,7 +222,10 @@ inline Motion to_motion(const Bvh& file, const BvhReadOptions& options = {}) {
   return motion;
 }
 /// How many ROOTs the file has: each is a motion of its own.
-inline int bvh_roots(const Bvh& file) { return static_cast<int>(std::ranges::count(file.nodes, -1, &BvhNode::parent)); }
+inline int bvh_roots(const Bvh& file) {
+  return static_cast<int>(
+      std::count_if(file.nodes.begin(), file.nodes.end(), [](const BvhNode& n) { return n.parent == -1; }));
+}
 /// Names of the joints below a root that move through positions of their own, as bones that stretch do: to_motion
 /// leaves this out. Throws config_error 101 (number of the root).
 inline std::vector<std::string> stretched_joints(const Bvh& file, int root = 0) {

@@ -3,7 +3,7 @@
 /// film strip, the viewer and GLB files show. Only the search for the head looks at names.
 #pragma once
 
-#include <algorithm>  // max, min
+#include <algorithm>  // max, min, min_element
 #include <cctype>     // tolower
 #include <optional>   // soles
 
@@ -98,7 +98,8 @@ struct Anatomy {
 /// toes.
 inline std::optional<RoundCone> sole(const Anatomy& anatomy, const RoundCone& bone, double reach) {
   const double unit = anatomy.size / 1.6, start = anatomy.rest[static_cast<std::size_t>(bone.joint)].y;
-  const double floor = std::ranges::min(anatomy.rest, {}, &Vec3<double>::y).y;
+  const auto lower = [](const Vec3<double>& a, const Vec3<double>& b) { return a.y < b.y; };
+  const double floor = std::min_element(anatomy.rest.begin(), anatomy.rest.end(), lower)->y;
   const Vec3<double> forward{bone.to.x, 0, bone.to.z};
   if (start - floor > 0.15 * unit || reach > 0.12 * unit || bone.side == Side::middle) return std::nullopt;
   if (norm(forward) < 0.05 * unit) return std::nullopt;

@@ -56,7 +56,7 @@ class GlbBuilder {
                                    : std::string_view(type) == "VEC4" ? 4
                                                                       : 16;
     if constexpr (std::same_as<T, float>) {
-      if (!std::ranges::all_of(values, [](float x) { return std::isfinite(x); }))
+      if (!std::all_of(values.begin(), values.end(), [](float x) { return std::isfinite(x); }))
         raise<numeric_error>(301, "GLB: a number is too large for single precision");
     }
     binary_.resize((binary_.size() + 3) / 4 * 4);

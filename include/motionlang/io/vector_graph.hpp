@@ -16,6 +16,8 @@
 ///         small world graphs" (TPAMI 2020)
 #pragma once
 
+#include <algorithm>  // equal
+
 #include <motionlang/core/progress.hpp>
 #include <motionlang/io/detail/bytes.hpp>
 #include <motionlang/io/detail/system_file.hpp>
@@ -290,7 +292,7 @@ inline IndexExtras motion_graphs([[maybe_unused]] const MotionIndex& index, [[ma
         if (std::string_view(old.name) == name) known = old.rows;
     }
     const bool only_added =
-        !known.empty() && known.size() <= rows.size() && std::ranges::equal(known, rows.first(known.size()));
+        !known.empty() && known.size() <= rows.size() && std::equal(known.begin(), known.end(), rows.begin());
     out[name] = (only_added ? VectorGraph::extended(graph, std::ssize(known) / width, rows, width, progress,
                                                     before->name() + ": " + name)
                             : VectorGraph::build(rows, width, {}, progress))

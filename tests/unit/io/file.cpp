@@ -28,7 +28,7 @@ std::string numbered(std::size_t size) {
 }
 bool holds(const std::shared_ptr<const ml::MappedFile>& file, const std::string& text) {
   const auto bytes = std::as_bytes(std::span(text));
-  return std::ranges::equal(file->bytes(), bytes);
+  return std::equal(file->bytes().begin(), file->bytes().end(), bytes.begin(), bytes.end());
 }
 
 }  // namespace

@@ -226,7 +226,7 @@ TEST_CASE("each of several values of one class is skipped by its own keys, the f
         "cnobody\nLayer\n)\x81"
         "a";
   pickle += "sS'x'\n(lI1\naI2\nas.";
-  const auto file = ml::WeightFile::from_bytes(std::as_bytes(std::span(pickle)), "x.pkl");
+  const auto file = ml::WeightFile::from_bytes(std::as_bytes(std::span<const char>(pickle)), "x.pkl");
   CHECK(file.names() == std::vector<std::string>{"x"});
   REQUIRE(file.skipped().size() == 1000);
   CHECK(to_string(file.skipped().front()) == "nobody.Layer at 'layers/0'");
@@ -236,7 +236,7 @@ TEST_CASE("each of several values of one class is skipped by its own keys, the f
 TEST_CASE("whole numbers and bytes are keys; entries with others are skipped, and what is nested too deeply") {
   using namespace std::string_view_literals;
   const auto opened = [](std::string_view pickle) {
-    return ml::WeightFile::from_bytes(std::as_bytes(std::span(pickle)), "x.pkl");
+    return ml::WeightFile::from_bytes(std::as_bytes(std::span<const char>(pickle)), "x.pkl");
   };
   const auto file =
       opened("\x80\x03}(X\1\0\0\0a}(K\0}C\1b](K\1K\2esK\1\x85](K\3eG\0\0\0\0\0\0\0\0](K\4e\x88](K\5euu."sv);
@@ -381,7 +381,7 @@ TEST_CASE("what asks for more than the file justifies is refused") {
 TEST_CASE("objects that share a large state, and numbers of NumPy that cannot be read, end in time") {
   const auto refused = [](const std::string& pickle, const ml::WeightOptions& options) {
     const std::clock_t start = std::clock();
-    const auto bytes = std::as_bytes(std::span(pickle));
+    const auto bytes = std::as_bytes(std::span<const char>(pickle));
     CHECK_ERROR(ml::WeightFile::from_bytes(bytes, "x.pkl", {}, options),
                 "[motionlang.io.405] x.pkl: more values to look at");
     CHECK((std::clock() - start) / CLOCKS_PER_SEC < 5);
@@ -437,7 +437,7 @@ std::vector<std::byte> changed_archive(std::string_view more, const std::string&
     if (e.name.ends_with("/data.pkl")) ml::detail::append_text(bytes, more);
     out.add(e.name, bytes);
   }
-  if (!name.empty()) out.add(name, std::as_bytes(std::span(content)));
+  if (!name.empty()) out.add(name, std::as_bytes(std::span<const char>(content)));
   return out.finish();
 }
 
@@ -462,7 +462,7 @@ TEST_CASE("PyTorch: tensors that are negated on reading, whole modules") {
         "cpuK\x06tQK\x00K\x02K\x03\x86K\x03K\x01\x86\x89}"sv,
         metadata, "tRs."sv);
     ml::ZipWriter zip;
-    zip.add("a/data.pkl", std::as_bytes(std::span(pickle)));
+    zip.add("a/data.pkl", std::as_bytes(std::span<const char>(pickle)));
     zip.add("a/data/0", std::as_bytes(std::span(six)));
     return zip.finish();
   };

@@ -2,7 +2,7 @@
 /// Animations of a glTF document: the transform of any node at any time. Source: glTF 2.0, 3.11 and appendix C.
 #pragma once
 
-#include <algorithm>  // clamp
+#include <algorithm>  // all_of, clamp, max_element
 #include <array>      // values
 #include <cmath>      // round
 #include <limits>     // precision of a float
@@ -93,7 +93,8 @@ class GltfAnimation {
   std::optional<double> rate() const {
     const auto all = lists_of_times();
     if (all.empty()) return std::nullopt;
-    const auto most = std::ranges::max_element(all, {}, [](const auto* times) { return times->size(); });
+    const auto fewer = [](const auto* a, const auto* b) { return a->size() < b->size(); };
+    const auto most = std::max_element(all.begin(), all.end(), fewer);
     if ((*most)->size() < 2) return std::nullopt;
     const double step = duration_ / static_cast<double>((*most)->size() - 1);
     const auto is_frame =
@@ -102,7 +103,7 @@ class GltfAnimation {
           return std::abs(t / step - std::round(t / step)) < std::clamp(rounding * t / step, 0.01, 0.25);
         };
     for (const auto* times : all) {
-      if (!std::ranges::all_of(*times, is_frame)) return std::nullopt;
+      if (!std::all_of(times->begin(), times->end(), is_frame)) return std::nullopt;
     }
     const double rate = 1 / step, round = std::round(1000 * rate) / 1000;  // times are floats
     return std::abs(rate - round) <= std::numeric_limits<float>::epsilon() * rate ? round : rate;

@@ -94,7 +94,7 @@ class RunReader {
   }
   std::string one_of(const char* key, const char* otherwise, std::initializer_list<std::string_view> known) const {
     const std::string found = text(key, otherwise);
-    if (std::ranges::find(known, found) != known.end()) return found;
+    if (std::find(known.begin(), known.end(), found) != known.end()) return found;
     raise<io_error>(404, place(key), " is '", found, "', known are ", join_text(known));
   }
   std::string place(const char* key) const { return concat_text(run_->options_file.string(), ": ", key); }
