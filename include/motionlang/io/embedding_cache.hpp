@@ -80,7 +80,7 @@ class EmbeddingCache {
         if (bounds[i] < 0 || bounds[i + 1] < bounds[i] || bounds[i + 1] > count)
           raise<io_error>(403, slices, ": text ", i / 2, " has the rows ", bounds[i], " ... ", bounds[i + 1], " of ",
                           count);
-        cache.slices_.push_back({bounds[i], bounds[i + 1]});
+        cache.slices_.push_back({static_cast<Index>(bounds[i]), static_cast<Index>(bounds[i + 1])});
       }
     } else {
       for (Index i = 0; i < count; ++i) cache.slices_.push_back({i, i + 1});

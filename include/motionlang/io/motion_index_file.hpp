@@ -156,8 +156,10 @@ class MotionIndexFile {
       raise<io_error>(407, file.name(), ": 'moment_frames' is ", frames.shape, ", not three numbers for each moment");
     const auto numbers = values_of<std::int64_t>(frames);
     std::vector<MotionIndex::Moment> moments;
-    for (std::size_t i = 0; i < numbers.size(); i += 3)
-      moments.push_back({numbers[i], {numbers[i + 1], numbers[i + 2]}});
+    for (std::size_t i = 0; i < numbers.size(); i += 3) {
+      const auto number = [&](std::size_t j) { return static_cast<Index>(numbers[i + j]); };
+      moments.push_back({number(0), {number(1), number(2)}});
+    }
 
     const auto rows = [&](const char* name) { return detail::index_rows(file, name, model.width); };
     VectorTable clip_rows = rows("clips"), moment_rows = rows("moments"), caption_rows = rows("captions");
