@@ -8,11 +8,12 @@
 ///         to a file that is there already; here it is replaced.
 #pragma once
 
+#include <array>     // digits
 #include <charconv>  // ids
 #include <cmath>     // floor
-#include <cstdio>    // names of parts
 
 #include <motionlang/core/numpy_random.hpp>
+#include <motionlang/core/standard_library.hpp>
 #include <motionlang/io/humanml3d_texts.hpp>
 #include <motionlang/text/glove.hpp>
 #include <motionlang/vae/motion_tokenizer.hpp>
@@ -94,9 +95,11 @@ inline std::vector<TokenEntry> token_entries(const std::string& id, std::span<co
     }
     if (options.cut_again) lines = part.lines;
     if (!any) continue;
-    std::array<char, 64> times{};
-    std::snprintf(times.data(), times.size(), "_%f_%f", c.start, c.end);
-    part.name += times.data();
+    for (const double time : {c.start, c.end}) {
+      std::array<char, 400> digits{};  // the largest double has 309 before the point
+      char *const first = digits.data(), *const last = first + digits.size();
+      part.name.append("_").append(first, detail::to_chars(first, last, time, std::chars_format::fixed, 6).ptr);
+    }
     out.push_back(std::move(part));
   }
   if (whole.captions.empty()) return out;

@@ -5,7 +5,7 @@
 /// archives in several parts; written archives are below 4 GiB.
 #pragma once
 
-#include <algorithm>      // sort
+#include <algorithm>      // stable_sort
 #include <limits>         // no limit
 #include <memory>         // shared_ptr
 #include <unordered_set>  // repeated names
@@ -207,7 +207,7 @@ class ZipArchive {
         raise<io_error>(403, name_, ": two members are called '", e.name, "', one of them at byte ", e.offset);
       sorted.push_back(&e);
     }
-    std::sort(sorted.begin(), sorted.end(), [](auto* a, auto* b) { return a->offset < b->offset; });
+    std::stable_sort(sorted.begin(), sorted.end(), [](auto* a, auto* b) { return a->offset < b->offset; });
     for (std::size_t i = 1; i < sorted.size(); ++i) {
       if (sorted[i - 1]->offset + sorted[i - 1]->packed > sorted[i]->offset) {
         raise<io_error>(403, name_, ": members '", sorted[i - 1]->name, "' and '", sorted[i]->name,
