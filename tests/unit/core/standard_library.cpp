@@ -203,7 +203,7 @@ TEST_CASE("a locale with another decimal point changes nothing") {
   CHECK(ml::detail::with_point("-1,50e-05") == "-1.50e-05");
   CHECK(ml::detail::with_point("12\xD9\xAB"
                                "5") == "12.5");              // U+066B, as in Pashto
-  const char* name = std::getenv("MOTIONLANG_TEST_LOCALE");  // tests/compile/libcxx.cmake makes one
+  const char* name = std::getenv("MOTIONLANG_TEST_LOCALE");  // tests/compile/libcxx makes one
   if (name == nullptr) return;
   REQUIRE(std::setlocale(LC_NUMERIC, name) != nullptr);
   CHECK(std::localeconv()->decimal_point == std::string(","));
