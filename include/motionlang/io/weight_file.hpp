@@ -17,7 +17,7 @@
 /// Source   spec weights.md
 #pragma once
 
-#include <algorithm>      // find
+#include <algorithm>      // find, none_of
 #include <unordered_map>  // objects that were looked into
 
 #include <motionlang/io/file_value.hpp>
@@ -283,7 +283,7 @@ class WeightReader {
   /// most, and all of them together leave enough visits for what is known.
   void visit_unknown(const PickleValue& v) {
     constexpr int most_looks = 4;
-    const bool inside = std::ranges::find(unknown_, v.id()) != unknown_.end();
+    const bool inside = std::find(unknown_.begin(), unknown_.end(), v.id()) != unknown_.end();
     if (inside || looks_.size() >= most_values || out_.values_.size() >= most_values) return;
     if (++looks_[v.id()] > most_looks) return;
     const std::uint64_t kept = unknown_.empty() ? std::min(visits_left_, visits_for_known_) : 0;
@@ -317,7 +317,8 @@ class WeightReader {
     std::vector<PickleValue> visited;
     if (v.keyed()) visited.push_back(v);
     for (const PickleValue& f : fields) {
-      if (std::ranges::none_of(visited, [&](const PickleValue& other) { return have_same_keys(f, other); }))
+      if (std::none_of(visited.begin(), visited.end(),
+                       [&](const PickleValue& other) { return have_same_keys(f, other); }))
         visit_entries(f);
       visited.push_back(f);
     }

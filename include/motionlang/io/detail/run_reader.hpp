@@ -2,7 +2,7 @@
 /// What the readers of official run folders share: options and shapes of tensors compared, statistics of features.
 #pragma once
 
-#include <algorithm>   // find
+#include <algorithm>   // any_of, find
 #include <filesystem>  // folders
 
 #include <motionlang/features/normalizer.hpp>
@@ -48,7 +48,8 @@ class RunReader {
   }
   /// The same for a tensor that may be missing: then an option has to state the size 0.
   Index size_if_any(const std::string& name, int axis, std::initializer_list<const char*> options) const {
-    const bool none = !has(name) && std::ranges::any_of(options, [&](const char* key) { return whole(key) == 0; });
+    const bool none =
+        !has(name) && std::any_of(options.begin(), options.end(), [&](const char* key) { return whole(key) == 0; });
     return none ? 0 : size(name, axis, options);
   }
   /// How many tensors there are of a numbered name, "layers.#.weight".
