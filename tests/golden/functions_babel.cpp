@@ -1,9 +1,9 @@
 // Golden functions: labels of BABEL, and what TEACH and SINC make of them: pairs, simultaneous segments, items,
 // sentences.
-#include <motionlang/compose/simultaneous_segments.hpp>
-#include <motionlang/compose/sinc_items.hpp>
-#include <motionlang/compose/teach_pairs.hpp>
-#include <motionlang/io/babel.hpp>
+#include <motionlang/datasets/babel.hpp>
+#include <motionlang/datasets/simultaneous_segments.hpp>
+#include <motionlang/datasets/sinc_items.hpp>
+#include <motionlang/datasets/teach_pairs.hpp>
 #include <motionlang/text/joined_labels.hpp>
 
 #include "golden.hpp"

@@ -18,8 +18,8 @@
 #include <string>
 #include <vector>
 
-#include <motionlang/io/json.hpp>
-#include <motionlang/io/safetensors.hpp>
+#include <motionlang/file/json.hpp>
+#include <motionlang/file/safetensors.hpp>
 
 namespace golden {
 

@@ -5,11 +5,11 @@
 #include <algorithm>
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/amass.hpp>
-#include <motionlang/io/annotations.hpp>
-#include <motionlang/io/glb_reader.hpp>
-#include <motionlang/io/humanml3d_folder.hpp>
-#include <motionlang/io/motion_npy.hpp>
+#include <motionlang/datasets/annotations.hpp>
+#include <motionlang/datasets/humanml3d_folder.hpp>
+#include <motionlang/formats/amass.hpp>
+#include <motionlang/formats/glb_reader.hpp>
+#include <motionlang/formats/motion_npy.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>

@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/stmc_record.hpp>
+#include <motionlang/weights/stmc_record.hpp>
 
 #include "../support/check_error.hpp"
 #include "../support/kernel_sets.hpp"

@@ -1,6 +1,6 @@
 // Official run folders of the diffusion models: what they load as, what generation makes of it, and what is said when
 // something is missing or does not fit.
-#include <motionlang/io/diffusion_folder.hpp>
+#include <motionlang/weights/diffusion_folder.hpp>
 
 #include "../support/check_error.hpp"
 #include "../support/official_folders.hpp"

@@ -8,9 +8,9 @@
 
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/module_file.hpp>
 #include <motionlang/optim/adamw.hpp>
 #include <motionlang/optim/ema.hpp>
+#include <motionlang/weights/module_file.hpp>
 
 namespace program {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The switch for the precision of products. Apart from core/precision.hpp: a header-only program that includes it compiles
-/// the kernels of bfloat16.
+/// The switch for the precision of products. Apart from core/precision.hpp: a header-only program that includes it
+/// compiles the kernels of bfloat16.
 #pragma once
 
 #include <motionlang/core/precision.hpp>

@@ -1,5 +1,5 @@
 // The README's motion as checksums: of the bits of its features, and of the text of its BVH file.
-#include <motionlang/io/bvh.hpp>
+#include <motionlang/formats/bvh.hpp>
 #include <motionlang/stmc.hpp>
 
 #include <cstdio>

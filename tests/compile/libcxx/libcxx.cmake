@@ -35,13 +35,15 @@ function(libcxx_program name option)
   add_custom_target(compile_libcxx_${name} ALL DEPENDS ${libcxx_folder}/${name}/program)
 endfunction()
 
-# Tests of what a standard library does: values as text, files and folders, sorting, threads. Most others of io make
+# Tests of what a standard library does: values as text, files and folders, sorting, threads. Most other readers make
 # models, which takes long to compile and calls nothing else. Not optimised, edits and backends of STMC take a minute;
 # so do the cases about memory and time, which are left out too.
 file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/unit/core/*.cpp)
-foreach(name amass amc annotations babel bvh figure_body file glb humanml3d_folder json motion_npy motion_tokens npy
-             options_file pickle png safetensors search_page viewer weight_file zip)
-  list(APPEND sources ${PROJECT_SOURCE_DIR}/tests/unit/io/${name}.cpp)
+foreach(name datasets/annotations datasets/babel datasets/humanml3d_folder datasets/motion_tokens file/file file/json
+             file/npy file/options_file file/pickle file/png file/safetensors file/zip formats/amass formats/amc
+             formats/bvh formats/figure_body formats/glb formats/motion_npy view/search_page view/viewer
+             weights/weight_file)
+  list(APPEND sources ${PROJECT_SOURCE_DIR}/tests/unit/${name}.cpp)
 endforeach()
 foreach(name generate keep model_file other_denoisers)
   list(APPEND sources ${PROJECT_SOURCE_DIR}/tests/systems/${name}.cpp)

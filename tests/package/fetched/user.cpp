@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // All packages in one unit, with all of our warnings as errors: none comes from a package that was fetched.
 #define DOCTEST_CONFIG_IMPLEMENT
-#include <CLI/CLI.hpp>
 #include <doctest/doctest.h>
+#include <CLI/CLI.hpp>
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/xtensor.hpp>
-#include <motionlang/io/json.hpp>
+#include <motionlang/file/json.hpp>
 #include <motionlang/tensor/ops.hpp>
 
 namespace ml = motionlang;
