@@ -29,6 +29,6 @@ build() {
   generator=Ninja
   command -v ninja >/dev/null || generator="Unix Makefiles"
   cmake --preset "$preset" -G "$generator" ${options:-} >"${TMPDIR:-/tmp}/motionlang-configure.log" 2>&1 ||
-    { cat "${TMPDIR:-/tmp}/motionlang-configure.log"; exit 1; }
+    { sed -n '/CMake Error/,$p' "${TMPDIR:-/tmp}/motionlang-configure.log"; exit 1; }
   cmake --build "build/$preset" -j "$(nproc)" ${1:+--target "$@"}
 }

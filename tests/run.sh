@@ -4,7 +4,7 @@ set -eu
 cd "$(dirname "$0")/.."
 . .ci/packages.sh
 command -v c++ >/dev/null || need g++
-need cmake ninja-build ccache clang libeigen3-dev libxtensor-dev nlohmann-json3-dev libcli11-dev libhnswlib-dev doctest-dev libutf8proc-dev \
+need cmake ninja-build ccache clang libc++-dev libc++abi-dev libeigen3-dev libxtensor-dev nlohmann-json3-dev libcli11-dev libhnswlib-dev doctest-dev libutf8proc-dev \
   chromium chromium-driver python3
 build ci
 ctest --preset ci -j "$(nproc)" --progress --output-on-failure

@@ -5,7 +5,7 @@
 
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/kinematics/lanes.hpp>
+#include <motionlang/kinematics/forward_batch.hpp>
 
 namespace ml = motionlang;
 

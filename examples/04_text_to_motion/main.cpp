@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <string>
 
-#include <motionlang/io/bvh.hpp>
-#include <motionlang/io/viewer.hpp>
+#include <motionlang/formats/bvh.hpp>
 #include <motionlang/stmc.hpp>
+#include <motionlang/view/viewer.hpp>
 
 namespace ml = motionlang;
 using B = ml::EigenBackend<float>;

@@ -5,11 +5,11 @@
 #include <string>
 
 #include <motionlang/features/smplrifke.hpp>
+#include <motionlang/formats/amass.hpp>
+#include <motionlang/formats/bvh.hpp>
+#include <motionlang/formats/glb_reader.hpp>
+#include <motionlang/formats/glb_writer.hpp>
 #include <motionlang/geometry/axis_angle.hpp>
-#include <motionlang/io/amass.hpp>
-#include <motionlang/io/bvh.hpp>
-#include <motionlang/io/glb_reader.hpp>
-#include <motionlang/io/glb_writer.hpp>
 
 namespace ml = motionlang;
 

@@ -5,8 +5,8 @@
 
 #include <string>
 
+#include <motionlang/backend/precision.hpp>
 #include <motionlang/core/parallel.hpp>
-#include <motionlang/core/precision.hpp>
 
 #include "option_checks.hpp"
 

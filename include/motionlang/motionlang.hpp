@@ -3,7 +3,7 @@
 ///
 ///     #include <motionlang/motionlang.hpp>
 ///     #include <motionlang/backend/eigen.hpp>    // or backend/xtensor.hpp
-///     #include <motionlang/io/bvh.hpp>           // and whichever of io/
+///     #include <motionlang/formats/bvh.hpp>           // and whichever of io/
 #pragma once
 
 #include <motionlang/fwd.hpp>
@@ -37,6 +37,7 @@
 #include <motionlang/core/scalar_math.hpp>
 #include <motionlang/core/shape.hpp>
 #include <motionlang/core/sort.hpp>
+#include <motionlang/core/standard_library.hpp>
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/core/thread_object.hpp>
 #include <motionlang/core/torch_random.hpp>
@@ -76,14 +77,16 @@
 #include <motionlang/kinematics/body_motion.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
 #include <motionlang/kinematics/chain_kinematics.hpp>
-#include <motionlang/kinematics/chains.hpp>
 #include <motionlang/kinematics/face_landmarks.hpp>
 #include <motionlang/kinematics/finger_names.hpp>
 #include <motionlang/kinematics/foot_contact.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/forward.hpp>
+#include <motionlang/kinematics/forward_batch.hpp>
+#include <motionlang/kinematics/gaussian_smooth.hpp>
+#include <motionlang/kinematics/guo_chains.hpp>
 #include <motionlang/kinematics/joint_sides.hpp>
-#include <motionlang/kinematics/lanes.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/limb_ik.hpp>
 #include <motionlang/kinematics/loops.hpp>
 #include <motionlang/kinematics/mirror_joints.hpp>
@@ -100,8 +103,6 @@
 #include <motionlang/kinematics/skeleton_tables.hpp>
 #include <motionlang/kinematics/skinning.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
-#include <motionlang/kinematics/smoothing.hpp>
-#include <motionlang/kinematics/standard.hpp>
 #include <motionlang/kinematics/standing_skeleton.hpp>
 #include <motionlang/kinematics/surface_points.hpp>
 #include <motionlang/kinematics/uniform_skeleton.hpp>
@@ -149,16 +150,11 @@
 #include <motionlang/optim/ema.hpp>
 #include <motionlang/optim/lr_schedule.hpp>
 
-#include <motionlang/features/action_names.hpp>
 #include <motionlang/features/actor_points.hpp>
-#include <motionlang/features/amass_releases.hpp>
-#include <motionlang/features/amass_resample.hpp>
 #include <motionlang/features/amass_sequence.hpp>
 #include <motionlang/features/frame_sampling.hpp>
-#include <motionlang/features/guo_clip.hpp>
 #include <motionlang/features/guoh3d.hpp>
 #include <motionlang/features/guoh3d_extraction.hpp>
-#include <motionlang/features/humanml3d_source.hpp>
 #include <motionlang/features/joint_sets.hpp>
 #include <motionlang/features/layout.hpp>
 #include <motionlang/features/motion_features.hpp>
@@ -169,7 +165,6 @@
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/features/smplvelp.hpp>
 #include <motionlang/features/statistics.hpp>
-#include <motionlang/features/tm2t_data.hpp>
 
 #include <motionlang/vae/actor_autoregressive.hpp>
 #include <motionlang/vae/actor_decoder.hpp>
@@ -220,13 +215,10 @@
 #include <motionlang/text/word_piece.hpp>
 #include <motionlang/text/word_piece_tokens.hpp>
 
-#include <motionlang/compose/alignment.hpp>
-#include <motionlang/compose/babel_segment.hpp>
 #include <motionlang/compose/baselines.hpp>
 #include <motionlang/compose/body_part_answers.hpp>
 #include <motionlang/compose/body_part_lexicon.hpp>
 #include <motionlang/compose/collage.hpp>
-#include <motionlang/compose/combine.hpp>
 #include <motionlang/compose/cut_texts.hpp>
 #include <motionlang/compose/edits.hpp>
 #include <motionlang/compose/handovers.hpp>
@@ -234,16 +226,15 @@
 #include <motionlang/compose/intervals.hpp>
 #include <motionlang/compose/long_texts.hpp>
 #include <motionlang/compose/mtt_timelines.hpp>
-#include <motionlang/compose/options.hpp>
+#include <motionlang/compose/overlap.hpp>
 #include <motionlang/compose/plan.hpp>
-#include <motionlang/compose/simultaneous_segments.hpp>
+#include <motionlang/compose/plan_options.hpp>
 #include <motionlang/compose/sinc_assignment.hpp>
 #include <motionlang/compose/sinc_composition.hpp>
-#include <motionlang/compose/sinc_items.hpp>
-#include <motionlang/compose/teach_pairs.hpp>
+#include <motionlang/compose/stitching.hpp>
+#include <motionlang/compose/teach_join.hpp>
 #include <motionlang/compose/timeline.hpp>
 #include <motionlang/compose/timeline_text.hpp>
-#include <motionlang/compose/transition.hpp>
 
 #include <motionlang/metrics/accuracy.hpp>
 #include <motionlang/metrics/ape_ave.hpp>

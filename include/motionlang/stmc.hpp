@@ -9,17 +9,18 @@
 ///     const ml::Tensor<B, 2> features = stmc.generate(timeline, ml::Philox{.seed = 7});
 ///     const ml::Motion motion = ml::stmc_motion(features);
 ///
-/// Writers of BVH, GLB, NPZ and pages are in <motionlang/io/...>. Who calculates with the features (exp, sum, ...)
-/// includes <motionlang/backend/eigen.hpp> as well; without it the linker misses those functions.
+/// Writers of BVH, GLB, NPZ and pages are in <motionlang/formats/...> and <motionlang/view/...>. Who calculates with
+/// the features (exp, sum, ...) includes <motionlang/backend/eigen.hpp> as well; without it the linker misses those
+/// functions.
 ///
 /// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library
 /// then, and this header only says what can be called. For other backends, and for `generate_from`, include
-/// <motionlang/io/stmc_file.hpp> as well.
+/// <motionlang/weights/stmc_file.hpp> as well.
 #pragma once
 
 #include <motionlang/backend/detail/eigen_class.hpp>
 #include <motionlang/compose/timeline_text.hpp>
-#include <motionlang/io/file_path.hpp>
+#include <motionlang/file/file_path.hpp>
 #include <motionlang/systems/detail/stmc_class.hpp>
 
 #ifdef MOTIONLANG_INSTANTIATED
@@ -35,5 +36,5 @@ extern template std::vector<Timeline> detail::parse_timelines_as<Index>(std::str
 
 MOTIONLANG_NAMESPACE_END
 #else
-#include <motionlang/io/stmc_file.hpp>
+#include <motionlang/weights/stmc_file.hpp>
 #endif

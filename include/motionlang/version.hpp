@@ -20,6 +20,15 @@
 #define MOTIONLANG_ABI v0_no_exceptions
 #endif
 
+/// In front of every definition in a file *.ipp, which has the bodies of the header of the same name. Without
+/// motionlang::instantiated, the header includes it and all are inline. With it, units see declarations only, and the
+/// library's own units (instantiated/*.cpp) include the files *.ipp.
+#ifdef MOTIONLANG_INSTANTIATED
+#define MOTIONLANG_BODY
+#else
+#define MOTIONLANG_BODY inline
+#endif
+
 /// Opens and closes the namespace of the library. A macro, so that editors, clang-format and ctags need not know of the
 /// inline namespace: `ctags -R include` finds every name.
 #define MOTIONLANG_NAMESPACE_BEGIN \

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <motionlang/core/precision.hpp>
+#include <motionlang/backend/precision.hpp>
 
 #include "again.hpp"
 #include "peak.hpp"

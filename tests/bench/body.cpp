@@ -5,7 +5,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/core/rng.hpp>
 #include <motionlang/kinematics/body_model.hpp>
-#include <motionlang/kinematics/standard.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 
 #include "bench.hpp"
 

@@ -4,7 +4,7 @@
 //     bench_files [FOLDER]
 #include <filesystem>
 
-#include <motionlang/io/bvh.hpp>
+#include <motionlang/formats/bvh.hpp>
 
 #include "../support/synthetic_motion.hpp"
 #include "bench.hpp"

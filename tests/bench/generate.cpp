@@ -4,8 +4,8 @@
 // its first denoising step, and its memory then (start). Every run is a program of its own: this one, started again.
 //
 // usage: bench_generate [THREADS] [--bf16 | --bf16x3] [stmc_full stmc_bundled start ...]
-#include <motionlang/io/stmc_file.hpp>
 #include <motionlang/stmc.hpp>
+#include <motionlang/weights/stmc_file.hpp>
 
 #include "again.hpp"
 #include "models.hpp"

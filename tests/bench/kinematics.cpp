@@ -1,8 +1,8 @@
 // Forward kinematics: 100,000 frames of 24 joints from 6D rotations.
 
 #include <motionlang/core/rng.hpp>
-#include <motionlang/kinematics/lanes.hpp>
-#include <motionlang/kinematics/standard.hpp>
+#include <motionlang/kinematics/forward_batch.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 
 #include "bench.hpp"
 

@@ -3,7 +3,7 @@
 //
 // usage: bench_text [THREADS] [--bf16] [distilbert clip_text mpnet ...]
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/text_network_file.hpp>
+#include <motionlang/weights/text_network_file.hpp>
 
 #include "bench.hpp"
 

@@ -1,8 +1,8 @@
 // Tokenizers, one thread, in MB/s of text: the median of the runs over all captions.
 //
 //     bench_tokenizers DATA      DATA/tokenizers/..., DATA/text/kitml-annotations.json
-#include <motionlang/io/annotations.hpp>
-#include <motionlang/io/tokenizer_files.hpp>
+#include <motionlang/datasets/annotations.hpp>
+#include <motionlang/weights/tokenizer_files.hpp>
 
 #include "bench.hpp"
 

@@ -3,7 +3,7 @@
 // are, by forward kinematics, at some frames.
 #include <filesystem>
 
-#include <motionlang/io/glb_rig.hpp>
+#include <motionlang/formats/glb_rig.hpp>
 
 #include "../support/rigs.hpp"
 

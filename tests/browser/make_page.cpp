@@ -4,8 +4,8 @@
 #include <vector>
 
 #include <motionlang/backend/reference.hpp>
-#include <motionlang/io/body_viewer.hpp>
-#include <motionlang/io/figure_body.hpp>
+#include <motionlang/formats/figure_body.hpp>
+#include <motionlang/view/body_viewer.hpp>
 
 #include "../support/synthetic_motion.hpp"
 

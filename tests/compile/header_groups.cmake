@@ -4,7 +4,7 @@
 # there that the header does not bring along, and what it forgets to include is still missing: "alone" stays true, but
 # what most headers include is read once for all of them.
 set(header_group_leaders  # a header belongs to the first one that it includes
-    motionlang/nn/multihead_attention.hpp motionlang/io/json.hpp motionlang/tensor/fused.hpp
+    motionlang/nn/multihead_attention.hpp motionlang/file/json.hpp motionlang/tensor/fused.hpp
     motionlang/kinematics/forward.hpp motionlang/tensor/ops.hpp motionlang/core/shape.hpp)
 
 # Property included_by_<header>: every header of the library that it includes, directly or through others.

@@ -7,8 +7,8 @@
 #   - what fwd.hpp declares is defined somewhere
 cmake_minimum_required(VERSION 3.24)
 
-set(levels "core" "tensor geometry" "backend kinematics nn loss optim" "features vae diffusion text" "compose"
-           "metrics" "systems search" "io")
+set(levels "core" "file tensor geometry" "backend kinematics nn loss optim" "features vae diffusion text" "compose formats"
+           "datasets metrics" "systems search" "weights view")
 set(level 0)
 foreach(folders ${levels})
   string(REPLACE " " ";" folders ${folders})
@@ -19,10 +19,10 @@ foreach(folders ${levels})
 endforeach()
 
 # Pairs: what is included, and the headers that may.
-set(rules "^xtensor/"                       "^backend/detail/xtensor_impl.hpp$"
-          "^(Eigen|unsupported)/"           "^backend/detail/eigen_impl.hpp$"
-          "^nlohmann/json.hpp$"             "^io/json.hpp$"
-          "^hnswlib/"                       "^io/vector_graph.hpp$"
+set(rules "^xtensor/"                       "^backend/xtensor.ipp$"
+          "^(Eigen|unsupported)/"           "^backend/eigen.ipp$"
+          "^nlohmann/json.hpp$"             "^file/json.hpp$"
+          "^hnswlib/"                       "^search/vector_graph.hpp$"
           "^(xtl|xtensor-blas|doctest)/"    "^$"
           "^motionlang/(motionlang|stmc)\\.hpp$" "^$")
 
@@ -54,7 +54,7 @@ function(check_other_include header folder included)
   set(problems ${problems} PARENT_SCOPE)
 endfunction()
 
-file(GLOB_RECURSE headers RELATIVE ${INCLUDE}/motionlang ${INCLUDE}/motionlang/*.hpp ${INCLUDE}/motionlang/*.inc)
+file(GLOB_RECURSE headers RELATIVE ${INCLUDE}/motionlang ${INCLUDE}/motionlang/*.hpp ${INCLUDE}/motionlang/*.ipp ${INCLUDE}/motionlang/*.inc)
 foreach(header ${headers})
   string(REGEX REPLACE "/.*" "" folder ${header})
   file(STRINGS ${INCLUDE}/motionlang/${header} lines REGEX "^ *#? *(include|struct|class) ")
@@ -72,14 +72,14 @@ endforeach()
 
 foreach(header ${headers})
   file(STRINGS ${INCLUDE}/motionlang/${header} lines REGEX "^[^/\"]*(throw;|throw [a-z_:]+\\(|catch \\([a-z.])")
-  if(lines AND NOT header MATCHES "^core/error.hpp$|^io/detail/viewer_page.hpp$")  # the latter has JavaScript
+  if(lines AND NOT header MATCHES "^core/error.hpp$|^view/detail/viewer_page.hpp$")  # the latter has JavaScript
     problem("${header}: ${lines}")
   endif()
 endforeach()
 
 file(STRINGS ${INCLUDE}/motionlang/motionlang.hpp umbrella REGEX "^#include <motionlang/")
 foreach(header ${headers})
-  if(header MATCHES "^[a-z]+/[a-z0-9_]+\\.hpp$" AND NOT header MATCHES "^(backend|io)/"
+  if(header MATCHES "^[a-z]+/[a-z0-9_]+\\.hpp$" AND NOT header MATCHES "^(backend|file|formats|datasets|weights|view)/|^search/(motion_index_file|vector_graph)"
      AND NOT "#include <motionlang/${header}>" IN_LIST umbrella)
     problem("motionlang.hpp lacks ${header}")
   endif()

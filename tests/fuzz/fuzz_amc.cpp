@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include <motionlang/io/amc.hpp>
+#include <motionlang/formats/amc.hpp>
 
 #include "check.hpp"
 

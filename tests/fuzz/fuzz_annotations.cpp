@@ -2,7 +2,7 @@
 // whole file; what was read survives writing.
 #include <cstdint>
 
-#include <motionlang/io/annotations.hpp>
+#include <motionlang/datasets/annotations.hpp>
 
 #include "check.hpp"
 

@@ -2,7 +2,7 @@
 // motion, in order, with texts. All texts of a sequence survive as annotations.
 #include <cstdint>
 
-#include <motionlang/io/babel.hpp>
+#include <motionlang/datasets/babel.hpp>
 
 #include "check.hpp"
 

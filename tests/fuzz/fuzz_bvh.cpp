@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include <motionlang/io/bvh.hpp>
+#include <motionlang/formats/bvh.hpp>
 
 #include "check.hpp"
 

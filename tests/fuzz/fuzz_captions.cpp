@@ -2,8 +2,8 @@
 // or refused with an error of the library; captions that may be written survive it.
 #include <cstdint>
 
-#include <motionlang/io/humanml3d_folder.hpp>
-#include <motionlang/io/kit_recordings.hpp>
+#include <motionlang/datasets/humanml3d_folder.hpp>
+#include <motionlang/datasets/kit_recordings.hpp>
 
 #include "check.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include <motionlang/backend/reference.hpp>
-#include <motionlang/io/embedding_cache.hpp>
+#include <motionlang/weights/embedding_cache.hpp>
 
 #include "check.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include <motionlang/io/glb_rig.hpp>
+#include <motionlang/formats/glb_rig.hpp>
 
 #include "check.hpp"
 

@@ -2,7 +2,7 @@
 // library; what is read survives being written.
 #include <cstdint>
 
-#include <motionlang/io/model_folder.hpp>
+#include <motionlang/weights/model_folder.hpp>
 
 #include "check.hpp"
 

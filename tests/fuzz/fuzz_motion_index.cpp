@@ -3,7 +3,7 @@
 // then numbers for its vectors and moments, out of which a file with the right checksum is made; others are files.
 #include <cstdint>
 
-#include <motionlang/io/motion_index_file.hpp>
+#include <motionlang/search/motion_index_file.hpp>
 #include <motionlang/search/motion_search.hpp>
 
 #include "check.hpp"

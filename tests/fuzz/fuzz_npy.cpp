@@ -2,7 +2,7 @@
 // writing.
 #include <cstdint>
 
-#include <motionlang/io/npy.hpp>
+#include <motionlang/file/npy.hpp>
 
 #include "check.hpp"
 

@@ -1,7 +1,7 @@
 // npz: any bytes are read as a zip archive or refused with an io_error; members that can be read survive writing.
 #include <cstdint>
 
-#include <motionlang/io/npz.hpp>
+#include <motionlang/file/npz.hpp>
 
 #include "check.hpp"
 

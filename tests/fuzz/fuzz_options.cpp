@@ -2,7 +2,7 @@
 // their paths, references end, and what is read is not much more than the text.
 #include <cstdint>
 
-#include <motionlang/io/options_file.hpp>
+#include <motionlang/file/options_file.hpp>
 
 #include "check.hpp"
 

@@ -2,7 +2,7 @@
 // hold as many bytes as their shape says.
 #include <cstdint>
 
-#include <motionlang/io/pickle_arrays.hpp>
+#include <motionlang/file/pickle_arrays.hpp>
 
 #include "check.hpp"
 

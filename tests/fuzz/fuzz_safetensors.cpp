@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <motionlang/io/safetensors.hpp>
+#include <motionlang/file/safetensors.hpp>
 
 #include "check.hpp"
 

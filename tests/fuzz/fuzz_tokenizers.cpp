@@ -4,8 +4,8 @@
 // refused with an error of the library; any text gets ids of the vocabulary.
 #include <cstdint>
 
-#include <motionlang/io/text_network_file.hpp>
-#include <motionlang/io/tokenizer_json.hpp>
+#include <motionlang/weights/text_network_file.hpp>
+#include <motionlang/weights/tokenizer_json.hpp>
 
 #include "check.hpp"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include <motionlang/io/weight_file.hpp>
+#include <motionlang/weights/weight_file.hpp>
 
 #include "check.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include <motionlang/io/file.hpp>
+#include <motionlang/file/file.hpp>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 

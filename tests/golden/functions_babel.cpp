@@ -1,9 +1,9 @@
 // Golden functions: labels of BABEL, and what TEACH and SINC make of them: pairs, simultaneous segments, items,
 // sentences.
-#include <motionlang/compose/simultaneous_segments.hpp>
-#include <motionlang/compose/sinc_items.hpp>
-#include <motionlang/compose/teach_pairs.hpp>
-#include <motionlang/io/babel.hpp>
+#include <motionlang/datasets/babel.hpp>
+#include <motionlang/datasets/simultaneous_segments.hpp>
+#include <motionlang/datasets/sinc_items.hpp>
+#include <motionlang/datasets/teach_pairs.hpp>
 #include <motionlang/text/joined_labels.hpp>
 
 #include "golden.hpp"
@@ -24,15 +24,20 @@ std::string joined(const Strings& list, std::string_view between) {
 }
 ml::SpellingTable spelling_of(const Case& c) {
   ml::SpellingTable spelling;
+  if (!c.text().contains("spelling")) return spelling;
   for (const auto& [word, instead] : c.text()["spelling"].as<std::map<std::string, std::string>>())
     spelling[word] = instead;
   return spelling;
 }
-/// Rows of two numbers.
+/// Compares rows of `width` numbers. NumPy may have recorded a list of no rows without their width.
+void out_rows(Case& c, const std::string& name, ml::Index width, const std::vector<ml::Index>& values) {
+  const bool flat = values.empty() && c.wants(name) && c.shape("out/" + name) == ml::Shape{0};
+  c.out(name, flat ? ml::Shape{0} : ml::Shape{std::ssize(values) / width, width}, values);
+}
 void out_intervals(Case& c, const std::string& name, const std::vector<ml::BabelSegment>& segments) {
   std::vector<ml::Index> times;
   for (const auto& s : segments) times.insert(times.end(), {s.start, s.end});
-  c.out(name, {std::ssize(segments), 2}, times);
+  out_rows(c, name, 2, times);
 }
 void out_texts(Case& c, const std::string& name, const std::vector<ml::BabelSegment>& segments) {
   Strings texts;
@@ -86,9 +91,10 @@ Strings texts_of(const std::vector<ml::ActionPair>& pairs) {
 
 void teach_pair_extraction(Case& c) {
   const auto config = c.config();
-  const ml::Index shortest = config["min_frames"].as<ml::Index>();
-  const ml::TeachLengths train{shortest, config["max_frames_train"].as<ml::Index>()},
-      evaluation{shortest, config["max_frames_eval"].as<ml::Index>()};
+  const ml::TeachLengths usual;
+  const ml::Index shortest = config.value_or("min_frames", usual.shortest);
+  const ml::TeachLengths train{shortest, config.value_or("max_frames_train", usual.longest)},
+      evaluation{shortest, config.value_or("max_frames_eval", ml::Index(100'000))};
   for (const Entry& e : entries(c)) {
     const auto valid = [&](const char* type, bool is) { c.out_scalar(std::string("valid_") + type + "_" + e.id, is); };
     valid("seg", e.in_segments), valid("seq", !e.in_segments), valid("pairs", e.in_segments),
@@ -99,7 +105,6 @@ void teach_pair_extraction(Case& c) {
     if (!e.in_segments) continue;
     const auto pairs = ml::teach_pairs(e.intervals);
     const auto whole = ml::joined_pairs(pairs);
-    if (pairs.empty() && !c.wants("segments_" + e.id)) continue;
     out_intervals(c, "pairs_only_" + e.id, whole);
     out_texts(c, "pairs_only_texts_utf8_" + e.id, whole);
     std::vector<ml::Index> segments, split, lengths, frames, accepted_train, accepted_eval;
@@ -115,11 +120,10 @@ void teach_pair_extraction(Case& c) {
       accepted_train.push_back(ml::is_teach_length(f, train));
       accepted_eval.push_back(ml::is_teach_length(f, evaluation));
     }
-    const ml::Index n = std::ssize(pairs);
-    c.out("segments_" + e.id, {n, 6}, segments);
-    c.out("split_" + e.id, {n, 6}, split);
-    c.out("lengths_" + e.id, {n, 3}, lengths);
-    c.out("frames_" + e.id, {n, 2}, frames);
+    out_rows(c, "segments_" + e.id, 6, segments);
+    out_rows(c, "split_" + e.id, 6, split);
+    out_rows(c, "lengths_" + e.id, 3, lengths);
+    out_rows(c, "frames_" + e.id, 2, frames);
     c.out("accepted_train_" + e.id, accepted_train);
     c.out("accepted_eval_" + e.id, accepted_eval);
     c.out_text("texts_utf8_" + e.id, joined(texts_of(pairs), "\n"));
@@ -135,8 +139,7 @@ void out_simultaneous(Case& c, const std::string& ranges, const std::string& lab
     times.insert(times.end(), {s.start, s.end});
     lines.push_back(joined(s.texts, "\t"));
   }
-  if (list.empty() && !c.wants(ranges)) return;
-  c.out(ranges, {std::ssize(list), 2}, times);
+  out_rows(c, ranges, 2, times);
   c.out_text(labels, joined(lines, "\n"));
 }
 
@@ -167,17 +170,14 @@ void sinc_babel_items(Case& c) {
     const auto segments = ml::sinc_segments(e.intervals);
     const auto spatial = ml::simultaneous_segments(segments, most);
     const auto pairs = ml::teach_pairs(e.intervals);
-    if (!segments.empty() || c.wants("seg_" + e.id)) {
-      out_intervals(c, "seg_" + e.id, segments);
-      out_texts(c, "seg_labels_utf8_" + e.id, segments);
-    }
+    out_intervals(c, "seg_" + e.id, segments);
+    out_texts(c, "seg_labels_utf8_" + e.id, segments);
     c.out_scalar("spatial_count_" + e.id, static_cast<double>(spatial.size()));
     out_simultaneous(c, "spatial_" + e.id, "spatial_labels_utf8_" + e.id, spatial);
     c.out_scalar("pairs_count_" + e.id, static_cast<double>(pairs.size()));
-    if (pairs.empty() && !c.wants("pairs_split_" + e.id)) continue;
     std::vector<ml::Index> split;
     for (const auto& p : pairs) append_split(split, p.frames());
-    c.out("pairs_split_" + e.id, {std::ssize(pairs), 6}, split);
+    out_rows(c, "pairs_split_" + e.id, 6, split);
     c.out_text("pairs_texts_utf8_" + e.id, joined(texts_of(pairs), "\n"));
   }
 }

@@ -1,6 +1,6 @@
 // Golden functions: motions put together in space (SINC) and in time (TEACH).
-#include <motionlang/compose/alignment.hpp>
 #include <motionlang/compose/sinc_composition.hpp>
+#include <motionlang/compose/teach_join.hpp>
 #include <motionlang/kinematics/sinc_part_motion.hpp>
 
 #include "geometry.hpp"

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <array>
 
-#include <motionlang/io/options_file.hpp>
-#include <motionlang/io/weight_file.hpp>
+#include <motionlang/file/options_file.hpp>
+#include <motionlang/weights/weight_file.hpp>
 
 #include "golden.hpp"
 

@@ -19,13 +19,13 @@ void mdm_smpl_forward(Case& c) {
   const auto x = ml::from_padded(tensor<B, 3>(c, "in/x"), std::span<const unsigned char>(mask));
   const auto t = c.values<Index>("in/t");
   const auto text = golden::text_features<B>(c);
-  const Index frames = c.shape("in/x")[1], tokens = c.shape("in/text")[1], width = m.registers.size(1);
+  const Index frames = c.shape("in/x")[1], tokens = c.shape("in/text")[1], width = m.skel_embedding.weight.size(0);
 
   c.out("time_token", {x.count(), 1, width}, m.time_tokens(t).span());
   golden::out(c, "text_tokens", ml::to_padded(m.text_tokens(text), 0, tokens));
   if (c.wants("sequence")) {
     // [time, text ... (padded), registers, frames (padded)]: what follows a shorter text stands behind its padding.
-    const Index behind = m.registers.size(0) + frames, length = 1 + tokens + behind;
+    const Index behind = m.register_count() + frames, length = 1 + tokens + behind;
     auto out = [&](const std::string& name, const ml::Sequences<B>& s) {
       std::vector<ml::Tensor<B, 3>> rows;
       for (Index i = 0; i < s.count(); ++i) {

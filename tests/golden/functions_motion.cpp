@@ -1,8 +1,8 @@
 // Golden functions: the 205-vector, preparation of AMASS, smoothing of joints.
-#include <motionlang/features/amass_resample.hpp>
+#include <motionlang/datasets/amass_resample.hpp>
 #include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/features/smplrifke.hpp>
-#include <motionlang/kinematics/smoothing.hpp>
+#include <motionlang/kinematics/gaussian_smooth.hpp>
 
 #include "golden.hpp"
 

@@ -1,6 +1,6 @@
 // Golden functions: what TM2T's tokenizer is trained on, and how its motions are shown.
-#include <motionlang/features/tm2t_data.hpp>
-#include <motionlang/kinematics/smoothing.hpp>
+#include <motionlang/datasets/tm2t_data.hpp>
+#include <motionlang/kinematics/gaussian_smooth.hpp>
 
 #include "golden.hpp"
 

@@ -1,5 +1,5 @@
 // Golden functions: TM2T's pairs of motion tokens and words.
-#include <motionlang/io/motion_tokens.hpp>
+#include <motionlang/datasets/motion_tokens.hpp>
 
 #include "golden.hpp"
 

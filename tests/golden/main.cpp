@@ -57,8 +57,9 @@ void run_variant(golden::Case& c, const std::string& variant, const golden::Hand
   }
   const bool ok = failure.empty() && worst <= 1;
   ++(ok ? tally.passed : tally.failed);
-  print_line(ok ? "ok" : "FAIL", c, variant,
-             !failure.empty() ? failure : ml::concat_text(worst_name, " ", float(worst), " of its tolerance"));
+  std::string remark = !failure.empty() ? failure : ml::concat_text(worst_name, " ", float(worst), " of its tolerance");
+  if (c.left_out() > 0) remark += ml::concat_text("; ", c.left_out(), " outputs left out, see README.md");
+  print_line(ok ? "ok" : "FAIL", c, variant, remark);
   if (verbose) {
     for (const auto& r : all) {
       std::printf("       %-40s error %-12.3g of tolerance %-10.3g %s\n", r.name.c_str(), r.error, r.ratio,

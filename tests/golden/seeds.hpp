@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include <motionlang/core/python_random.hpp>
-#include <motionlang/io/json.hpp>
+#include <motionlang/file/json.hpp>
 
 namespace golden {
 

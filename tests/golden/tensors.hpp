@@ -3,9 +3,9 @@
 
 #include <motionlang/diffusion/sampler.hpp>
 #include <motionlang/features/normalizer.hpp>
-#include <motionlang/io/module_file.hpp>
 #include <motionlang/tensor/gradient.hpp>
 #include <motionlang/tensor/sequences.hpp>
+#include <motionlang/weights/module_file.hpp>
 
 #include "golden.hpp"
 

@@ -72,9 +72,18 @@ ml::VqDiscriminator<B> second_network(const Case& c) {
   return discriminator<B>(c, c.config()["disc_hidden"].as<Index>(), c.config()["disc_layers"].as<Index>(),
                           "weights/discriminator.");
 }
+/// Some records are wrong: their running statistics of before the forwards are those of after, from which nobody can
+/// tell what comes after. README.md has the proof.
+inline bool records_after_as_before(const Case& c, const std::string& path) {
+  const std::string before = "weights/discriminator." + path, after = "out/after_" + path;
+  return c.name().starts_with("tm2t/vq-disc-loss-gan-") && path.find(".running_") != std::string::npos &&
+         c.has(before) && c.has(after) && std::ranges::equal(c.tensor(before).bytes, c.tensor(after).bytes);
+}
 template <class M>
 void out_statistics(Case& c, const M& m) {
-  ml::visit_tensors(m, [&](const std::string& path, const auto& t) { golden::out_if_wanted(c, "after_" + path, t); });
+  ml::visit_tensors(m, [&](const std::string& path, const auto& t) {
+    records_after_as_before(c, path) ? c.leave_out("after_" + path) : golden::out_if_wanted(c, "after_" + path, t);
+  });
 }
 
 template <ml::Backend B>

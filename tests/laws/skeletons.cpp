@@ -1,5 +1,5 @@
 // The skeletons of the field and one of our own, and the feature layouts over them.
-#include <motionlang/kinematics/standard.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 
 #include "skeleton_laws.hpp"
 

@@ -5,12 +5,12 @@
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>
 
-#include <motionlang/io/text_encoder_folder.hpp>
 #include <motionlang/text/bert.hpp>
 #include <motionlang/text/clip_text.hpp>
 #include <motionlang/text/glove.hpp>
 #include <motionlang/text/tokenized_encoder.hpp>
 #include <motionlang/text/word_piece_tokens.hpp>
+#include <motionlang/weights/text_encoder_folder.hpp>
 
 #include "../support/small_modules.hpp"
 #include "text_encoder_laws.hpp"

@@ -1,7 +1,7 @@
 // The tokenizers that are published, our own, and the words of GloVe.
-#include <motionlang/io/tokenizer_json.hpp>
 #include <motionlang/text/glove.hpp>
 #include <motionlang/text/word_piece.hpp>
+#include <motionlang/weights/tokenizer_json.hpp>
 
 #include "../support/check_error.hpp"
 #include "tokenizer_laws.hpp"

@@ -98,13 +98,14 @@ void check_rows_alone(Index width) {
                                     .y = to.data()};
   };
   const auto& kernels = ml::detail::kernels<S>();
+  const auto& gradients = ml::detail::gradient_kernels_of(kernels);
   for (const S* added : {static_cast<const S*>(nullptr), residual.span().data()}) {
     const auto together = norm(y, added), alone = norm(y_alone, added);
     kernels.layer_norm_rows(together, 0, rows);
-    kernels.layer_norm_rows_vjp(together, dy.span().data(), dx.data(), moments.data(), 0, rows);
+    gradients.layer_norm_rows(together, dy.span().data(), dx.data(), moments.data(), 0, rows);
     for (Index r = 0; r < rows; ++r) {
       kernels.layer_norm_rows(alone, r, r + 1);
-      kernels.layer_norm_rows_vjp(alone, dy.span().data(), dx_alone.data(), moments_alone.data(), r, r + 1);
+      gradients.layer_norm_rows(alone, dy.span().data(), dx_alone.data(), moments_alone.data(), r, r + 1);
     }
     CHECK(y == y_alone);
     CHECK(dx == dx_alone);

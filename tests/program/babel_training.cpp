@@ -3,11 +3,11 @@
 
 #include <numeric>
 
-#include <motionlang/io/amass.hpp>
-#include <motionlang/io/bvh.hpp>
-#include <motionlang/io/embedding_cache.hpp>
-#include <motionlang/io/id_list.hpp>
-#include <motionlang/io/safetensors.hpp>
+#include <motionlang/file/id_list.hpp>
+#include <motionlang/file/safetensors.hpp>
+#include <motionlang/formats/amass.hpp>
+#include <motionlang/formats/bvh.hpp>
+#include <motionlang/weights/embedding_cache.hpp>
 
 #include "../support/synthetic_motion.hpp"
 #include "../support/temporary_folder.hpp"

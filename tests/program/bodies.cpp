@@ -3,11 +3,11 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/amass_body.hpp>
-#include <motionlang/io/body_file.hpp>
-#include <motionlang/io/body_glb.hpp>
-#include <motionlang/io/bvh.hpp>
-#include <motionlang/io/glb_reader.hpp>
+#include <motionlang/formats/amass_body.hpp>
+#include <motionlang/formats/body_file.hpp>
+#include <motionlang/formats/body_glb.hpp>
+#include <motionlang/formats/bvh.hpp>
+#include <motionlang/formats/glb_reader.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../support/octahedra_body.hpp"
@@ -76,7 +76,7 @@ TEST_CASE("convert: hands, face and shape of an AMASS file are on the body, and 
   CHECK(!contains(w.convert("plain.npz", "p.obj", {"--body", "smplh.npz"}), "plain.npz on"));
   CHECK(!contains(w.convert("hands.npz", "f.obj", {"--body", "free"}), "left out"));
 
-  // the vertices are those of the library, and of the model: unit/io/amass_body.cpp
+  // the vertices are those of the library, and of the model: unit/formats/amass_body.cpp
   const auto body = ml::read_body<B>(w / "smplx.npz", {.betas = 1});
   const auto clip = ml::amass_on_body(ml::read_amass_sequence(w / "moving.npz"), "moving", body);
   ml::write_body_objs(w / "expected.obj", body, clip.motion, std::span<const float>(clip.betas));

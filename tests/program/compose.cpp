@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <motionlang/io/bvh.hpp>
-#include <motionlang/io/glb.hpp>
+#include <motionlang/formats/bvh.hpp>
+#include <motionlang/formats/glb.hpp>
 #include <motionlang/kinematics/blend.hpp>
 
 #include "../support/synthetic_motion.hpp"

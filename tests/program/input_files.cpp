@@ -1,11 +1,11 @@
 // What motionlang reads it does not write over: by another name, from folder into folder, of several kinds.
 #include <doctest/doctest.h>
 
-#include <motionlang/io/bvh.hpp>
-#include <motionlang/io/glb.hpp>
-#include <motionlang/io/module_file.hpp>
-#include <motionlang/io/npy.hpp>
+#include <motionlang/file/npy.hpp>
+#include <motionlang/formats/bvh.hpp>
+#include <motionlang/formats/glb.hpp>
 #include <motionlang/kinematics/skeleton_tables.hpp>
+#include <motionlang/weights/module_file.hpp>
 
 #include "../support/rigs.hpp"
 #include "../support/synthetic_motion.hpp"

@@ -11,10 +11,9 @@
 #include <motionlang/features/joint_sets.hpp>
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/features/statistics.hpp>
-#include <motionlang/io/amass.hpp>
-#include <motionlang/io/body_file.hpp>
-#include <motionlang/io/bvh.hpp>
-#include <motionlang/io/embedding_cache.hpp>
+#include <motionlang/formats/amass.hpp>
+#include <motionlang/formats/body_file.hpp>
+#include <motionlang/formats/bvh.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/root_motion.hpp>
 #include <motionlang/metrics/ape_ave.hpp>
@@ -22,6 +21,7 @@
 #include <motionlang/metrics/matching.hpp>
 #include <motionlang/metrics/stgcn.hpp>
 #include <motionlang/metrics/temos_score.hpp>
+#include <motionlang/weights/embedding_cache.hpp>
 
 #include "../support/body_arrays.hpp"
 #include "../support/denoised.hpp"

@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include <motionlang/io/amass.hpp>
-#include <motionlang/io/safetensors.hpp>
+#include <motionlang/file/safetensors.hpp>
+#include <motionlang/formats/amass.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
 #include "../support/temporary_folder.hpp"

@@ -4,13 +4,13 @@
 
 #include <set>
 
-#include <motionlang/io/amass.hpp>
-#include <motionlang/io/bvh.hpp>
-#include <motionlang/io/glb.hpp>
-#include <motionlang/io/humanml3d_folder.hpp>
-#include <motionlang/io/vector_graph.hpp>
+#include <motionlang/datasets/humanml3d_folder.hpp>
+#include <motionlang/formats/amass.hpp>
+#include <motionlang/formats/bvh.hpp>
+#include <motionlang/formats/glb.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/search/unit_rows.hpp>
+#include <motionlang/search/vector_graph.hpp>
 
 #include "../../examples/motionlang/train/text_motion_model.hpp"
 #include "../support/official_folders.hpp"

@@ -6,15 +6,15 @@
 #include <numeric>
 #include <sstream>
 
+#include <motionlang/datasets/humanml3d_folder.hpp>
 #include <motionlang/features/motion_features.hpp>
-#include <motionlang/io/amass.hpp>
-#include <motionlang/io/bvh.hpp>
-#include <motionlang/io/humanml3d_folder.hpp>
-#include <motionlang/io/model_folder.hpp>
-#include <motionlang/io/npz.hpp>
-#include <motionlang/io/safetensors.hpp>
+#include <motionlang/file/npz.hpp>
+#include <motionlang/file/safetensors.hpp>
+#include <motionlang/formats/amass.hpp>
+#include <motionlang/formats/bvh.hpp>
 #include <motionlang/kinematics/root_motion.hpp>
 #include <motionlang/metrics/ape_ave.hpp>
+#include <motionlang/weights/model_folder.hpp>
 
 #include "../../examples/motionlang/train/text_motion_model.hpp"
 #include "../support/body_arrays.hpp"

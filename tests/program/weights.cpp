@@ -1,7 +1,7 @@
 // motionlang info and convert on files of weights in other formats than ours.
 #include <doctest/doctest.h>
 
-#include <motionlang/io/safetensors.hpp>
+#include <motionlang/file/safetensors.hpp>
 
 #include "../support/temporary_folder.hpp"
 #include "process.hpp"

@@ -2,7 +2,7 @@
 /// The arrays of a body's file, of any number of joints and vertices.
 #pragma once
 
-#include <motionlang/io/npz.hpp>
+#include <motionlang/file/npz.hpp>
 
 #include "synthetic_body.hpp"
 

@@ -2,7 +2,7 @@
 /// A folder with a few made-up BVH clips and their captions, as training expects them.
 #pragma once
 
-#include <motionlang/io/bvh.hpp>
+#include <motionlang/formats/bvh.hpp>
 
 #include "synthetic_motion.hpp"
 #include "temporary_folder.hpp"

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include <motionlang/io/module_file.hpp>
+#include <motionlang/weights/module_file.hpp>
 
 namespace models {
 

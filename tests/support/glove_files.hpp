@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <motionlang/io/file.hpp>
-#include <motionlang/io/npy.hpp>
+#include <motionlang/file/file.hpp>
+#include <motionlang/file/npy.hpp>
 
 namespace glove_files {
 

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <string>
 
-#include <motionlang/io/png.hpp>
+#include <motionlang/file/png.hpp>
 
 /// One array of `size` bytes, all of them `value`.
 inline std::string joblib_dump(std::uint32_t size, char value) {

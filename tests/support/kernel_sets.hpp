@@ -7,7 +7,7 @@
 #include <utility>
 
 #include <motionlang/backend/detail/kernels.hpp>
-#include <motionlang/core/precision.hpp>
+#include <motionlang/backend/precision.hpp>
 
 namespace kernel_sets {
 
@@ -39,7 +39,7 @@ void with_every_kernel(F f) {
   using motionlang::detail::Isa;
   for (const Isa isa : {Isa::portable, Isa::avx2, Isa::avx512, Isa::amx}) {
     const auto* kernels = motionlang::detail::kernels_for<S>(isa);
-    if (kernels == nullptr || (isa == Isa::amx && kernels->tiles == nullptr)) continue;
+    if (kernels == nullptr || (isa == Isa::amx && kernels->isa != isa)) continue;
     INFO(std::string(kernels->name));
     const Instead scope(motionlang::detail::current_kernels<S>(), kernels);
     const InPrecision precision(isa == Isa::amx ? motionlang::Precision::bf16x3 : motionlang::Precision::fp32);

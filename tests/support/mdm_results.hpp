@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include <motionlang/io/npy.hpp>
+#include <motionlang/file/npy.hpp>
 
 namespace mdm {
 
@@ -58,7 +58,8 @@ inline std::string results(const motionlang::NpyArray& motion, const std::vector
   out += "eX\x07\x00\x00\x00lengthsq\x1eh\x00h\x01K\x00\x85q\x1fh\x03\x87q Rq!(K\x01"sv;
   out += pickled_int(lengths.size());
   out +=
-      "\x85q\"h\x06X\x02\x00\x00\x00i8q#\x89\x88\x87q$Rq%(K\x03h\x16NNNJ\xff\xff\xff\xffJ\xff\xff\xff\xffK\x00tq&b\x89"sv;
+      "\x85q\"h\x06X\x02\x00\x00\x00i8q#\x89\x88\x87q$Rq%(K\x03h\x16NNNJ\xff\xff\xff\xffJ\xff\xff\xff\xff"
+      "K\x00tq&b\x89"sv;
   out += pickled_bytes(bytes_of(lengths));
   out += "q'tq(bX\x0b\x00\x00\x00num_samplesq)K\x03X\x0f\x00\x00\x00num_repetitionsq*K\x01uatq+b."sv;
   return out;

@@ -3,7 +3,7 @@
 /// shape (taller).
 #pragma once
 
-#include <motionlang/io/npz.hpp>
+#include <motionlang/file/npz.hpp>
 #include <motionlang/kinematics/body_motion.hpp>
 
 namespace octahedra {

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/diffusion_run.hpp>
+#include <motionlang/weights/diffusion_run.hpp>
 
 #include "torch_archive.hpp"
 
@@ -143,7 +143,8 @@ inline void write_mdm_run(const fs::path& folder, const Sizes& s) {
                  R"(, "emb_trans_dec": )", c.class_token != ml::MdmClassToken::none, R"(, "lambda_fc": 0.0,
  "latent_dim": )",
                  c.latent_dim, R"(, "layers": )", c.num_layers, R"(, "mask_frames": false, "noise_schedule": "cosine",
- "pos_embed_max_len": 5000, "pred_len": 0, "sigma_small": true, "text_encoder_type": "clip", "unconstrained": false})"));
+ "pos_embed_max_len": 5000, "pred_len": 0, "sigma_small": true, "text_encoder_type": "clip",
+ "unconstrained": false})"));
   TorchArchive archive;
   add_module(archive, mdm(s));
   add_zeros(archive, "sequence_pos_encoder.pe", {7, 1, c.latent_dim});

@@ -3,7 +3,7 @@
 /// motions to texts, the tokenizer, word vectors.
 #pragma once
 
-#include <motionlang/io/tm2t_run.hpp>
+#include <motionlang/weights/tm2t_run.hpp>
 
 #include "glove_files.hpp"
 #include "official_folders.hpp"

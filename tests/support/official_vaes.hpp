@@ -2,7 +2,7 @@
 /// Run folders of ACTOR, TEMOS, TEACH and SINC as their repositories leave them, with drawn weights.
 #pragma once
 
-#include <motionlang/io/vae_run.hpp>
+#include <motionlang/weights/vae_run.hpp>
 
 #include "official_folders.hpp"
 

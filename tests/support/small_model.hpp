@@ -3,7 +3,7 @@
 #pragma once
 
 #include <motionlang/compose/timeline_text.hpp>
-#include <motionlang/io/stmc_file.hpp>
+#include <motionlang/weights/stmc_file.hpp>
 
 namespace small {
 

@@ -8,8 +8,8 @@
 #include <numbers>    // pi
 
 #include <motionlang/geometry/axis_angle.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/motion.hpp>
-#include <motionlang/kinematics/standard.hpp>
 
 namespace synthetic {
 

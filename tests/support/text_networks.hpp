@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include <motionlang/io/text_network_file.hpp>
+#include <motionlang/weights/text_network_file.hpp>
 
 namespace text_networks {
 

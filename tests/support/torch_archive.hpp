@@ -2,8 +2,8 @@
 /// Writes files as torch.save does: a zip archive with the pickle of dictionaries, numbers, texts and tensors.
 #pragma once
 
-#include <motionlang/io/tensor_view.hpp>
-#include <motionlang/io/zip.hpp>
+#include <motionlang/file/tensor_view.hpp>
+#include <motionlang/file/zip.hpp>
 
 /// Entries are added in order; `begin` opens a dictionary inside, `end` closes it.
 class TorchArchive {

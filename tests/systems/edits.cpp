@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/stmc_record.hpp>
+#include <motionlang/weights/stmc_record.hpp>
 
 #include "../support/check_error.hpp"
 #include "../support/kernel_sets.hpp"
@@ -218,6 +218,6 @@ TEST_CASE("bf16x3: after an edit the bits are those of a whole run, of a model t
     CHECK(again.reuse.exact);
     CHECK(again.reuse.work < again.reuse.whole_work);
   }
-  if (ml::detail::kernels<float>().tiles != nullptr)
+  if (ml::detail::kernels<float>().isa == ml::detail::Isa::amx)
     CHECK(numbers(model.generate(std::vector{after}, rng, {.steps = 3})) != in_fp32);
 }

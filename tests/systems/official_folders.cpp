@@ -1,6 +1,6 @@
 // Official run folders of the diffusion models: what they load as, what generation makes of it, and what is said when
 // something is missing or does not fit.
-#include <motionlang/io/diffusion_folder.hpp>
+#include <motionlang/weights/diffusion_folder.hpp>
 
 #include "../support/check_error.hpp"
 #include "../support/official_folders.hpp"
@@ -57,6 +57,31 @@ TEST_CASE("STMC: config.json, logs/checkpoints/last.ckpt, motion_stats, text_sta
   fs::remove(elsewhere / "bpe_simple_vocab_16e6.txt");
   CHECK_ERROR(ml::load_diffusion_run<B>(folder.path, {.text_encoder = elsewhere.path}),
               "no tokenizer of the text encoder: put");
+}
+
+TEST_CASE("STMC without registers: the checkpoint has no tensor of them, and the options say so") {
+  const TemporaryFolder folder;
+  Sizes sizes = official::small();
+  sizes.mdm_smpl.nb_registers = 0;
+  write("stmc", folder / "run", sizes);
+  official::write_clip(folder / "clip", sizes);
+  CHECK(check_generates("stmc", folder / "run", sizes).denoiser.mdm_smpl->register_count() == 0);
+  ml::pack_diffusion_run<B>(ml::find_run(folder / "run"), folder / "packed",
+                            {.license = "none", .provenance = "drawn"});
+  check_generates("stmc", folder / "packed", sizes);
+
+  std::string config = ml::read_file(folder / "run/config.json");
+  const std::size_t at = config.find("\"nb_registers\": 0");
+  REQUIRE(at != std::string::npos);
+  official::write_text(folder / "run/config.json", config.replace(at, 17, "\"registers\": 0"));  // no option states it
+  CHECK_ERROR(ml::load_diffusion_run<B>(folder / "run"), "no tensor 'denoiser.registers'");
+  sizes.mdm_smpl.nb_registers = 2;
+  write("stmc", folder / "with", sizes);
+  config = ml::read_file(folder / "with/config.json");
+  official::write_text(folder / "with/config.json",
+                       config.replace(config.find("\"nb_registers\": 2"), 17, "\"nb_registers\": 0"));
+  CHECK_ERROR(ml::load_diffusion_run<B>(folder / "with"),
+              "diffusion/denoiser/nb_registers is 0, tensor 'denoiser.registers'");
 }
 
 TEST_CASE("MDM: args.json, the last model, statistics of the data set; both transformers") {

@@ -1,7 +1,7 @@
 // TM2T's folders and those of MDM for actions: what they load as, what generation makes of it, what is said when
 // something is missing.
-#include <motionlang/io/mdm_action_run.hpp>
-#include <motionlang/io/tm2t_run.hpp>
+#include <motionlang/weights/mdm_action_run.hpp>
+#include <motionlang/weights/tm2t_run.hpp>
 
 #include "../support/check_error.hpp"
 #include "../support/file_of_model.hpp"

@@ -1,6 +1,6 @@
 // Official run folders of ACTOR and TEMOS: what they load as, what generation makes of it, what is said when something
 // is missing.
-#include <motionlang/io/vae_run.hpp>
+#include <motionlang/weights/vae_run.hpp>
 
 #include "../support/check_error.hpp"
 #include "../support/official_vaes.hpp"

@@ -5,7 +5,7 @@
 // usage: systems_text_memory [all]     DistilBERT, CLIP ViT-B/32, MPNet from F32 and F16; all: ViT-L/14 and MiniLM, and
 // BF16, too
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/text_network_file.hpp>
+#include <motionlang/weights/text_network_file.hpp>
 
 #include "../bench/again.hpp"
 

@@ -1,7 +1,7 @@
 // The trainer of the motionlang program: stopped and resumed, on one thread and on two, it makes the same numbers.
 #include <doctest/doctest.h>
 
-#include <motionlang/io/bvh.hpp>
+#include <motionlang/formats/bvh.hpp>
 
 #include "../../examples/motionlang/train/stmc_training.hpp"
 #include "../support/threads.hpp"

@@ -5,9 +5,8 @@
 
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/file/npy.hpp>
 #include <motionlang/kinematics/foot_contact.hpp>
-
-#include <motionlang/io/npy.hpp>
 
 #include "../../examples/motionlang/train/clip_lines.hpp"
 #include "../../examples/motionlang/train/foot_loss.hpp"

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <new>
 
-#include <motionlang/io/weight_file.hpp>
+#include <motionlang/weights/weight_file.hpp>
 
 #include "../support/joblib_dump.hpp"
 #include "../support/temporary_folder.hpp"

@@ -34,7 +34,10 @@ const std::vector<Output> outputs = {
     {"motionlang_fwd.hpp", "", {"motionlang/fwd.hpp"}},
     {"motionlang_eigen.hpp", "motionlang/motionlang.hpp", {"motionlang/backend/eigen.hpp"}},
     {"motionlang_xtensor.hpp", "motionlang/motionlang.hpp", {"motionlang/backend/xtensor.hpp"}},
-    {"motionlang_io.hpp", "motionlang/motionlang.hpp", {"motionlang/io"}},
+    {"motionlang_io.hpp",
+     "motionlang/motionlang.hpp",
+     {"motionlang/file", "motionlang/formats", "motionlang/datasets", "motionlang/search", "motionlang/weights",
+      "motionlang/view"}},
     {"stmc.hpp", "", {"motionlang/stmc.hpp"}},
 };
 

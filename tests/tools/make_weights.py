@@ -5,6 +5,10 @@
 Classes of PyTorch are stood in for by empty ones of the same names, which is all that a pickle records. spec_*: files that torch 1.13
 and joblib 1.2 wrote, from the specification; they are not made here.
 """
+import argparse
+import collections
+import enum
+import functools
 import gzip
 import io
 import os
@@ -55,7 +59,12 @@ torch = module('torch', **storages, float32=type('float32', (), {}))
 utils = module('torch._utils', **{n: function(n) for n in (
     '_rebuild_tensor', '_rebuild_tensor_v2', '_rebuild_tensor_v3', '_rebuild_parameter', '_rebuild_parameter_with_state')})
 storage = module('torch.storage', UntypedStorage=type('UntypedStorage', (), {}), _load_from_bytes=function('_load_from_bytes'))
-nobody = module('nobody', Config=type('Config', (), {}), Settings=type('Settings', (dict,), {}))
+nobody = module('nobody', Config=type('Config', (), {}), Settings=type('Settings', (dict,), {}),
+                Slots=type('Slots', (), {'__slots__': ('latent_dim',)}),
+                SlotsToo=type('SlotsToo', (), {'__slots__': ('latent_dim', '__dict__')}),
+                Frozen=type('Frozen', (), {'__reduce__': lambda _: (nobody.Frozen, ({'latent_dim': 256, 'name': 'temos'},))}),
+                Keywords=type('Keywords', (), {'__getnewargs_ex__': lambda self: ((), {'latent_dim': 256})}),
+                Ordered=type('Ordered', (OrderedDict,), {}), Mode=enum.Enum('Mode', {'train': 'training'}))
 
 
 class Storage:
@@ -133,6 +142,48 @@ config.hidden = 3
 archive('checkpoint.ckpt', {'epoch': 3, 'state_dict': OrderedDict(a=plain, b=tensor(six, 5, (), ())), 'settings': settings,
                             'config': config, nobody.Config: 1, 'optimizer_states': [{'state': {0: {'exp_avg': plain}}, 'lr': 0.1}]},
         {'0': numbers})
+
+
+# Configurations in objects of classes that nobody knows, in the ways in which pickles hold them.
+def filled(made, **fields):
+    for name, value in fields.items():
+        setattr(made, name, value)
+    return made
+
+
+def configured(made):
+    return filled(made, latent_dim=256, name='temos', vae=True, rate=1e-4)
+
+
+def node(value, parent):
+    return filled(nobody.Config(), _val=value, _parent=parent, _metadata=filled(nobody.Config(), optional=True))
+
+
+def objects(protocol):
+    tree = nobody.Config()  # as omegaconf's
+    filled(tree, _parent=None, _content={'latent_dim': node(256, tree), 'name': node('temos', tree)})
+    tree._content['inner'] = filled(nobody.Config(), _parent=tree, _content={'heads': node(4, tree)})
+    loop = configured(nobody.Config())
+    loop.again, loop.list = loop, [loop, {'loop': loop}]
+    settings = filled(nobody.Settings({'latent_dim': 256}), name='temos')
+    repeated = filled(nobody.Settings({'latent_dim': 256, 'name': 'temos'}), latent_dim=256, name='temos')
+    nested = filled(nobody.Config(), inner=configured(nobody.Config()), layers=[1, {'heads': 4}], weight=plain,
+                    mode=nobody.Mode.train)
+    out = {'plain': configured(nobody.Config()), 'nested': nested, 'tree': tree, 'loop': loop, 'settings': settings,
+           'repeated': repeated, 'ordered': nobody.Ordered(latent_dim=256), 'frozen': nobody.Frozen(), 'mode': nobody.Mode.train,
+           'namespace': configured(argparse.Namespace()), 'simple': configured(types.SimpleNamespace()),
+           'user': collections.UserDict(latent_dim=256), 'partial': functools.partial(nobody.Config, 1, latent_dim=256)}
+    if protocol >= 2:
+        out['slots'] = filled(nobody.Slots(), latent_dim=256)
+        out['slots_too'] = filled(nobody.SlotsToo(), latent_dim=256, name='temos')
+    if protocol >= 4:
+        out['keywords'] = nobody.Keywords()
+    return out
+
+
+for protocol in range(1, 6):
+    checkpoint = {'state_dict': OrderedDict(a=plain), 'hyper_parameters': objects(protocol)}
+    archive('objects_p%d.ckpt' % protocol, pickled(checkpoint, protocol), {'0': numbers})
 
 # TorchScript: a tree of modules.
 script = {}

@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/amass_body.hpp>
-#include <motionlang/io/body_file.hpp>
-#include <motionlang/io/body_glb.hpp>
-#include <motionlang/io/body_viewer.hpp>
-#include <motionlang/io/figure_body.hpp>
+#include <motionlang/formats/amass_body.hpp>
+#include <motionlang/formats/body_file.hpp>
+#include <motionlang/formats/body_glb.hpp>
+#include <motionlang/formats/figure_body.hpp>
+#include <motionlang/view/body_viewer.hpp>
 
 #include "../formatted.hpp"
 #include "../usage_error.hpp"

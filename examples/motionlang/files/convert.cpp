@@ -9,8 +9,8 @@
 #include <utility>
 
 #include <motionlang/features/motion_features.hpp>
-#include <motionlang/io/amass.hpp>
-#include <motionlang/io/merged_body.hpp>
+#include <motionlang/formats/amass.hpp>
+#include <motionlang/formats/merged_body.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>

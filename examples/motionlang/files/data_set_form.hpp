@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include <motionlang/io/humanml3d_folder.hpp>
+#include <motionlang/datasets/humanml3d_folder.hpp>
 
 namespace program {
 

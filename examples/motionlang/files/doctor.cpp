@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <set>
 
-#include <motionlang/io/inspection_page.hpp>
-#include <motionlang/io/npy.hpp>
+#include <motionlang/file/npy.hpp>
+#include <motionlang/view/inspection_page.hpp>
 
 #include "../commands.hpp"
 #include "../option_checks.hpp"

@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include <motionlang/features/motion_features.hpp>
-#include <motionlang/io/amass.hpp>
-#include <motionlang/io/mdm_results.hpp>
+#include <motionlang/formats/amass.hpp>
+#include <motionlang/formats/mdm_results.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
 #include "../commands.hpp"

@@ -1,9 +1,9 @@
 #include "model_summary.hpp"
 
-#include <motionlang/io/mdm_action_run.hpp>
-#include <motionlang/io/model_folder.hpp>
-#include <motionlang/io/tm2t_run.hpp>
-#include <motionlang/io/vae_run.hpp>
+#include <motionlang/weights/mdm_action_run.hpp>
+#include <motionlang/weights/model_folder.hpp>
+#include <motionlang/weights/tm2t_run.hpp>
+#include <motionlang/weights/vae_run.hpp>
 
 namespace program {
 

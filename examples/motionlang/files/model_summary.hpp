@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include <motionlang/io/run_folder.hpp>
+#include <motionlang/weights/run_folder.hpp>
 
 namespace program {
 

@@ -6,15 +6,15 @@
 #include <cerrno>
 #include <cstdio>
 
-#include <motionlang/io/amass.hpp>
-#include <motionlang/io/amc.hpp>
-#include <motionlang/io/bvh.hpp>
-#include <motionlang/io/film_strip.hpp>
-#include <motionlang/io/glb_rig.hpp>
-#include <motionlang/io/mdm_results.hpp>
-#include <motionlang/io/skeleton_table_file.hpp>
-#include <motionlang/io/viewer.hpp>
+#include <motionlang/formats/amass.hpp>
+#include <motionlang/formats/amc.hpp>
+#include <motionlang/formats/bvh.hpp>
+#include <motionlang/formats/glb_rig.hpp>
+#include <motionlang/formats/mdm_results.hpp>
+#include <motionlang/formats/skeleton_table_file.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/view/film_strip.hpp>
+#include <motionlang/view/viewer.hpp>
 
 #include <CLI/CLI.hpp>
 

@@ -2,7 +2,7 @@
 #include <cstdio>
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/pack_run.hpp>
+#include <motionlang/weights/pack_run.hpp>
 
 #include "../commands.hpp"
 #include "model_summary.hpp"

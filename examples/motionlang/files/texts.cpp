@@ -4,8 +4,8 @@
 #include <map>
 #include <vector>  // erase_if
 
-#include <motionlang/io/babel.hpp>
-#include <motionlang/io/humanml3d_texts.hpp>
+#include <motionlang/datasets/babel.hpp>
+#include <motionlang/datasets/humanml3d_texts.hpp>
 
 #include "../formatted.hpp"
 #include "input_files.hpp"

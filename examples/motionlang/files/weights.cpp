@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <map>
 
-#include <motionlang/io/amass_sequence.hpp>
-#include <motionlang/io/module_file.hpp>
-#include <motionlang/io/weight_file.hpp>
+#include <motionlang/formats/amass_sequence.hpp>
+#include <motionlang/weights/module_file.hpp>
+#include <motionlang/weights/weight_file.hpp>
 
 #include "input_files.hpp"
 #include "motion_files.hpp"

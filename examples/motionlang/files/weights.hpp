@@ -6,7 +6,7 @@
 #include <string>
 
 #include <motionlang/core/utf8.hpp>
-#include <motionlang/io/tensor_view.hpp>
+#include <motionlang/file/tensor_view.hpp>
 
 namespace program {
 

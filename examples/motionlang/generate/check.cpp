@@ -3,7 +3,7 @@
 #include <vector>
 
 #include <motionlang/compose/plan.hpp>
-#include <motionlang/io/stmc_file.hpp>
+#include <motionlang/weights/stmc_file.hpp>
 
 #include "../commands.hpp"
 #include "../formatted.hpp"

@@ -4,7 +4,7 @@
 #include <map>
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/tm2t_run.hpp>
+#include <motionlang/weights/tm2t_run.hpp>
 
 #include "../commands.hpp"
 #include "../files/input_files.hpp"

@@ -27,7 +27,7 @@ struct TextLatents {
   std::function<ml::Interval(const ml::Timeline&)> wanted = only_text;
 };
 
-/// Those of a published model (io/vae_run.hpp).
+/// Those of a published model (weights/vae_run.hpp).
 template <class Run>
 auto text_latents(Run run) {
   using B = ml::EigenBackend<float>;

@@ -8,11 +8,11 @@
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/core/utf8.hpp>
-#include <motionlang/io/amass.hpp>
-#include <motionlang/io/bvh.hpp>
-#include <motionlang/io/film_strip.hpp>
-#include <motionlang/io/glb_writer.hpp>
-#include <motionlang/io/viewer.hpp>
+#include <motionlang/formats/amass.hpp>
+#include <motionlang/formats/bvh.hpp>
+#include <motionlang/formats/glb_writer.hpp>
+#include <motionlang/view/film_strip.hpp>
+#include <motionlang/view/viewer.hpp>
 
 #include "../commands.hpp"
 #include "../files/input_files.hpp"

@@ -2,9 +2,9 @@
 
 #include <charconv>
 
-#include <motionlang/io/mdm_action_run.hpp>
-#include <motionlang/io/run_folder.hpp>
-#include <motionlang/io/stmc_file.hpp>
+#include <motionlang/weights/mdm_action_run.hpp>
+#include <motionlang/weights/run_folder.hpp>
+#include <motionlang/weights/stmc_file.hpp>
 
 #include "../commands.hpp"
 

@@ -113,7 +113,7 @@ std::unique_ptr<Generator> load_actor(const std::filesystem::path& run);
 std::unique_ptr<Generator> load_temos(const std::filesystem::path& run, const ModelSources& sources);
 std::unique_ptr<Generator> load_teach(const std::filesystem::path& run, const ModelSources& sources);
 std::unique_ptr<Generator> load_sinc(const std::filesystem::path& run, const ModelSources& sources);
-/// The system of a folder as io/run_folder.hpp finds it, where runs of TEACH and SINC look like those of TEMOS.
+/// The system of a folder as weights/run_folder.hpp finds it, where runs of TEACH and SINC look like those of TEMOS.
 std::string system_of_run(const std::filesystem::path& run);
 /// MDM's models of actions: the name or the number of an action. TM2T: one text; it decides itself how long the motion
 /// is.

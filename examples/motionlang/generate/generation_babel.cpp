@@ -3,8 +3,8 @@
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/features/motion_features.hpp>
-#include <motionlang/io/vae_run.hpp>
 #include <motionlang/text/joined_labels.hpp>
+#include <motionlang/weights/vae_run.hpp>
 
 #include "from_babel.hpp"
 

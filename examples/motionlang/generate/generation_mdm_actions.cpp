@@ -1,6 +1,6 @@
 // MDM's models of actions, as their repository leaves them, behind the Generator: one action for each motion.
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/mdm_action_run.hpp>
+#include <motionlang/weights/mdm_action_run.hpp>
 
 #include "../files/feature_motion.hpp"
 

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <motionlang/io/safetensors.hpp>
-#include <motionlang/io/stmc_record.hpp>
+#include <motionlang/file/safetensors.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/systems/stmc_keep.hpp>
+#include <motionlang/weights/stmc_record.hpp>
 
 #include "../files/feature_motion.hpp"
 #include "../files/motion_files.hpp"

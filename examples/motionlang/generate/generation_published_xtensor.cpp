@@ -1,5 +1,5 @@
 #include <motionlang/backend/xtensor.hpp>
-#include <motionlang/io/diffusion_run.hpp>
+#include <motionlang/weights/diffusion_run.hpp>
 
 #include "generation_over.hpp"
 

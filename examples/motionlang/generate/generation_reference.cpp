@@ -1,5 +1,5 @@
 #include <motionlang/backend/reference.hpp>
-#include <motionlang/io/stmc_file.hpp>
+#include <motionlang/weights/stmc_file.hpp>
 
 #include "generation_over.hpp"
 #include "known_words.hpp"

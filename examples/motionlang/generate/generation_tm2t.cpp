@@ -1,7 +1,7 @@
 // TM2T, as its repository leaves it, behind the Generator: one text for each motion, which is as long as the model has
 // it.
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/tm2t_run.hpp>
+#include <motionlang/weights/tm2t_run.hpp>
 
 #include "../files/feature_motion.hpp"
 

@@ -1,5 +1,5 @@
 // ACTOR and TEMOS, as their repositories leave them, behind the Generator: one text, or one action, for each motion.
-#include <motionlang/io/vae_run.hpp>
+#include <motionlang/weights/vae_run.hpp>
 
 #include "from_actions.hpp"
 #include "from_texts.hpp"

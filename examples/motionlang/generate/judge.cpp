@@ -7,7 +7,7 @@
 #include <ctime>
 
 #include <motionlang/features/smplrifke.hpp>
-#include <motionlang/io/safetensors.hpp>
+#include <motionlang/file/safetensors.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
 #include "../commands.hpp"

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include <motionlang/core/utf8.hpp>
-#include <motionlang/io/key_report.hpp>
-#include <motionlang/io/safetensors.hpp>
+#include <motionlang/file/key_report.hpp>
+#include <motionlang/file/safetensors.hpp>
 #include <motionlang/text/unicode.hpp>
 #include <motionlang/text/word_piece.hpp>
 

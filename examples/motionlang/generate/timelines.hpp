@@ -12,7 +12,7 @@
 #include <motionlang/compose/cut_texts.hpp>
 #include <motionlang/compose/in_turn.hpp>
 #include <motionlang/compose/timeline_text.hpp>
-#include <motionlang/io/file.hpp>
+#include <motionlang/file/file.hpp>
 
 namespace program {
 

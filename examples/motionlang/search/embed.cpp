@@ -5,9 +5,9 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/core/progress.hpp>
 #include <motionlang/core/text_lines.hpp>
-#include <motionlang/io/annotations.hpp>
-#include <motionlang/io/embedding_cache.hpp>
-#include <motionlang/io/text_encoder_folder.hpp>
+#include <motionlang/datasets/annotations.hpp>
+#include <motionlang/weights/embedding_cache.hpp>
+#include <motionlang/weights/text_encoder_folder.hpp>
 
 #include "../commands.hpp"
 #include "../option_checks.hpp"

@@ -7,9 +7,9 @@
 #include <set>
 
 #include <motionlang/core/text_lines.hpp>
-#include <motionlang/io/vector_graph.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/search/motion_search.hpp>
+#include <motionlang/search/vector_graph.hpp>
 
 #include "../commands.hpp"
 #include "../files/motion_files.hpp"

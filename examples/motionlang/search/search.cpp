@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <map>
 
-#include <motionlang/io/search_page.hpp>
-#include <motionlang/io/vector_graph.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/search/vector_graph.hpp>
+#include <motionlang/view/search_page.hpp>
 
 #include "../commands.hpp"
 #include "../files/input_files.hpp"

@@ -1,7 +1,7 @@
 #include "search_model.hpp"
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/motion_index_file.hpp>
+#include <motionlang/search/motion_index_file.hpp>
 
 #include "../files/motion_files.hpp"
 #include "../train/text_motion_model.hpp"

@@ -72,13 +72,11 @@ class ActorTask : public ActionTask<ActorTrainingConfig, ml::Actor<TrainingTape>
     ml::Actor<B> model(actor_sizes(config_, std::ssize(labels_)), rng);
     if (from) {
       require_same_rows(from->file.config.clips, config_.clips);
-      ml::zip(model, from->actor, [](const std::string& path, auto& to, const auto& given) {
-        if constexpr (ml::is_tensor<std::remove_cvref_t<decltype(to)>>) {
-          if (to.shape() != given.shape())
-            ml::raise<ml::config_error>(102, "--from: '", path, "' is ", given.shape(), ", the settings make it ",
-                                        to.shape());
-          to = given;
-        }
+      ml::zip_tensors(model, from->actor, [](const auto& to, const auto& given) {
+        if (to.shape() != given.shape())
+          ml::raise<ml::config_error>(102, "--from: '", to.path, "' is ", given.shape(), ", the settings make it ",
+                                      to.shape());
+        *to.data = *given.data;
       });
     }
     begin(std::move(model));

@@ -11,8 +11,8 @@
 #include <motionlang/core/python_random.hpp>
 #include <motionlang/features/pose_representation.hpp>
 #include <motionlang/kinematics/body_model.hpp>
-#include <motionlang/kinematics/lanes.hpp>
-#include <motionlang/kinematics/standard.hpp>
+#include <motionlang/kinematics/forward_batch.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
 #include "described_motions.hpp"

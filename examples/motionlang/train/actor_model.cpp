@@ -1,6 +1,6 @@
 #include "actor_model.hpp"
 
-#include <motionlang/io/vae_run.hpp>
+#include <motionlang/weights/vae_run.hpp>
 
 namespace program {
 

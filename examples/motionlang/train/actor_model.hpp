@@ -1,6 +1,6 @@
 // A trained ACTOR, and a trained classifier of actions: how they are made, and their folders.
 //
-//     config.json            io/model_folder.hpp: "system" actor or classifier, the configuration of the training,
+//     config.json            weights/model_folder.hpp: "system" actor or classifier, the configuration of the training,
 //                            "labels"
 //     weights.safetensors    the published names; motions are not normalised
 //
@@ -12,11 +12,11 @@
 #include <optional>
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/actor_file.hpp>
-#include <motionlang/io/run_folder.hpp>
 #include <motionlang/metrics/gru_classifier.hpp>
 #include <motionlang/metrics/stgcn.hpp>
 #include <motionlang/systems/actor.hpp>
+#include <motionlang/weights/actor_file.hpp>
+#include <motionlang/weights/run_folder.hpp>
 
 #include "actor_config.hpp"
 #include "model_description.hpp"

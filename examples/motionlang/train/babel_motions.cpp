@@ -2,10 +2,10 @@
 
 #include <mutex>
 
-#include <motionlang/compose/simultaneous_segments.hpp>
-#include <motionlang/compose/teach_pairs.hpp>
 #include <motionlang/core/parallel.hpp>
-#include <motionlang/features/amass_releases.hpp>
+#include <motionlang/datasets/amass_releases.hpp>
+#include <motionlang/datasets/simultaneous_segments.hpp>
+#include <motionlang/datasets/teach_pairs.hpp>
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <motionlang/core/progress.hpp>
-#include <motionlang/io/babel.hpp>
+#include <motionlang/datasets/babel.hpp>
 
 #include "../usage_error.hpp"
 #include "babel_config.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <motionlang/features/actor_points.hpp>
-#include <motionlang/io/body_file.hpp>
+#include <motionlang/formats/body_file.hpp>
 
 #include "actor_clips.hpp"
 

@@ -6,13 +6,13 @@
 
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/core/text_lines.hpp>
-#include <motionlang/features/amass_releases.hpp>
-#include <motionlang/io/amass.hpp>
-#include <motionlang/io/amc.hpp>
-#include <motionlang/io/annotations.hpp>
-#include <motionlang/io/babel.hpp>
-#include <motionlang/io/bvh.hpp>
-#include <motionlang/io/motion_npy.hpp>
+#include <motionlang/datasets/amass_releases.hpp>
+#include <motionlang/datasets/annotations.hpp>
+#include <motionlang/datasets/babel.hpp>
+#include <motionlang/formats/amass.hpp>
+#include <motionlang/formats/amc.hpp>
+#include <motionlang/formats/bvh.hpp>
+#include <motionlang/formats/motion_npy.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 

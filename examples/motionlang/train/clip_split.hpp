@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <motionlang/core/rng.hpp>
-#include <motionlang/io/id_list.hpp>
+#include <motionlang/file/id_list.hpp>
 
 #include "../files/motion_files.hpp"
 #include "described_motions.hpp"

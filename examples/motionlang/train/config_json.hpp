@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <motionlang/core/fields.hpp>
-#include <motionlang/io/json.hpp>
-#include <motionlang/io/key_report.hpp>
+#include <motionlang/file/json.hpp>
+#include <motionlang/file/key_report.hpp>
 
 #include "../usage_error.hpp"
 

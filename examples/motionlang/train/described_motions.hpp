@@ -12,8 +12,8 @@
 
 #include <motionlang/core/fields.hpp>
 #include <motionlang/core/progress.hpp>
+#include <motionlang/datasets/annotations.hpp>
 #include <motionlang/features/frame_sampling.hpp>
-#include <motionlang/io/annotations.hpp>
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/text/tagged_word.hpp>
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include <motionlang/compose/alignment.hpp>
+#include <motionlang/compose/teach_join.hpp>
 #include <motionlang/text/joined_labels.hpp>
 
 #include "../machine_options.hpp"

@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <set>
 
-#include <motionlang/io/actor_file.hpp>
 #include <motionlang/metrics/diversity.hpp>
 #include <motionlang/metrics/frechet.hpp>
 #include <motionlang/metrics/summary.hpp>
+#include <motionlang/weights/actor_file.hpp>
 
 #include "../files/motion_files.hpp"
 #include "../progress_bar.hpp"

@@ -6,12 +6,12 @@
 #include <map>
 #include <set>
 
+#include <motionlang/datasets/body_part_table.hpp>
+#include <motionlang/datasets/humanml3d_texts.hpp>
 #include <motionlang/features/smplh_joints.hpp>
-#include <motionlang/io/body_file.hpp>
-#include <motionlang/io/body_part_table.hpp>
-#include <motionlang/io/humanml3d_texts.hpp>
-#include <motionlang/io/vae_run.hpp>
+#include <motionlang/formats/body_file.hpp>
 #include <motionlang/metrics/temos_score.hpp>
+#include <motionlang/weights/vae_run.hpp>
 
 #include "../generate/from_babel.hpp"
 #include "../progress_bar.hpp"

@@ -3,8 +3,8 @@
 
 #include <cstdio>
 
-#include <motionlang/io/id_list.hpp>
-#include <motionlang/io/vae_run.hpp>
+#include <motionlang/file/id_list.hpp>
+#include <motionlang/weights/vae_run.hpp>
 
 #include "../files/feature_motion.hpp"
 #include "film_strips.hpp"

@@ -6,16 +6,16 @@
 #include <map>
 #include <optional>
 
-#include <motionlang/features/guo_clip.hpp>
-#include <motionlang/io/guo_evaluator_file.hpp>
-#include <motionlang/io/text_encoder_folder.hpp>
-#include <motionlang/io/tm2t_run.hpp>
+#include <motionlang/datasets/guo_clip.hpp>
 #include <motionlang/metrics/bert_score.hpp>
 #include <motionlang/metrics/captions.hpp>
 #include <motionlang/metrics/diversity.hpp>
 #include <motionlang/metrics/frechet.hpp>
 #include <motionlang/metrics/matching.hpp>
 #include <motionlang/metrics/summary.hpp>
+#include <motionlang/weights/guo_evaluator_file.hpp>
+#include <motionlang/weights/text_encoder_folder.hpp>
+#include <motionlang/weights/tm2t_run.hpp>
 
 #include "../progress_bar.hpp"
 #include "described_words.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <motionlang/features/statistics.hpp>
-#include <motionlang/io/detail/run_reader.hpp>
+#include <motionlang/weights/detail/run_reader.hpp>
 
 #include "described_motions.hpp"
 #include "learner.hpp"

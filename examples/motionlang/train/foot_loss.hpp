@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <motionlang/features/smplrifke.hpp>
-#include <motionlang/kinematics/lanes.hpp>
+#include <motionlang/kinematics/forward_batch.hpp>
 #include <motionlang/tensor/sequences.hpp>
 
 namespace program {

@@ -8,9 +8,9 @@
 
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/module_file.hpp>
 #include <motionlang/optim/adamw.hpp>
 #include <motionlang/optim/ema.hpp>
+#include <motionlang/weights/module_file.hpp>
 
 namespace program {
 
@@ -35,17 +35,17 @@ void restore_moments(ml::AdamW<A>& adam, const M& model, const ml::TensorSet& fi
                      ml::Index steps) {
   using B = typename A::inner;
   std::map<std::string, typename ml::AdamW<A>::Moments> moments;
-  ml::visit_tensors(model, [&](const std::string& path, const auto& t) {
-    const auto *m = file.find(prefix + "m." + path), *v = file.find(prefix + "v." + path);
-    if (m == nullptr || v == nullptr) return;
+  for (const auto& t : ml::tensors_of(model)) {
+    const auto *m = file.find(prefix + "m." + t.path), *v = file.find(prefix + "v." + t.path);
+    if (m == nullptr || v == nullptr) continue;
     auto load = [&](const ml::TensorView& view) {
       if (view.shape != t.shape())
         ml::raise<ml::io_error>(407, file.name(), ": ", view.name, " is ", view.shape, ", not ", t.shape());
       const auto numbers = ml::values_of<float>(view);
       return B::from_span(std::span<const float>(numbers), view.shape);
     };
-    moments.emplace(path, typename ml::AdamW<A>::Moments{load(*m), load(*v)});
-  });
+    moments.emplace(t.path, typename ml::AdamW<A>::Moments{load(*m), load(*v)});
+  }
   adam.restore(steps, std::move(moments));
 }
 

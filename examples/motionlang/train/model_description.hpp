@@ -5,8 +5,8 @@
 #include <map>
 #include <string>
 
-#include <motionlang/io/model_folder.hpp>
-#include <motionlang/io/module_file.hpp>
+#include <motionlang/weights/model_folder.hpp>
+#include <motionlang/weights/module_file.hpp>
 
 namespace program {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include <motionlang/compose/sinc_items.hpp>
+#include <motionlang/datasets/sinc_items.hpp>
 #include <motionlang/text/joined_labels.hpp>
 
 #include "babel_task.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <motionlang/io/stmc_file.hpp>
+#include <motionlang/weights/stmc_file.hpp>
 
 #include "trainer.hpp"
 #include "training_data.hpp"

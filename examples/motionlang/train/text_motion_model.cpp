@@ -1,6 +1,6 @@
 #include "text_motion_model.hpp"
 
-#include <motionlang/io/diffusion_folder.hpp>
+#include <motionlang/weights/diffusion_folder.hpp>
 
 namespace program {
 

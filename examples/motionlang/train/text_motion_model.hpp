@@ -1,8 +1,8 @@
 // A trained TEMOS or TMR with what belongs to it: word pieces where it has no language model, statistics of the
 // features, its configuration. How it is made, and its folder.
 //
-//     config.json            io/model_folder.hpp, with the configuration of the training; "vocabulary" of word pieces;
-//                            "about"
+//     config.json            weights/model_folder.hpp, with the configuration of the training; "vocabulary" of word
+//                            pieces; "about"
 //     weights.safetensors    the published names, words.embedding.weight, motion_normalizer.mean,
 //                            motion_normalizer.std, log_temperature; textencoder.text_model.* of a DistilBERT that was
 //                            trained with it, as in TEMOS
@@ -17,15 +17,15 @@
 
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/features/normalizer.hpp>
-#include <motionlang/io/embedding_cache.hpp>
-#include <motionlang/io/model_folder.hpp>
-#include <motionlang/io/module_file.hpp>
-#include <motionlang/io/text_encoder_folder.hpp>
-#include <motionlang/io/text_motion_file.hpp>
-#include <motionlang/io/weight_file.hpp>
 #include <motionlang/systems/temos.hpp>
 #include <motionlang/systems/tmr.hpp>
 #include <motionlang/text/word_piece_tokens.hpp>
+#include <motionlang/weights/embedding_cache.hpp>
+#include <motionlang/weights/model_folder.hpp>
+#include <motionlang/weights/module_file.hpp>
+#include <motionlang/weights/text_encoder_folder.hpp>
+#include <motionlang/weights/text_motion_file.hpp>
+#include <motionlang/weights/weight_file.hpp>
 
 #include "model_description.hpp"
 #include "text_motion_config.hpp"

@@ -4,8 +4,8 @@
 #include <memory>
 #include <set>
 
-#include <motionlang/io/text_encoder_folder.hpp>
 #include <motionlang/text/bag_of_words.hpp>
+#include <motionlang/weights/text_encoder_folder.hpp>
 
 #include "../usage_error.hpp"
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/io/embedding_cache.hpp>
+#include <motionlang/weights/embedding_cache.hpp>
 
 #include "described_motions.hpp"
 #include "text_motion_config.hpp"

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include <motionlang/io/detail/content_hash.hpp>
-#include <motionlang/io/motion_tokens.hpp>
+#include <motionlang/datasets/motion_tokens.hpp>
+#include <motionlang/file/detail/content_hash.hpp>
 #include <motionlang/systems/tm2t.hpp>
 
 #include "described_words.hpp"

@@ -1,5 +1,5 @@
 // motionlang train-sinc: motions from actions at the same time.
-#include <motionlang/io/body_part_table.hpp>
+#include <motionlang/datasets/body_part_table.hpp>
 
 #include "sinc_task.hpp"
 #include "train_babel.hpp"

@@ -1,5 +1,5 @@
 // motionlang train-tm2t: motions as words, motions to texts, texts to motions; a stage at a time.
-#include <motionlang/io/tm2t_run.hpp>
+#include <motionlang/weights/tm2t_run.hpp>
 
 #include "../usage_error.hpp"
 #include "model_description.hpp"

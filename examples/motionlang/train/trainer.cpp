@@ -1,6 +1,6 @@
 #include "trainer.hpp"
 
-#include <motionlang/io/stmc_file.hpp>
+#include <motionlang/weights/stmc_file.hpp>
 
 #include "loss_curves.hpp"
 

@@ -4,7 +4,7 @@
 #include <map>
 
 #include <motionlang/features/smplrifke.hpp>
-#include <motionlang/io/detail/content_hash.hpp>
+#include <motionlang/file/detail/content_hash.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/overlay.hpp>
 

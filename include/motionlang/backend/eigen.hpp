@@ -8,5 +8,5 @@
 #include <motionlang/backend/detail/eigen_class.hpp>
 
 #ifndef MOTIONLANG_INSTANTIATED
-#include <motionlang/backend/detail/eigen_impl.hpp>
+#include <motionlang/backend/eigen.ipp>
 #endif

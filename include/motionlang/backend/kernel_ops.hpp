@@ -2,7 +2,7 @@
 /// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by
 /// the Eigen and xtensor backends: one layer of kernels serves both.
 ///
-/// Declarations only; the bodies are in detail/kernel_ops_impl.hpp, which a program that links motionlang::instantiated
+/// Declarations only; the bodies are in kernel_ops.ipp, which a program that links motionlang::instantiated
 /// need not read.
 #pragma once
 
@@ -80,5 +80,5 @@ MOTIONLANG_NAMESPACE_END
 extern template struct motionlang::KernelOps<float>;
 extern template struct motionlang::KernelOps<double>;
 #else
-#include <motionlang/backend/detail/kernel_ops_impl.hpp>
+#include <motionlang/backend/kernel_ops.ipp>
 #endif

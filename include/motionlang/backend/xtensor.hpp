@@ -30,7 +30,7 @@ MOTIONLANG_NAMESPACE_END
 extern template struct motionlang::XtensorBackend<float>;
 extern template struct motionlang::XtensorBackend<double>;
 #else
-#include <motionlang/backend/detail/xtensor_impl.hpp>
+#include <motionlang/backend/xtensor.ipp>
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN

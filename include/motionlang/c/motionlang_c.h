@@ -65,8 +65,8 @@ typedef struct motionlang_options {
 MOTIONLANG_C_API motionlang_options motionlang_default_options(void);
 
 /* The motion of a timeline, one text on a line: "walk forward # 0.0 # 6.0 # legs" (text # start # end in seconds # body
- * parts: left arm, right arm, legs, spine, head; none: the whole body). Errors 501 ... 510 have line and column. options
- * NULL: the default ones. */
+ * parts: left arm, right arm, legs, spine, head; none: the whole body). Errors 501 ... 510 have line and column. The
+ * default options are taken where options is NULL. */
 MOTIONLANG_C_API int motionlang_generate(const motionlang_model* model, const char* timeline,
                                          const motionlang_options* options, motionlang_motion** motion);
 

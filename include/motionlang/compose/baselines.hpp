@@ -32,16 +32,18 @@ inline TimelineInSeconds single_track(const TimelineInSeconds& timeline) {
   return out;
 }
 
-/// One sentence: "T0 and then T1 while T2", from 0 to at most 9.8 s, the longest motion that the models were trained
-/// on. The published rule is for three texts; fewer leave its end away, more are joined by further "while".
+/// One sentence, "T0 and then T1 while T2", with the parts of all texts, from 0 to at most 9.8 s, the longest motion
+/// that the models were trained on. The published rule is for timelines of three texts: of longer ones the first three
+/// are in the sentence, shorter ones leave its end away.
 inline TimelineInSeconds one_text(const TimelineInSeconds& timeline) {
   constexpr double longest = 9.8;
+  constexpr const char* words[] = {"", " and then ", " while "};
   if (timeline.intervals.empty()) return {};
   IntervalInSeconds joined{"", 0.0, 0.0, {}};
   double first = timeline.intervals.front().start;
   for (std::size_t i = 0; i < timeline.intervals.size(); ++i) {
     const IntervalInSeconds& interval = timeline.intervals[i];
-    joined.text += (i == 0 ? "" : i == 1 ? " and then " : " while ") + interval.text;
+    if (i < std::size(words)) joined.text += words[i] + interval.text;
     joined.parts = detail::united(joined.parts, interval.parts);
     first = std::min(first, interval.start);
   }

@@ -7,7 +7,7 @@
 #include <limits>  // any number of rows
 #include <map>     // equal sequences
 
-#include <motionlang/compose/combine.hpp>
+#include <motionlang/compose/stitching.hpp>
 #include <motionlang/core/rows_together.hpp>
 #include <motionlang/diffusion/denoiser.hpp>
 #include <motionlang/diffusion/guidance.hpp>

@@ -15,9 +15,9 @@
 #include <span>         // several timelines
 #include <string_view>  // texts of crops
 
-#include <motionlang/compose/options.hpp>
+#include <motionlang/compose/overlap.hpp>
+#include <motionlang/compose/plan_options.hpp>
 #include <motionlang/compose/sinc_assignment.hpp>
-#include <motionlang/compose/transition.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 

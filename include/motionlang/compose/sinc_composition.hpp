@@ -10,9 +10,9 @@
 #pragma once
 
 #include <motionlang/features/smplvelp.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/sinc_parts.hpp>
-#include <motionlang/kinematics/standard.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 

@@ -14,7 +14,6 @@
 ///          wrong with the whole of a timeline is found when it is planned, and named by line and column of an interval
 #pragma once
 
-#include <charconv>     // numbers
 #include <cmath>        // abs
 #include <optional>     // times
 #include <span>         // several timelines
@@ -22,6 +21,7 @@
 #include <type_traits>  // frames or seconds
 
 #include <motionlang/compose/timeline.hpp>
+#include <motionlang/core/standard_library.hpp>
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/core/utf8.hpp>
 
@@ -34,7 +34,7 @@ struct TimelineTextOptions {
   std::string_view name = "timeline";  // of the file, for messages
 };
 
-/// A text with a length, for motions of one text each.
+/// A text with a length, for motions of one text each: it moves the whole body.
 struct TimedText {
   std::string text;
   Index frames = 0;
@@ -53,7 +53,7 @@ template <class... T>
 inline std::optional<double> parse_seconds(std::string_view text) {
   double t = 0;
   const char* last = text.data() + text.size();
-  const auto [end, status] = std::from_chars(text.data(), last, t);
+  const auto [end, status] = detail::from_chars(text.data(), last, t);
   const bool good = status == std::errc{} && end == last && std::abs(t) <= static_cast<double>(latest_time);
   return good ? std::optional(t) : std::nullopt;
 }
@@ -167,9 +167,9 @@ inline void append_python_float(std::string& out, double x) {
   char digits[64];
   const double size = std::abs(x);
   const bool fixed = size == 0 || (size >= 1e-4 && size < 1e16);
-  const auto end =
-      std::to_chars(digits, digits + sizeof digits, x, fixed ? std::chars_format::fixed : std::chars_format::scientific)
-          .ptr;
+  const auto end = detail::to_chars(digits, digits + sizeof digits, x,
+                                    fixed ? std::chars_format::fixed : std::chars_format::scientific)
+                       .ptr;
   const std::string_view text(digits, static_cast<std::size_t>(end - digits));
   out += text;
   if (fixed && text.find('.') == text.npos) out += ".0";
@@ -198,24 +198,31 @@ inline Timeline parse_timeline(std::string_view text, const TimelineTextOptions&
 }
 
 /// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than
-/// three fields. The published programs ask for one such line only (`as_published`), and then blame the others.
+/// three fields, or a body part where timelines have their second time. The published programs ask for one line of
+/// fewer than three fields only (`as_published`), and then blame the others.
 inline bool is_text_list(std::string_view text, const TimelineTextOptions& options = {}) {
-  Index lines = 0, short_lines = 0;
-  detail::for_each_line(text, [&](std::string_view line, Index number) {
-    if (detail::trim(line).empty()) return;
+  Index lines = 0, short_lines = 0, lines_with_parts = 0;
+  detail::for_each_line(text, [&](std::string_view content, Index number) {
+    if (detail::trim(content).empty()) return;
     ++lines;
-    short_lines += detail::TimelineLine(line, number, options.name).fields() < 3 ? 1 : 0;
+    const detail::TimelineLine line(content, number, options.name);
+    if (line.fields() < 3)
+      ++short_lines;
+    else if (parse_body_part(line.field(2)))
+      ++lines_with_parts;
   });
-  return short_lines > 0 && (options.as_published || short_lines == lines);
+  return options.as_published ? short_lines > 0 : lines > 0 && short_lines + lines_with_parts == lines;
 }
 
-/// Lines "text # duration"; blank lines are skipped. Throws timeline_error 501, 502, 504, 507.
+/// Lines "text # duration"; blank lines are skipped. Body parts may follow, as in timelines, and have no effect: a
+/// single text moves the whole body. `as_published` takes any further field. Throws timeline_error 501 ... 504, 507.
 inline std::vector<TimedText> parse_text_list(std::string_view text, const TimelineTextOptions& options = {}) {
   std::vector<TimedText> out;
   detail::for_each_line(text, [&](std::string_view content, Index number) {
     if (detail::trim(content).empty()) return;
     const detail::TimelineLine line(content, number, options.name);
-    if (line.fields() != 2) line.fail(501, std::min<std::size_t>(line.fields(), 2), "expected 'text # duration'");
+    if (line.fields() < 2) line.fail(501, line.fields(), "expected 'text # duration'");
+    if (!options.as_published) line.parts(2);
     const double seconds = line.seconds(1);
     if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, 1, "'", line.field(1), "' is too long");
     const Index frames = frame_at(seconds, options.fps);

@@ -12,7 +12,6 @@
 /// below; every one has a test.
 #pragma once
 
-#include <charconv>          // to_chars: messages without streams and without the locale
 #include <concepts>          // integral, floating_point
 #include <cstdio>            // fputs
 #include <cstdlib>           // abort
@@ -25,6 +24,7 @@
 #include <utility>           // exchange, move
 #include <vector>            // diagnostics path
 
+#include <motionlang/core/standard_library.hpp>  // to_chars: messages without streams and without the locale
 #include <motionlang/core/thread_object.hpp>
 #include <motionlang/core/utf8.hpp>
 #include <motionlang/version.hpp>
@@ -133,7 +133,7 @@ requires((std::integral<N> || std::floating_point<N>)&&!std::same_as<N, bool> &&
       return append(out, static_cast<long long>(n));
   }
   char digits[64];
-  out.append(digits, std::to_chars(digits, digits + sizeof digits, n).ptr);
+  out.append(digits, detail::to_chars(digits, digits + sizeof digits, n).ptr);
 }
 /// Anything with a `to_string` found by name lookup (shapes, enumerations).
 template <class T>

@@ -42,12 +42,7 @@ inline std::atomic<Precision>& current_product_precision() {
 }
 }  // namespace detail
 
-inline Precision product_precision() { return detail::current_product_precision().load(std::memory_order_relaxed); }
-
-/// Changes the precision of products for the whole process. Weights that were prepared in another precision are packed
-/// anew at every use (but fp32 and bf16x3 use the same): set it before preparing a model.
-inline void set_product_precision(Precision p) {
-  detail::current_product_precision().store(p, std::memory_order_relaxed);
-}
+/// Precision of products, for the whole process: set_product_precision (backend/precision.hpp) changes it.
+inline Precision product_precision() { return detail::current_product_precision().load(std::memory_order_acquire); }
 
 MOTIONLANG_NAMESPACE_END

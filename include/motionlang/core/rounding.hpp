@@ -2,10 +2,10 @@
 /// Decimal places as Python and NumPy round them: published tables are printed by one or the other.
 #pragma once
 
-#include <charconv>  // to_chars, from_chars
-#include <cmath>     // nearbyint, pow, isfinite
+#include <cmath>  // nearbyint, pow, isfinite
 
 #include <motionlang/core/error.hpp>
+#include <motionlang/core/standard_library.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -24,8 +24,8 @@ inline double python_round(double x, int places) {
   detail::require_places("python_round", places);
   if (!std::isfinite(x)) return x;
   char digits[400];  // the largest double has 309 digits before the point
-  const char* end = std::to_chars(digits, digits + sizeof digits, x, std::chars_format::fixed, places).ptr;
-  std::from_chars(digits, end, x);
+  const char* end = detail::to_chars(digits, digits + sizeof digits, x, std::chars_format::fixed, places).ptr;
+  detail::from_chars(digits, end, x);
   return x;
 }
 

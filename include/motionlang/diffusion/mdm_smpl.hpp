@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>  // max
+#include <optional>   // registers
 
 #include <motionlang/diffusion/denoiser.hpp>
 #include <motionlang/nn/positional_encoding.hpp>
@@ -19,7 +20,7 @@ struct MdmSmplConfig {
   Index ff_size = 2048;
   Index num_layers = 8;
   Index num_heads = 8;
-  Index nb_registers = 2;
+  Index nb_registers = 2;  // may be none
   double dropout = 0.1;
   Activation activation = Activation::gelu;
   Index max_len = 1024;  // of a sequence with its tokens, and of the diffusion steps
@@ -38,7 +39,7 @@ struct MdmSmplConfig {
 /// Differs  from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
 template <Backend B>
 struct MdmSmplDenoiser {
-  Tensor<B, 2> registers;  // (nb_registers, latent_dim)
+  std::optional<Tensor<B, 2>> registers;  // (nb_registers, latent_dim); without any, files have no such tensor
   Linear<B> text_in, text_out;
   LayerNorm<B> text_norm;
   Linear<B> skel_embedding;
@@ -57,7 +58,8 @@ struct MdmSmplDenoiser {
   }
   MdmSmplDenoiser() = default;
   MdmSmplDenoiser(const MdmSmplConfig& c, Rng auto& rng)
-      : registers(normal_init<B, 2>({c.nb_registers, c.latent_dim}, 1, rng)),
+      : registers(c.nb_registers > 0 ? std::optional(normal_init<B, 2>({c.nb_registers, c.latent_dim}, 1, rng))
+                                     : std::nullopt),
         text_in(c.tx_dim, 2 * c.latent_dim, rng),
         text_out(2 * c.latent_dim, c.latent_dim, rng),
         text_norm(c.latent_dim),
@@ -78,10 +80,11 @@ struct MdmSmplDenoiser {
   /// Behind the tokens for time and text and the registers.
   DenoiserTraits traits() const {
     return {.longest_crop =
-                MdmSmplConfig{.nb_registers = registers.size(0), .max_len = positions.rows().size(0)}.longest_crop(),
+                MdmSmplConfig{.nb_registers = register_count(), .max_len = positions.rows().size(0)}.longest_crop(),
             .mates = BatchMates::longest_text};
   }
 
+  Index register_count() const { return registers ? registers->size(0) : 0; }
   /// (sequences, latent)
   Tensor<B, 2> time_tokens(std::span<const Index> t) const { return timestep_encoder(positions.rows(), t); }
   /// Token by token.
@@ -114,7 +117,7 @@ struct MdmSmplDenoiser {
     const Offsets lengths = repeat_lengths(x.offsets, uses);
     const auto heads = add_positions(head_tokens(t, text), positions.rows(), gaps(text));
     const PoolVector<PositionGap> before(static_cast<std::size_t>(x.count()),
-                                         {0, 1 + text.places() + registers.size(0)});
+                                         {0, 1 + text.places() + register_count()});
     const auto frames = add_positions(x.with(skel_embedding(x.rows)), positions.rows(), before);
     return to_skel_layer(last_rows(seqTransEncoder.with_tails(heads, frames, uses), lengths));
   }
@@ -138,7 +141,8 @@ struct MdmSmplDenoiser {
   /// What stands in front of the frames, without positions.
   Sequences<B> head_tokens(std::span<const Index> t, const EncodedText& text) const {
     const Sequences<B> time(time_tokens(t), Offsets::equal(text.tokens.count(), 1));
-    return concat_tokens(time, text.tokens, repeat_sequence(registers, text.tokens.count()));
+    if (!registers) return concat_tokens(time, text.tokens);
+    return concat_tokens(time, text.tokens, repeat_sequence(*registers, text.tokens.count()));
   }
   /// What follows a text stands where it would behind the longest text of the batch, and its padding.
   static PoolVector<PositionGap> gaps(const EncodedText& text) {

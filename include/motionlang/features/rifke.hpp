@@ -21,7 +21,7 @@
 #include <vector>       // features
 
 #include <motionlang/features/smplrifke.hpp>
-#include <motionlang/kinematics/smoothing.hpp>
+#include <motionlang/kinematics/gaussian_smooth.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 

@@ -19,8 +19,8 @@
 #include <motionlang/geometry/euler.hpp>
 #include <motionlang/geometry/pytorch3d.hpp>
 #include <motionlang/geometry/so3.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/motion.hpp>
-#include <motionlang/kinematics/standard.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 

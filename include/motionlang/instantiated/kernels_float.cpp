@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The kernels of the Eigen and xtensor backends in float, and the search that uses them, compiled once for
 // motionlang::instantiated.
-#include <motionlang/backend/detail/kernel_ops_impl.hpp>
-#include <motionlang/search/detail/row_scan_impl.hpp>
+#include <motionlang/backend/kernel_ops.ipp>
+#include <motionlang/backend/precision.ipp>
+#include <motionlang/search/detail/row_scan.ipp>
 
 template struct motionlang::KernelOps<float>;
 template struct motionlang::detail::RowScan<float>;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // STMC over the Eigen backend in float, compiled once for motionlang::instantiated.
-#include <motionlang/io/stmc_file.hpp>
 #include <motionlang/stmc.hpp>
+#include <motionlang/weights/stmc_file.hpp>
 
 namespace ml = motionlang;
 using B = ml::EigenBackend<float>;

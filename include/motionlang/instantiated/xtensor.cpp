@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The xtensor backend, compiled once for motionlang::instantiated.
-#include <motionlang/backend/detail/xtensor_impl.hpp>
+#include <motionlang/backend/xtensor.ipp>
 
 template struct motionlang::XtensorBackend<float>;
 template struct motionlang::XtensorBackend<double>;

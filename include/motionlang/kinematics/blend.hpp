@@ -8,9 +8,9 @@
 #pragma once
 
 #include <motionlang/geometry/slerp.hpp>
+#include <motionlang/kinematics/gaussian_smooth.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/root_motion.hpp>
-#include <motionlang/kinematics/smoothing.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// A body: its model, its surface, its hands; and what is public about the SMPL family: sizes, and the vertices that
-/// serve as extra joints. Bodies come from the user's own files (io/body_file.hpp) or from any skeleton
-/// (io/figure_body.hpp).
+/// serve as extra joints. Bodies come from the user's own files (formats/body_file.hpp) or from any skeleton
+/// (formats/figure_body.hpp).
 ///
 /// Source  spec body-models.md, sections 2, 4, 5
 #pragma once

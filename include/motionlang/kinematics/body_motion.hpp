@@ -11,7 +11,7 @@
 #pragma once
 
 #include <motionlang/kinematics/body.hpp>
-#include <motionlang/kinematics/standard.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 

@@ -19,8 +19,8 @@
 
 #include <motionlang/geometry/guo.hpp>
 #include <motionlang/geometry/so3.hpp>
-#include <motionlang/kinematics/chains.hpp>
-#include <motionlang/kinematics/smoothing.hpp>
+#include <motionlang/kinematics/gaussian_smooth.hpp>
+#include <motionlang/kinematics/guo_chains.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 

@@ -14,9 +14,9 @@
 #include <vector>     // one value for each frame
 
 #include <motionlang/kinematics/foot_contact.hpp>
+#include <motionlang/kinematics/gaussian_smooth.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/limb_ik.hpp>
-#include <motionlang/kinematics/smoothing.hpp>
-#include <motionlang/kinematics/standard.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
 /// derivatives (Dual), for poses side by side in a register (Lane) and for a differentiable batch (Tensor; see
-/// lanes.hpp).
+/// forward_batch.hpp).
 ///
 ///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
 #pragma once

@@ -3,7 +3,7 @@
 /// functions; the clip that is passed stays as it is.
 #pragma once
 
-#include <algorithm>  // min
+#include <algorithm>  // equal, min
 
 #include <motionlang/core/quantile.hpp>
 #include <motionlang/geometry/degree.hpp>
@@ -147,8 +147,8 @@ inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partne
 /// digit counts as one frame. Returns 0 for skeletons whose zero pose is no T-pose: call it before retargeting.
 inline Index detect_t_pose_lead_in(const Motion& motion) {
   const auto same = [&](Index f) {
-    return std::ranges::equal(motion.rotations(f), motion.rotations(0),
-                              [](const auto& p, const auto& q) { return distance(p, q) < 1e-6; });
+    return std::equal(motion.rotations(f).begin(), motion.rotations(f).end(), motion.rotations(0).begin(),
+                      [](const auto& p, const auto& q) { return distance(p, q) < 1e-6; });
   };
   Index held = 0;  // the last frame of the first pose
   while (held + 1 < motion.frames() && same(held + 1)) ++held;

@@ -5,8 +5,8 @@
 #include <algorithm>  // equal, min
 
 #include <motionlang/kinematics/body_parts.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/motion.hpp>
-#include <motionlang/kinematics/standard.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 

@@ -8,8 +8,8 @@
 #include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/geometry/degree.hpp>
 #include <motionlang/geometry/quaternion.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/skeleton_table.hpp>
-#include <motionlang/kinematics/standard.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 

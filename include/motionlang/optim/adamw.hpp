@@ -45,10 +45,10 @@ double sum_of_squares(std::span<const S> values) {
 template <AutodiffBackend A, Module M>
 double gradient_norm(const M& model, const Gradients<A>& gradients) {
   double total = 0;
-  visit_tensors(model, [&](const std::string&, const auto& t) {
-    if (const auto* g = gradients.find(t.data()))
+  for (const auto& t : tensors_of(model)) {
+    if (const auto* g = gradients.find(*t.data))
       total += detail::sum_of_squares<typename A::scalar>(A::inner::to_span(*g));
-  });
+  }
   return std::sqrt(total);
 }
 /// The factor that brings a norm down to `max_norm`: min(1, max_norm / (norm + 1e-6)), as PyTorch clips.
@@ -76,22 +76,7 @@ class AdamW {
   template <Module M>
   void step(M& model, const Gradients<A>& gradients, double scale = 1) {
     ++steps_;
-    visit_tensors(model, [&](const std::string& path, auto& t) {
-      const auto* g = gradients.find(t.data());
-      if (g == nullptr) return;
-      auto found = state_.find(path);
-      if (found == state_.end()) {
-        const auto zero = B::full(B::shape(*g), 0);
-        found = state_.emplace(path, Moments{zero, zero}).first;
-      }
-      for (const auto* moment : {&found->second.m, &found->second.v}) {
-        if (B::shape(*moment) != t.shape()) {
-          raise<shape_error>(204, "AdamW: '", path, "' is ", t.shape(), ", its restored moments are ",
-                             B::shape(*moment));
-        }
-      }
-      update(A::mutable_value(t.mutable_data()), found->second, *g, scale);
-    });
+    for (const auto& t : tensors_of(model)) update(t, gradients, scale);
   }
 
   /// Updates made so far, and the moments by path: what a checkpoint has to keep.
@@ -103,7 +88,20 @@ class AdamW {
   }
 
  private:
-  void update(typename B::tensor& p, Moments& s, const typename B::tensor& g, double scale) const {
+  void update(const ModuleTensor<A>& t, const Gradients<A>& gradients, double scale) {
+    const auto* g = gradients.find(*t.data);
+    if (g == nullptr) return;
+    auto found = state_.find(t.path);
+    if (found == state_.end()) {
+      const auto zero = B::full(B::shape(*g), 0);
+      found = state_.emplace(t.path, Moments{zero, zero}).first;
+    }
+    Moments& s = found->second;
+    for (const auto* moment : {&s.m, &s.v}) {
+      if (B::shape(*moment) != t.shape())
+        raise<shape_error>(204, "AdamW: '", t.path, "' is ", t.shape(), ", its restored moments are ",
+                           B::shape(*moment));
+    }
     const AdamwUpdate u{.lr = config.lr,
                         .beta1 = config.beta1,
                         .beta2 = config.beta2,
@@ -111,7 +109,7 @@ class AdamW {
                         .weight_decay = config.weight_decay,
                         .gradient_scale = scale,
                         .step = steps_};
-    adamw_update<B>(p, s.m, s.v, g, u);
+    adamw_update<B>(A::mutable_value(*t.data), s.m, s.v, *g, u);
   }
 
   Index steps_ = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// A collection of clips as vectors of a model that knows texts and motions: what is searched. One vector for each
 /// clip, for each of its moments (windows over its frames) and for each of its captions. Reading and writing:
-/// io/motion_index_file.hpp; searching: motion_search.hpp.
+/// search/motion_index_file.hpp; searching: motion_search.hpp.
 #pragma once
 
 #include <cstdint>  // times of files

@@ -87,5 +87,5 @@ MOTIONLANG_NAMESPACE_END
 #ifdef MOTIONLANG_INSTANTIATED
 extern template struct motionlang::detail::RowScan<float>;
 #else
-#include <motionlang/search/detail/row_scan_impl.hpp>
+#include <motionlang/search/detail/row_scan.ipp>
 #endif

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// TEACH: a sequence of actions, each generated with the end of the one before it. Assembly; the parts are in vae/,
-/// nn/sequence_vae.hpp and compose/alignment.hpp.
+/// nn/sequence_vae.hpp and compose/teach_join.hpp.
 ///
 ///     const std::vector<std::string> actions{"walk", "turn left", "sit"};
 ///     const Sequences<B> states = distilbert(tokenize(tokenizer, actions)).tokens;    // text/bert.hpp
@@ -13,7 +13,7 @@
 ///         teach.md
 #pragma once
 
-#include <motionlang/compose/alignment.hpp>
+#include <motionlang/compose/teach_join.hpp>
 #include <motionlang/features/normalizer.hpp>
 #include <motionlang/vae/teach_text_encoder.hpp>
 #include <motionlang/vae/teach_training.hpp>

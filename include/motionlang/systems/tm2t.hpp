@@ -10,8 +10,8 @@
 ///         motions and texts" (ECCV 2022); spec tm2t.md
 #pragma once
 
+#include <motionlang/datasets/tm2t_data.hpp>
 #include <motionlang/features/normalizer.hpp>
-#include <motionlang/features/tm2t_data.hpp>
 #include <motionlang/loss/cross_entropy.hpp>
 #include <motionlang/nn/seq2seq_gru.hpp>
 #include <motionlang/nn/seq2seq_writer.hpp>

@@ -2,6 +2,8 @@
 /// What every module can do because it lists its fields: visit tensors, count parameters, move to another backend.
 #pragma once
 
+#include <utility>  // move
+
 #include <motionlang/core/fields.hpp>
 #include <motionlang/tensor/tensor.hpp>
 
@@ -16,32 +18,154 @@ inline constexpr bool is_trainable = [] {
     return true;
 }();
 
+/// A tensor of a module, whatever its rank: its path, and its data to read or replace. (In a const module it is const.)
+template <Backend B, class Data = typename B::tensor>
+struct ModuleTensor {
+  std::string path;
+  int rank = 0;
+  void* tensor = nullptr;  // Tensor<B, rank>
+  Data* data = nullptr;
+
+  Shape shape() const { return B::shape(*data); }
+  /// The numbers, row-major.
+  std::span<const typename B::scalar> span() const { return B::to_span(*data); }
+};
+
 namespace detail {
 
-/// Passes the tensors among the leaves on to f. A type of its own: inside visit_tensors it would be another one for
-/// every module, and all that lies below would be compiled again.
-template <class F>
-struct TensorsOnly {
-  F& f;
-  template <class T>
-  void operator()(const std::string& path, T& leaf) const {
-    if constexpr (is_tensor<std::remove_const_t<T>>) f(path, leaf);
-  }
+/// What the tensors below a type have in common: their backend (void: there are none), and which ranks they have, a bit
+/// for each.
+template <class T>
+struct TensorsBelow {
+  using backend = void;
+  static constexpr unsigned ranks = 0;
 };
+template <class B, int R>
+struct TensorsBelow<Tensor<B, R>> {
+  using backend = B;
+  static constexpr unsigned ranks = 1U << R;
+};
+template <class T>
+struct TensorsBelow<std::vector<T>> : TensorsBelow<T> {};
+template <class T>
+struct TensorsBelow<std::optional<T>> : TensorsBelow<T> {};
+template <class M, class T, class Rest>
+struct TensorsBelow<FieldList<Field<M, T>, Rest>> {
+  using first = TensorsBelow<T>;
+  using others = TensorsBelow<Rest>;
+  using backend = std::conditional_t<first::ranks != 0, typename first::backend, typename others::backend>;
+  static constexpr unsigned ranks = first::ranks | others::ranks;
+};
+template <Module M>
+struct TensorsBelow<M> : TensorsBelow<decltype(M::fields())> {};
+
+/// Lists tensors. One function for every type of module, whatever is done with the tensors then: models are large, and
+/// each of their modules would be walked over again for every purpose.
+template <Backend B>
+class TensorLister {
+ public:
+  template <Module M>
+  void list(M& module) {
+    list_fields(M::fields(), module);
+  }
+  std::vector<ModuleTensor<B>> tensors;
+
+ private:
+  template <class Fields, class M>
+  [[gnu::always_inline]] void list_fields(const Fields& fields, M& module) {
+    if constexpr (!std::is_same_v<Fields, NoFields>) {
+      list_member(fields.first.name, module.*(fields.first.member));
+      list_fields(fields.rest, module);
+    }
+  }
+  template <class T>
+  [[gnu::always_inline]] void list_member(const char* name, T& member) {
+    if constexpr (TensorsBelow<T>::ranks != 0) {
+      const std::size_t length = open(name);
+      if constexpr (is_tensor<T>) {
+        add(T::rank, &member, member.mutable_data());
+      } else if constexpr (is_vector<T>) {
+        for (std::size_t i = 0; i < member.size(); ++i) list_member(std::to_string(i).c_str(), member[i]);
+      } else if constexpr (is_optional<T>) {
+        if (member) list_member("", *member);
+      } else {
+        list(member);
+      }
+      path_.resize(length);
+    }
+  }
+  std::size_t open(std::string_view name) {
+    const std::size_t length = path_.size();
+    if (length != 0 && !name.empty()) path_ += '.';
+    path_ += name;
+    return length;
+  }
+  void add(int rank, void* tensor, typename B::tensor& data) { tensors.push_back({path_, rank, tensor, &data}); }
+
+  std::string path_;
+};
+
+/// f(path, tensor) with the tensor's rank as a type again.
+template <class M, unsigned ranks, Backend B, class F, int R = 0>
+void with_rank(const ModuleTensor<B>& t, F& f) {
+  if constexpr ((ranks >> R & 1) != 0) {
+    using T = std::conditional_t<std::is_const_v<M>, const Tensor<B, R>, Tensor<B, R>>;
+    if (t.rank == R) return f(t.path, *static_cast<T*>(t.tensor));
+  }
+  if constexpr (ranks >> R > 1) with_rank<M, ranks, B, F, R + 1>(t, f);
+}
 
 }  // namespace detail
 
-/// Calls f(path, tensor) for all tensors of a module; other fields (sizes, options) are passed over.
+/// The backend of a module's tensors.
+template <Module M>
+using module_backend = typename detail::TensorsBelow<M>::backend;
+
+/// All tensors of a module in the order of its fields; other fields (sizes, options) are passed over.
+template <Module M>
+std::vector<ModuleTensor<module_backend<M>>> tensors_of(M& module) {
+  detail::TensorLister<module_backend<M>> lister;
+  lister.list(module);
+  return std::move(lister.tensors);
+}
+template <Module M>
+auto tensors_of(const M& module) {
+  using B = module_backend<M>;
+  std::vector<ModuleTensor<B, const typename B::tensor>> out;
+  for (auto& t : tensors_of(const_cast<M&>(module))) out.push_back({std::move(t.path), t.rank, t.tensor, t.data});
+  return out;
+}
+
+/// Calls f(path, tensor) for all tensors of a module.
 template <class M, class F>
+requires Module<std::remove_const_t<M>>
 void visit_tensors(M& module, F f) {
-  visit(module, detail::TensorsOnly<F>{f});
+  using Plain = std::remove_const_t<M>;
+  if constexpr (constexpr unsigned ranks = detail::TensorsBelow<Plain>::ranks; ranks != 0) {
+    for (const auto& t : tensors_of(const_cast<Plain&>(module))) detail::with_rank<M, ranks>(t, f);
+  }
+}
+
+/// Calls f(tensor of a, tensor of b), both `ModuleTensor`, for two modules of the same structure, perhaps over
+/// different backends. Throws shape_error 204 if they are not.
+template <class M, class N, class F>
+void zip_tensors(M& a, N& b, F f) {
+  const auto first = tensors_of(a);
+  const auto second = tensors_of(b);
+  if (first.size() != second.size())
+    raise<shape_error>(204, "zip_tensors: ", Index(first.size()), " and ", Index(second.size()), " tensors");
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    if (first[i].path != second[i].path)
+      raise<shape_error>(204, "zip_tensors: '", first[i].path, "' beside '", second[i].path, "'");
+    f(first[i], second[i]);
+  }
 }
 
 /// Numbers in all tensors of a module.
 template <Module M>
 Index parameter_count(const M& module) {
   Index n = 0;
-  visit_tensors(module, [&](const std::string&, const auto& t) { n += t.count(); });
+  for (const auto& t : tensors_of(module)) n += t.shape().count();
   return n;
 }
 
@@ -97,34 +221,32 @@ M<typename A::inner> to_inner(const M<A>& model) {
 namespace detail {
 
 /// Matrices, and what has the axes of a convolution's weight: (out, in, taps), (out, in, taps, 1).
-template <class B, int R>
-inline constexpr bool has_panels = PackingBackend<B>&& R >= 2 && R <= 4;
-
-/// Whether all numbers of the weight are finite.
-template <Backend B, int R>
-requires has_panels<B, R>
-bool pack_weight(const Tensor<B, R>& w) {
-  if constexpr (R == 4)
-    return B::prepare(B::reshape(w.data(), Shape{w.size(0), w.size(1), w.size(2) * w.size(3)}));
-  else
-    return B::prepare(w.data());
+template <class B>
+bool has_panels(int rank) {
+  return PackingBackend<B> && rank >= 2 && rank <= 4;
 }
 
-struct PrepareWeights {
-  template <Backend B, int R>
-  void operator()(const std::string&, Tensor<B, R>& t) const {
-    if constexpr (has_panels<B, R>) pack_weight(t);
-  }
-};
+/// Packs a weight; returns whether all its values are finite.
+template <PackingBackend B>
+bool pack_weight(const typename B::tensor& weight) {
+  const Shape shape = B::shape(weight);
+  if (shape.rank() < 4) return B::prepare(weight);
+  return B::prepare(B::reshape(weight, Shape{shape[0], shape[1], shape[2] * shape[3]}));
+}
 
 }  // namespace detail
 
 /// Makes a model ready for inference: weights of linear layers and convolutions are packed for the backend's kernels
-/// (and whatever else has two to four axes). The model must not
-/// be changed afterwards. Nothing happens on backends without such a layout.
+/// (and whatever else has two to four axes). The model must not be changed afterwards. Nothing happens on backends
+/// without such a layout.
 template <Module M>
 void prepare(M& model) {
-  visit_tensors(model, detail::PrepareWeights{});
+  using B = module_backend<M>;
+  if constexpr (PackingBackend<B>) {
+    for (const auto& t : tensors_of(model)) {
+      if (detail::has_panels<B>(t.rank)) detail::pack_weight<B>(*t.data);
+    }
+  }
 }
 
 MOTIONLANG_NAMESPACE_END

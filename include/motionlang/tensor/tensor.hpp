@@ -15,6 +15,25 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// A backend's tensor, row-major numbers that fill(scalar*) writes: into the tensor itself where it can be written, so
+/// that a large table is not there twice.
+template <Backend B, class F>
+typename B::tensor written_tensor(const Shape& shape, const F& fill) {
+  using S = typename B::scalar;
+  if constexpr (requires(typename B::tensor t, const Shape& s) {
+                  { t.data() } -> std::same_as<S*>;
+                  t = typename B::tensor(s);
+                }) {
+    typename B::tensor t(shape);
+    fill(t.data());
+    return t;
+  } else {
+    PoolVector<S> values(static_cast<std::size_t>(shape.count()));
+    fill(values.data());
+    return B::from_span(values, shape);
+  }
+}
+
 template <Backend B, int Rank>
 class Tensor {
   static_assert(Rank >= 0 && Rank <= Shape::max_rank, "motionlang::Tensor: rank must be 0 ... 6");
@@ -49,22 +68,10 @@ class Tensor {
   static Tensor from(const std::vector<scalar>& values, const Shape& shape) {
     return from(std::span<const scalar>(values), shape);
   }
-  /// Row-major numbers that fill(scalar*) writes, into the tensor itself where the backend's tensors can be written: a
-  /// large table is not there twice.
+  /// Row-major numbers that fill(scalar*) writes (written_tensor).
   template <class F>
   static Tensor written(const Shape& shape, const F& fill) {
-    if constexpr (requires(typename B::tensor t, const Shape& s) {
-                    { t.data() } -> std::same_as<scalar*>;
-                    t = typename B::tensor(s);
-                  }) {
-      typename B::tensor t(checked(shape));
-      fill(t.data());
-      return Tensor(std::move(t));
-    } else {
-      PoolVector<scalar> values(static_cast<std::size_t>(checked(shape).count()));
-      fill(values.data());
-      return from(std::span<const scalar>(values), shape);
-    }
+    return Tensor(written_tensor<B>(checked(shape), fill));
   }
   /// Standard normal numbers.
   static Tensor randn(const Shape& shape, Rng auto& rng) {

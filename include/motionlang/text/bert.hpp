@@ -2,8 +2,8 @@
 /// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. One network; the members differ in the names of their tensors,
 /// in whether there are token types, and in how positions count.
 ///
-///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);   // io/text_network_file.hpp
-///     const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
+///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);   //
+///     weights/text_network_file.hpp const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
 ///
 /// Batches are packed: padding is never computed, and a text has the same numbers alone and among others (but for last
 /// digits in bf16x3). Loading a file packs the weights for the kernels; a network that was made otherwise is made ready

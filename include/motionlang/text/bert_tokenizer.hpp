@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The WordPiece tokenizer of BERT, DistilBERT and MiniLM, and its MPNet variant: ids as the fast tokenizers of Hugging
-/// Face give them. Vocabularies are read by io/tokenizer_files.hpp.
+/// Face give them. Vocabularies are read by weights/tokenizer_files.hpp.
 ///
 ///     const BertTokenizer bert(read_vocabulary("vocab.txt"));
 ///     bert.encode("a person walks.");   // [CLS] a person walks . [SEP]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The text tower of CLIP.
 ///
-///     const ClipText<B> network = load_clip_text<B>(weights);                       // io/text_network_file.hpp
+///     const ClipText<B> network = load_clip_text<B>(weights);                       // weights/text_network_file.hpp
 ///     const auto text = network(network.until_end(tokenize(tokenizer, texts)));     // nothing behind the end token
 ///     const auto vectors = network.project(pool(text, Pooling::end));               // what MDM and STMC take
 #pragma once

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The tokenizer of CLIP: byte-level pair encoding with a mark at the end of words. Vocabularies are read by
-/// io/tokenizer_files.hpp.
+/// weights/tokenizer_files.hpp.
 ///
 ///     const ClipTokenizer clip = read_clip_tokenizer("bpe_simple_vocab_16e6.txt.gz");
 ///     clip.encode("a person walks");                     // 49406 320 2533 8192 49407

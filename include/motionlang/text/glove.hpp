@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Word vectors with a part of speech: the text side of TM2T and of the HumanML3D evaluators.
 ///
-///     const GloVe words = read_glove("glove/our_vab");                                       // io/glove_file.hpp
+///     const GloVe words = read_glove("glove/our_vab");                                       // weights/glove_file.hpp
 ///     const TextFeatures<B> text = words.encode<B>(texts);                  // texts: "a/DET man/NOUN walk/VERB"
 ///
 /// A row is the vector of a word and, behind it, a one among the 15 tags. Texts are lists of word/tag, the second field

@@ -3,8 +3,8 @@
 // usage: instruction_counts KERNEL      with MOTIONLANG_KERNELS=avx2 below valgrind (count.py), which knows no AVX-512
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/core/rng.hpp>
-#include <motionlang/kinematics/lanes.hpp>
-#include <motionlang/kinematics/standard.hpp>
+#include <motionlang/kinematics/forward_batch.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 
 namespace {
 

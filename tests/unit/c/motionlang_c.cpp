@@ -3,8 +3,8 @@
 
 #include <motionlang/c/motionlang_c.h>
 #include <motionlang/compose/cut_texts.hpp>
-#include <motionlang/io/bvh.hpp>
-#include <motionlang/io/glb_writer.hpp>
+#include <motionlang/formats/bvh.hpp>
+#include <motionlang/formats/glb_writer.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>

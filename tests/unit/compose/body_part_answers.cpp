@@ -3,7 +3,7 @@
 
 #include <sstream>  // prints sets of parts
 
-#include <motionlang/io/body_part_table.hpp>
+#include <motionlang/datasets/body_part_table.hpp>
 
 #include "../../support/check_error.hpp"
 

@@ -1,6 +1,6 @@
 // Cutting timelines, who owns which part, overlap around cuts, frames and seconds.
+#include <motionlang/compose/overlap.hpp>
 #include <motionlang/compose/sinc_assignment.hpp>
-#include <motionlang/compose/transition.hpp>
 #include <motionlang/core/python_random.hpp>
 
 #include "../../support/check_error.hpp"

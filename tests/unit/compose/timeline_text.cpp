@@ -131,11 +131,27 @@ TEST_CASE("lists of single texts") {
     CHECK_THROWS_WITH_AS(ml::parse_text_list(text, {.name = "list"}), doctest::Contains(message), ml::timeline_error);
   };
   throws("a # 1\nb", "[motionlang.timeline.501] list:2:2: ");
-  throws("a # 1 # 2", "[motionlang.timeline.501] list:1:9: ");
+  throws("a # 1 # 2", "[motionlang.timeline.503] list:1:9: '2' is not a body part");
   throws("a # x", "[motionlang.timeline.502] list:1:5: ");
   throws("a # 1e9", "[motionlang.timeline.502]");
   throws("a # 0.04", "[motionlang.timeline.504] list:1:5: ");
   throws("", "[motionlang.timeline.507]");
+}
+
+TEST_CASE("lists of single texts with body parts: all of them move the whole body") {
+  const std::vector<ml::TimedText> wanted{{"wave", 40}, {"bow", 47}, {"turn", 20}};
+  const std::string list = "wave # 2.0 # right hand # head\n\nbow#2.35#torso\nturn # 1\n";
+  CHECK(ml::is_text_list(list));
+  CHECK(ml::parse_text_list(list) == wanted);
+  CHECK(ml::is_text_list("wave # 2.0 # legs"));
+  CHECK_FALSE(ml::is_text_list("wave # 2.0 # legs", {.as_published = true}));  // no line of two fields
+  CHECK_FALSE(ml::is_text_list("wave # 2.0 # legs\nbow # 1 # 2"));
+  CHECK_FALSE(ml::is_text_list("wave # 2.0 # wings"));
+  CHECK(ml::parse_text_list("wave # 2.0 # wings #", {.as_published = true}) ==
+        std::vector<ml::TimedText>{{"wave", 40}});
+  CHECK_THROWS_WITH_AS(ml::parse_text_list("wave # 2.0 # wings", {.name = "list"}),
+                       doctest::Contains("[motionlang.timeline.503] list:1:14: 'wings' is not a body part"),
+                       ml::timeline_error);
 }
 
 TEST_CASE("writing has the published form and is read back") {
@@ -167,7 +183,9 @@ TEST_CASE("baselines of timelines of every size") {
   };
   CHECK(one("a # 1 # 2 # legs") == "a # 0.0 # 1.0 # legs\n\n");
   CHECK(one("a # 0 # 6 # legs\nb # 6 # 12 # head") == "a and then b # 0.0 # 9.8 # head # legs\n\n");
-  CHECK(one("a # 0 # 1\nb # 1 # 2\nc # 0 # 2\nd # 0 # 2") == "a and then b while c while d # 0.0 # 2.0\n\n");
+  // spec: stmc.md 5, "T0 and then T1 while T2", parts = union
+  CHECK(one("a # 0 # 1 # legs\nb # 1 # 2 # head\nc # 0 # 2 # spine\nd # 0 # 3 # left arm\ne # 1 # 2 # legs") ==
+        "a and then b while c # 0.0 # 3.0 # head # left arm # legs # spine\n\n");
   CHECK(ml::one_text({}).intervals.empty());
   const auto track = ml::single_track(
       ml::parse_timelines_in_seconds("a # 0 # 1\nb # 2 # 3\nc # 2.5 # 3 # head", {.as_published = true})[0]);

@@ -5,7 +5,7 @@
 #include <string>
 
 #include <motionlang/core/processors.hpp>
-#include <motionlang/io/file.hpp>
+#include <motionlang/file/file.hpp>
 
 #include "../../support/temporary_folder.hpp"
 

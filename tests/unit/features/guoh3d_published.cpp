@@ -8,7 +8,7 @@
 
 #include <motionlang/features/guoh3d.hpp>
 #include <motionlang/features/guoh3d_extraction.hpp>
-#include <motionlang/io/npy.hpp>
+#include <motionlang/file/npy.hpp>
 
 #include "../../support/lists.hpp"
 

@@ -4,8 +4,8 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/kinematics/foot_lock.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/retarget.hpp>
-#include <motionlang/kinematics/standard.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
 #include "../../support/check_error.hpp"

@@ -1,7 +1,7 @@
 // Clips from positions of joints: the positions come back, whatever the figure does.
 #include <motionlang/core/rng.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/motion_from_joints.hpp>
-#include <motionlang/kinematics/standard.hpp>
 
 #include "../../support/check_error.hpp"
 

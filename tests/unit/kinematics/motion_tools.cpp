@@ -2,8 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/kinematics/body_parts.hpp>
+#include <motionlang/kinematics/gaussian_smooth.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
-#include <motionlang/kinematics/smoothing.hpp>
 
 #include "../../support/synthetic_motion.hpp"
 

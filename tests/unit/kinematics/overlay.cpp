@@ -1,6 +1,6 @@
 // Two motions in one body.
+#include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/overlay.hpp>
-#include <motionlang/kinematics/standard.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/synthetic_motion.hpp"

@@ -14,8 +14,8 @@
 #include <limits>
 #include <optional>
 
-#include <motionlang/io/amc.hpp>
-#include <motionlang/io/bvh.hpp>
+#include <motionlang/formats/amc.hpp>
+#include <motionlang/formats/bvh.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 
 namespace ml = motionlang;

@@ -6,8 +6,8 @@
 #include <motionlang/core/dual.hpp>
 #include <motionlang/core/rng.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/motion.hpp>
-#include <motionlang/kinematics/standard.hpp>
 
 namespace ml = motionlang;
 using doctest::Contains;

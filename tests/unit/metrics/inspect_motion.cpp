@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include <motionlang/io/inspection_page.hpp>
+#include <motionlang/view/inspection_page.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/markup.hpp"

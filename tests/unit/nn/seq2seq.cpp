@@ -3,10 +3,10 @@
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
-#include <motionlang/io/module_file.hpp>
 #include <motionlang/loss/cross_entropy.hpp>
 #include <motionlang/nn/seq2seq_gru.hpp>
 #include <motionlang/nn/seq2seq_writer.hpp>
+#include <motionlang/weights/module_file.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/tensors.hpp"

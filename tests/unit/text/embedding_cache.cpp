@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/reference.hpp>
-#include <motionlang/io/embedding_cache.hpp>
+#include <motionlang/weights/embedding_cache.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/temporary_folder.hpp"

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include <motionlang/backend/reference.hpp>
-#include <motionlang/io/glove_file.hpp>
+#include <motionlang/weights/glove_file.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/glove_files.hpp"

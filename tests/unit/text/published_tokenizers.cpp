@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include <motionlang/io/annotations.hpp>
-#include <motionlang/io/tokenizer_files.hpp>
+#include <motionlang/datasets/annotations.hpp>
+#include <motionlang/weights/tokenizer_files.hpp>
 
 namespace ml = motionlang;
 using ml::Index;

@@ -9,7 +9,7 @@
 #pragma once
 
 #include <algorithm>    // min, max
-#include <bit>          // bit_cast
+#include <atomic>       // kernels of the current precision
 #include <cmath>        // sqrt, erf, tanh
 #include <cstddef>      // byte
 #include <cstdint>      // bit patterns
@@ -24,6 +24,7 @@
 #include <motionlang/core/dropout.hpp>
 #include <motionlang/core/error.hpp>
 #include <motionlang/core/instruction_set.hpp>
+#include <motionlang/core/standard_library.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
@@ -120,8 +121,8 @@ struct FloatTiles {
 /// Entry points of one instruction set.
 template <class S>
 struct Kernels {
+  Isa isa;
   const char* name;
-  const FloatTiles* tiles;  // none: all products by gemm_block
   Index panel_width, tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
@@ -129,22 +130,26 @@ struct Kernels {
   bool (*pack_transposed)(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
   Index (*attention_scratch)(Index keys, Index width);
-  Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
   void (*attention_head)(const Attention<S>&, Index sequence, Index head, Index piece, Index pieces, S* scratch);
-  void (*attention_head_vjp)(const Attention<S>&, const AttentionGradients<S>&, Index sequence, Index head, S* scratch);
   void (*dropout)(const S* x, Index n, Index first, const Dropout&, S* y);
   void (*layer_norm_rows)(const LayerNorm<S>&, Index first, Index last);
-  void (*layer_norm_rows_vjp)(const LayerNorm<S>&, const S* dy, S* dx, S* moments, Index first, Index last);
-  void (*layer_norm_columns_vjp)(const LayerNorm<S>&, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
-                                 Index first, Index last);
   void (*softmax_rows)(const S* x, Index n, Index first, Index last, S* y, S* scratch);
   void (*transpose)(const Transposed<S>&, Index first, Index last);
   void (*activate)(const S* x, Index n, Activation, S* y);
-  void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
   void (*binary)(const Binary<S>&);
   void (*error_function)(const S* x, Index n, S* y);
   void (*row_sums)(const S* x, Index n, Index first, Index last, S* y);
   void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
+};
+/// The same of training: a table of its own, so that a program that does not train does not compile it.
+template <class S>
+struct GradientKernels {
+  Index (*attention_scratch)(Index queries, Index keys, Index width);
+  void (*attention_head)(const Attention<S>&, const AttentionGradients<S>&, Index sequence, Index head, S* scratch);
+  void (*layer_norm_rows)(const LayerNorm<S>&, const S* dy, S* dx, S* moments, Index first, Index last);
+  void (*layer_norm_columns)(const LayerNorm<S>&, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
+                             Index first, Index last);
+  void (*activate)(const S* x, const S* dy, Index n, Activation, S* dx);
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
@@ -161,9 +166,9 @@ struct Bf16Kernels {
   void (*gemm_block)(const Gemm<float>&, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
                      float* scratch);
   Index (*attention_scratch)(Index keys, Index width);
-  Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
   void (*attention_head)(const Attention<float>&, Index sequence, Index head, Index piece, Index pieces,
                          float* scratch);
+  Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
   void (*attention_head_vjp)(const Attention<float>&, const AttentionGradients<float>&, Index sequence, Index head,
                              float* scratch);
 };
@@ -231,14 +236,17 @@ namespace detail::avx512 {
 //
 #include <motionlang/backend/detail/float_tiles.inc>
 
-/// The kernels of AVX-512, with AMX for products.
-inline const Kernels<float>& table_with_tiles() {
-  static constexpr FloatTiles tiles{FloatTile::rows, &float_tile_rows, &float_tile_scratch, &float_tile_block};
+/// The kernels of AVX-512 under the name of AMX, whose tiles (float_tiles) go with them.
+inline const Kernels<float>& amx_table() {
   static const Kernels<float> t = [] {
     Kernels<float> k = table<float>();
-    k.name = FloatTile::name, k.tiles = &tiles;
+    k.isa = Isa::amx, k.name = FloatTile::name;
     return k;
   }();
+  return t;
+}
+inline const FloatTiles& float_tiles() {
+  static constexpr FloatTiles t{FloatTile::rows, &float_tile_rows, &float_tile_scratch, &float_tile_block};
   return t;
 }
 }  // namespace detail::avx512
@@ -259,7 +267,7 @@ const Kernels<S>* kernels_for(Isa isa) {
 #if defined(MOTIONLANG_WIDE_KERNELS)
   if (isa == Isa::avx2) return processor_has(isa) ? &avx2::table<S>() : nullptr;
   if constexpr (std::is_same_v<S, float>) {
-    if (isa == Isa::amx) return processor_has(isa) ? &avx512::table_with_tiles() : nullptr;
+    if (isa == Isa::amx) return processor_has(isa) ? &avx512::amx_table() : nullptr;
   }
   if (isa != Isa::best) return processor_has(Isa::avx512) ? &avx512::table<S>() : nullptr;
 #endif
@@ -268,6 +276,26 @@ const Kernels<S>* kernels_for(Isa isa) {
     if (const auto* k = kernels_for<S>(better)) return k;
   }
   return &portable::table<S>();
+}
+/// Those of training for the instruction set of `kernels`.
+template <class S>
+const GradientKernels<S>& gradient_kernels_of(const Kernels<S>& kernels) {
+#if defined(MOTIONLANG_WIDE_KERNELS)
+  if (kernels.isa == Isa::avx2) return avx2::gradient_table<S>();
+  if (kernels.isa != Isa::portable) return avx512::gradient_table<S>();
+#else
+  static_cast<void>(kernels);
+#endif
+  return portable::gradient_table<S>();
+}
+/// Tiles that belong to `kernels`, or nothing: all products are made of multiply-adds.
+inline const FloatTiles* float_tiles_of(const Kernels<float>& kernels) {
+#if defined(MOTIONLANG_WIDE_KERNELS)
+  if (kernels.isa == Isa::amx) return &avx512::float_tiles();
+#else
+  static_cast<void>(kernels);
+#endif
+  return nullptr;
 }
 /// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the
 /// speed of products in float); else float instructions.
@@ -314,6 +342,13 @@ inline const Bf16Kernels*& current_bf16_kernels() {
   static const Bf16Kernels* chosen = present(bf16_kernels_for(wanted_isa()));
   return chosen;
 }
+
+/// The kernels of precisions other than fp32. Only set_product_precision names them (backend/precision.hpp): a program
+/// that never calls it does not compile them.
+inline std::atomic<const Bf16Kernels*& (*)()> bf16_products{nullptr};
+inline std::atomic<const FloatTiles* (*)(const Kernels<float>&)> tile_products{nullptr};
+/// When product_precision() is bf16.
+inline const Bf16Kernels& bf16_product_kernels() { return *bf16_products.load(std::memory_order_relaxed)(); }
 
 }  // namespace detail
 MOTIONLANG_NAMESPACE_END

@@ -49,8 +49,8 @@ namespace detail {
 template <class S>
 const ScanKernels<S>& scan_kernels(const Kernels<S>& kernels) {
 #ifdef MOTIONLANG_WIDE_KERNELS
-  if (&kernels == kernels_for<S>(Isa::avx512) || kernels.tiles != nullptr) return avx512::scan_table<S>();
-  if (&kernels == kernels_for<S>(Isa::avx2)) return avx2::scan_table<S>();
+  if (kernels.isa == Isa::avx2) return avx2::scan_table<S>();
+  if (kernels.isa != Isa::portable) return avx512::scan_table<S>();
 #else
   static_cast<void>(kernels);
 #endif

@@ -4,7 +4,7 @@
 
 #include <optional>  // what the caller leaves to the model
 
-#include <motionlang/compose/options.hpp>
+#include <motionlang/compose/plan_options.hpp>
 #include <motionlang/compose/timeline.hpp>
 #include <motionlang/diffusion/mdm_smpl.hpp>
 #include <motionlang/diffusion/sampler.hpp>

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// Bodies of precision.hpp.
+#pragma once
+
+#include <motionlang/backend/detail/kernels.hpp>
+#include <motionlang/backend/precision.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY void set_product_precision(Precision p) {
+  detail::bf16_products.store(&detail::current_bf16_kernels, std::memory_order_relaxed);
+  detail::tile_products.store(&detail::float_tiles_of, std::memory_order_relaxed);
+  detail::current_product_precision().store(p, std::memory_order_release);
+}
+
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+/// Stretches of a motion with a text, as BABEL has them. What TEACH and SINC make of them: teach_pairs.hpp,
+/// simultaneous_segments.hpp. Read by datasets/babel.hpp.
+#pragma once
+
+#include <algorithm>    // find
+#include <array>        // excluded labels
+#include <string>       // texts
+#include <string_view>  // labels
+#include <vector>       // segments
+
+#include <motionlang/core/shape.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Frames [start, end) with their text.
+struct BabelSegment {
+  Index start = 0, end = 0;
+  std::string text;
+  bool operator==(const BabelSegment&) const = default;
+
+  bool is_transition() const { return text == "transition"; }
+};
+
+/// Labels that TEACH and SINC train nothing on.
+inline constexpr std::array<std::string_view, 7> babel_excluded_labels{"t-pose", "a-pose", "a pose",    "t pose",
+                                                                       "tpose",  "apose",  "transition"};
+inline bool is_babel_excluded(std::string_view label) {
+  return std::find(babel_excluded_labels.begin(), babel_excluded_labels.end(), label) != babel_excluded_labels.end();
+}
+
+/// The segments that SINC takes, in their order: without empty ones and excluded labels. One without text stays here
+/// (it
+/// counts as simultaneous with others) and is nothing to train on. Source  spec sinc.md 5.1
+inline std::vector<BabelSegment> sinc_segments(std::vector<BabelSegment> segments) {
+  std::erase_if(segments, [](const BabelSegment& s) { return s.end <= s.start || is_babel_excluded(s.text); });
+  return segments;
+}
+
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+/// Pairs of actions that follow one another, out of overlapping segments of one motion: what TEACH is trained on.
+///
+///     for (const ActionPair& pair : teach_pairs(babel_intervals(labels, 30, frames))) {
+///       const PairFrames cut = pair.frames();
+///       if (is_teach_length(cut)) train(pair.first.text, pair.second.text, cut);
+///     }
+///
+/// Source    TEACH (Athanasiou et al., 3DV 2022), separate_actions; spec teach.md 4.3
+/// Notation  segment S -> (start, end); X before S: X begins and ends earlier and touches S; X after S likewise
+/// Differs   from the paper: two overlapping actions are not parted in the middle of their overlap but half of it after
+///           the end of the first one, as the code does
+#pragma once
+
+#include <map>       // segments by their times
+#include <optional>  // pairs without transition
+#include <utility>   // pair
+
+#include <motionlang/compose/overlap.hpp>
+#include <motionlang/datasets/babel_segment.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Frames of a pair: the parts lie end to end. Published: the last frame of each, and of the second action the frame
+/// behind its last.
+struct PairFrames {
+  FrameRange first;
+  std::optional<FrameRange> transition;
+  FrameRange second;
+
+  FrameRange all() const { return {first.start, second.end}; }
+  Index transition_size() const { return transition ? transition->size() : 0; }
+  bool operator==(const PairFrames&) const = default;
+};
+
+struct ActionPair {
+  BabelSegment first;
+  std::optional<BabelSegment> transition;
+  BabelSegment second;
+  bool operator==(const ActionPair&) const = default;
+
+  /// A transition counts only where the actions do not touch each other.
+  PairFrames frames() const {
+    if (transition && first.end < second.start) {
+      const Index cut = transition->start + 1;
+      return {{first.start, cut}, FrameRange{cut, second.start}, {second.start, second.end}};
+    }
+    const Index overlap = transition ? second.start - first.end : first.end - second.start;
+    const Index cut = (2 * first.end + overlap) / 2 + 1;
+    return {{first.start, cut}, std::nullopt, {cut, second.end}};
+  }
+};
+
+namespace detail {
+
+inline bool is_before(const BabelSegment& x, const BabelSegment& s) {
+  return x.start < s.start && x.end < s.end && x.end >= s.start;
+}
+inline bool is_after(const BabelSegment& x, const BabelSegment& s) {
+  return s.start < x.start && x.start <= s.end && x.end > s.end;
+}
+
+/// Sorted by start and end, without poses at rest. Of several with the same times the last text counts.
+inline std::vector<BabelSegment> actions_and_transitions(std::span<const BabelSegment> segments) {
+  std::map<std::pair<Index, Index>, std::string_view> texts;
+  for (const BabelSegment& s : segments) {
+    if (s.is_transition() || !is_babel_excluded(s.text)) texts[{s.start, s.end}] = s.text;
+  }
+  std::vector<BabelSegment> out;
+  for (const auto& [times, text] : texts) out.push_back({times.first, times.second, std::string(text)});
+  return out;
+}
+
+}  // namespace detail
+
+/// Every action with the ones that it touches, and every transition with the actions on both sides, in the order of the
+/// segments; each pair once. `segments` may stand in any order.
+inline std::vector<ActionPair> teach_pairs(std::span<const BabelSegment> segments) {
+  const std::vector<BabelSegment> sorted = detail::actions_and_transitions(segments);
+  std::vector<ActionPair> out;
+  const auto add = [&](ActionPair pair) {
+    if (std::find(out.begin(), out.end(), pair) == out.end()) out.push_back(std::move(pair));
+  };
+  for (const BabelSegment& s : sorted) {
+    std::vector<BabelSegment> before, after;
+    for (const BabelSegment& x : sorted) {
+      if (x.is_transition() && !s.is_transition()) continue;
+      if (detail::is_before(x, s)) before.push_back(x);
+      if (detail::is_after(x, s)) after.push_back(x);
+    }
+    if (!s.is_transition()) {
+      for (const BabelSegment& b : before) add({b, std::nullopt, s});
+      for (const BabelSegment& a : after) add({s, std::nullopt, a});
+    } else if (s.start > 0) {
+      for (const BabelSegment& b : before) {
+        for (const BabelSegment& a : after) add({b, s, a});
+      }
+    }
+  }
+  return out;
+}
+
+/// Frames that TEACH trains on; its evaluation takes up to 100,000.
+struct TeachLengths {
+  Index shortest = 15, longest = 750;
+};
+/// Whether the first action, and the second one with its transition, are neither too short nor too long.
+inline bool is_teach_length(const PairFrames& frames, const TeachLengths& limits = {}) {
+  const auto fits = [&](Index n) { return limits.shortest <= n && n <= limits.longest; };
+  return fits(frames.first.size()) && fits(frames.transition_size() + frames.second.size());
+}
+
+/// Pairs as one segment with both texts ("walk, sit down"): what the baseline "Joint" is trained on. Of several with
+/// the same times the first.
+inline std::vector<BabelSegment> joined_pairs(std::span<const ActionPair> pairs) {
+  std::vector<BabelSegment> out;
+  for (const ActionPair& p : pairs) {
+    BabelSegment whole{std::min(p.first.start, p.second.start), std::max(p.first.end, p.second.end),
+                       p.first.text + ", " + p.second.text};
+    if (p.transition) {
+      whole.start = std::min(whole.start, p.transition->start);
+      whole.end = std::max(whole.end, p.transition->end);
+    }
+    const bool known = std::any_of(out.begin(), out.end(),
+                                   [&](const BabelSegment& s) { return s.start == whole.start && s.end == whole.end; });
+    if (!known) out.push_back(std::move(whole));
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: MIT
+/// The user's own SMPL, SMPL-H and SMPL-X files, .npz or .pkl, as body models. The form of a file is told by its
+/// content, the kind of body by its number of joints; a body of any other number of joints is read, too. No file of
+/// these is or may be part of this library.
+///
+///     auto file = find_body_file("models", BodyKind::smplh);
+///     auto body = read_body<EigenBackend<float>>(file, {.betas = 16});
+///     auto posed = body.model(betas, rotations, translation);        // vertices, joints, extra points
+///
+/// Coefficients are those of shape and then those of expression. Source: spec weights.md 8, body-models.md 2, 4, 7.
+#pragma once
+
+#include <unistd.h>  // access
+
+#include <variant>  // one of two forms
+
+#include <motionlang/file/npz.hpp>
+#include <motionlang/file/pickle_arrays.hpp>
+#include <motionlang/kinematics/body.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct BodyFileOptions {
+  Index betas = 10;      // coefficients of shape, which the file must have
+  Index most_betas = 0;  // so many of a file that has more of them than `betas`
+  /// SMPL-X: coefficients of expression, which follow those of shape. -1: those that the file has, up to 10.
+  Index expressions = -1;
+  /// SMPL-X: directions of shape in the file. 0: known of files with 400 directions (300) and 20 (10), in others all of
+  /// them.
+  Index shape_directions = 0;
+  bool extra_points =
+      true;  // nose, eyes, ears, feet, finger tips (kinematics/body.hpp), if the vertices are those of the kind
+};
+
+namespace detail {
+
+/// The named arrays of a file of either form.
+class BodyArrays {
+ public:
+  explicit BodyArrays(const FilePath& path) : file_(path.string()), source_(open(path)) {}
+
+  const std::string& file() const { return file_; }
+  bool has(const char* name) const {
+    if (const auto* npz = std::get_if<NpzArchive>(&source_)) return npz->has(name);
+    return std::get<Pickle>(source_).root().find(name).has_value();
+  }
+  NpyArray read(const char* name) const {
+    if (const auto* npz = std::get_if<NpzArchive>(&source_)) return npz->read(name);
+    return to_array(std::get<Pickle>(source_).root()[name]);
+  }
+  /// An array of this shape; a size below 0 may be any. Throws io_error 407, numeric_error 301 if a number is not
+  /// finite.
+  template <class T>
+  std::vector<T> read(const char* name, std::vector<Index> wanted, std::vector<Index>* found = nullptr) const {
+    const NpyArray array = read(name);
+    bool fits = array.shape.size() == wanted.size();
+    for (std::size_t i = 0; fits && i < wanted.size(); ++i) fits = wanted[i] < 0 || array.shape[i] == wanted[i];
+    if (!fits)
+      raise<io_error>(407, file_, ": '", name, "' is ", detail::shape_text(array.shape), ", expected ",
+                      detail::shape_text(wanted));
+    if (found != nullptr) *found = array.shape;
+    std::vector<T> values = array.to<T>();
+    for (const T x : values) {
+      if (!std::isfinite(static_cast<double>(x))) raise<numeric_error>(301, file_, ": '", name, "' is not finite");
+    }
+    return values;
+  }
+
+ private:
+  static std::variant<NpzArchive, Pickle> open(const FilePath& path) {
+    auto file = MappedFile::open(path);
+    if (as_text(file->bytes()).starts_with("PK\x03\x04"))
+      return NpzArchive(ZipArchive(file->bytes(), path.string(), file));
+    return Pickle(file->bytes(), path.string(), {}, file);
+  }
+  std::string file_;
+  std::variant<NpzArchive, Pickle> source_;
+};
+
+/// Columns first ... first + count - 1 of every row.
+template <class T>
+void copy_columns(const std::vector<T>& from, Index width, Index first, Index count, std::vector<T>& to, Index to_width,
+                  Index to_first) {
+  for (Index row = 0; row < static_cast<Index>(from.size()) / width; ++row) {
+    std::copy_n(from.begin() + row * width + first, count, to.begin() + row * to_width + to_first);
+  }
+}
+
+/// Row 0: parents, the root's as -1 of any width. Row 1: the joints' own numbers, which must be 0, 1, 2, ...
+inline std::vector<int> body_parents(const BodyArrays& arrays) {
+  std::vector<Index> shape;
+  const auto table = arrays.read<double>("kintree_table", {2, -1}, &shape);
+  const auto joints = static_cast<std::size_t>(shape[1]);
+  std::vector<int> parents;
+  for (std::size_t j = 0; j < joints; ++j) {
+    if (table[joints + j] != static_cast<double>(j)) {
+      raise<io_error>(403, arrays.file(), ": 'kintree_table' calls joint ", j, " ", table[joints + j]);
+    }
+    if (j > 0 && !(table[j] >= 0 && table[j] < static_cast<double>(j))) {
+      raise<io_error>(403, arrays.file(), ": 'kintree_table': joint ", j, " has parent ", table[j],
+                      ", which does not come before it");
+    }
+    parents.push_back(j == 0 ? -1 : static_cast<int>(table[j]));
+  }
+  if (joints == 0) raise<io_error>(403, arrays.file(), ": 'kintree_table' has no joints");
+  return parents;
+}
+
+template <class S>
+void check_weights(const BodyArrays& arrays, const std::vector<S>& weights, Index joints) {
+  for (std::size_t at = 0; at < weights.size(); at += static_cast<std::size_t>(joints)) {
+    double sum = 0;
+    for (Index j = 0; j < joints; ++j) sum += static_cast<double>(weights[at + static_cast<std::size_t>(j)]);
+    if (std::abs(sum - 1) > 1e-3) {
+      raise<io_error>(403, arrays.file(), ": 'weights' of vertex ", at / static_cast<std::size_t>(joints),
+                      " sum up to ", sum);
+    }
+  }
+}
+
+inline std::vector<std::array<Index, 3>> body_faces(const BodyArrays& arrays, Index vertices) {
+  std::vector<std::array<Index, 3>> faces;
+  const auto numbers = arrays.read<std::int64_t>("f", {-1, 3});
+  for (std::size_t i = 0; i < numbers.size(); i += 3) {
+    std::array<Index, 3> face{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      face[c] = static_cast<Index>(numbers[i + c]);
+      if (face[c] < 0 || face[c] >= vertices) {
+        raise<io_error>(403, arrays.file(), ": face ", i / 3, " has vertex ", face[c], " of ", vertices);
+      }
+    }
+    faces.push_back(face);
+  }
+  return faces;
+}
+
+template <Backend B>
+std::optional<HandPoses<B>> hand_poses(const BodyArrays& arrays, const char* components, const char* mean) {
+  if (!arrays.has(components)) return std::nullopt;
+  using S = typename B::scalar;
+  std::vector<Index> shape;
+  const auto rows = arrays.read<S>(components, {-1, 45}, &shape);
+  return HandPoses<B>{Tensor<B, 2>::from(rows, {shape[0], 45}), Tensor<B, 1>::from(arrays.read<S>(mean, {45}), {45})};
+}
+
+/// Where the directions of expression begin: 300 shape and 100 expression directions in new files, 10 and 10 in old
+/// ones.
+inline Index first_expression(BodyKind kind, Index directions, Index told) {
+  if (kind != BodyKind::smplx) return directions;
+  if (told > 0) return std::min(told, directions);
+  return directions > 300 ? 300 : directions == 20 ? 10 : directions;
+}
+
+/// Points on triangles: one row of triangles, or several.
+inline std::vector<SurfacePoints> rows_of_points(const BodyArrays& arrays, const char* triangles, const char* weights,
+                                                 std::span<const std::array<Index, 3>> faces) {
+  std::vector<SurfacePoints> out;
+  if (!arrays.has(triangles)) return out;
+  std::vector<Index> shape = arrays.read(triangles).shape;
+  if (shape.empty() || shape.size() > 2)
+    raise<io_error>(407, arrays.file(), ": '", triangles, "' has ", counted(shape.size(), "axis", "axes"),
+                    ", expected 1 or 2");
+  const auto numbers = arrays.read<std::int64_t>(triangles, shape);
+  const auto columns = static_cast<std::size_t>(shape.back());
+  shape.push_back(3);
+  const auto shares = arrays.read<double>(weights, shape);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (numbers[i] < 0 || numbers[i] >= std::ssize(faces)) {
+      raise<io_error>(403, arrays.file(), ": '", triangles, "' has triangle ", numbers[i], " of ", faces.size());
+    }
+    if (i % columns == 0) out.emplace_back();
+    out.back().corners.push_back(faces[static_cast<std::size_t>(numbers[i])]);
+    out.back().weights.push_back({shares[3 * i], shares[3 * i + 1], shares[3 * i + 2]});
+  }
+  return out;
+}
+
+inline bool readable(const FilePath& path) { return ::access(path.c_str(), R_OK) == 0; }
+
+}  // namespace detail
+
+/// Throws  io_error 401 to 407 for files that cannot be read or are not a body, numeric_error 301 for numbers that are
+///         not finite, config_error 101 if the file has fewer coefficients than asked for
+template <Backend B>
+Body<B> read_body(const FilePath& path, const BodyFileOptions& options = {}) {
+  using S = typename B::scalar;
+  const detail::BodyArrays arrays(path);
+  Body<B> body;
+  BodyModel<B>& model = body.model;
+  model.parents = detail::body_parents(arrays);
+  const Index joints = model.joints();
+  body.kind = body_kind_of(joints);
+
+  std::vector<Index> shape;
+  auto tensor = [](const std::vector<S>& values, Index rows, Index columns) {
+    return Tensor<B, 2>::from(values, {rows, columns});
+  };
+  const auto points = arrays.read<S>("v_template", {-1, 3}, &shape);
+  const Index vertices = shape[0];
+  model.v_template = tensor(points, vertices, 3);
+  model.posedirs = tensor(arrays.read<S>("posedirs", {vertices, 3, 9 * (joints - 1)}), 3 * vertices, 9 * (joints - 1));
+  model.J_regressor = tensor(arrays.read<S>("J_regressor", {joints, vertices}), joints, vertices);
+  const auto weights = arrays.read<S>("weights", {vertices, joints});
+  detail::check_weights(arrays, weights, joints);
+  model.weights = tensor(weights, vertices, joints);
+
+  const auto directions = arrays.read<S>("shapedirs", {vertices, 3, -1}, &shape);
+  const Index first_expression = detail::first_expression(body.kind, shape[2], options.shape_directions);
+  const Index betas = std::max(options.betas, std::min(options.most_betas, first_expression));
+  const Index expressions =
+      options.expressions >= 0 ? options.expressions : std::min<Index>(10, shape[2] - first_expression);
+  body.expressions = body.kind == BodyKind::smplx ? expressions : 0;
+  if (options.betas < 0 || options.betas > first_expression || body.expressions < 0 ||
+      body.expressions > shape[2] - first_expression) {
+    raise<config_error>(101, path.string(), ": ", counted(options.betas, "coefficient"), " of shape and ",
+                        body.expressions, " of expression asked for, the file has ", first_expression, " and ",
+                        shape[2] - first_expression);
+  }
+  const Index wanted = betas + body.expressions;
+  std::vector<S> chosen(static_cast<std::size_t>(3 * vertices * wanted));
+  if (shape[2] > 0) {
+    detail::copy_columns(directions, shape[2], 0, betas, chosen, wanted, 0);
+    detail::copy_columns(directions, shape[2], first_expression, body.expressions, chosen, wanted, betas);
+  }
+  model.shapedirs = tensor(chosen, 3 * vertices, wanted);
+
+  body.faces = detail::body_faces(arrays, vertices);
+  const bool published =
+      body.kind != BodyKind::other && vertices == body_kinds[static_cast<std::size_t>(body.kind)].vertices;
+  if (options.extra_points && published) model.extra = extra_vertices(body.kind);
+  body.left_hand = detail::hand_poses<B>(arrays, "hands_componentsl", "hands_meanl");
+  body.right_hand = detail::hand_poses<B>(arrays, "hands_componentsr", "hands_meanr");
+  const std::span<const std::array<Index, 3>> faces(body.faces);
+  if (auto rows = detail::rows_of_points(arrays, "lmk_faces_idx", "lmk_bary_coords", faces); !rows.empty())
+    body.landmarks = std::move(rows.front());
+  body.contours = detail::rows_of_points(arrays, "dynamic_lmk_faces_idx", "dynamic_lmk_bary_coords", faces);
+  model.validate();
+  return body;
+}
+
+/// The poses of a hand from MANO's own file, for bodies of SMPL-H whose file has none:
+///
+///     body.left_hand = read_hand<B>("MANO_LEFT.pkl");
+/// Throws  as read_body; io_error 406 for a file without the arrays
+template <Backend B>
+HandPoses<B> read_hand(const FilePath& path) {
+  const detail::BodyArrays arrays(path);
+  if (auto hand = detail::hand_poses<B>(arrays, "hands_components", "hands_mean")) return std::move(*hand);
+  raise<io_error>(406, path.string(), ": no 'hands_components'; not a hand of MANO");
+}
+
+/// The file of a body below a folder, under one of its usual names: smpl/SMPL_NEUTRAL.pkl, smplh/SMPLH_MALE.npz,
+/// smplh/female/model.npz, smplx/SMPLX_NEUTRAL.npz, and the names of the downloads.
+/// Throws  io_error 401, which says where the file can be had, if there is none; config_error 101 for a body of kind
+///         `other`
+inline FilePath find_body_file(const FilePath& root, BodyKind kind, BodyGender gender = BodyGender::neutral) {
+  if (kind == BodyKind::other) raise<config_error>(101, "find_body_file: a body of kind 'other' has no usual name");
+  struct Names {
+    const char *small, *large, *letter;
+  };
+  constexpr Names names[] = {{"neutral", "NEUTRAL", "neutral"}, {"male", "MALE", "m"}, {"female", "FEMALE", "f"}};
+  const Names& g = names[static_cast<std::size_t>(gender)];
+  constexpr const char* folders[] = {"smpl", "smplh", "smplx"};
+  constexpr const char* prefixes[] = {"SMPL_", "SMPLH_", "SMPLX_"};
+  const std::string folder = concat_text(root.string(), "/", folders[static_cast<std::size_t>(kind)], "/");
+  const std::string usual = concat_text(folder, prefixes[static_cast<std::size_t>(kind)], g.large);
+  std::vector<std::string> candidates{usual + ".npz", usual + ".pkl", concat_text(folder, g.small, "/model.npz"),
+                                      concat_text(folder, g.small, "/model.pkl")};
+  for (const char* model : {"basicmodel_", "basicModel_"}) {
+    for (const char* version : {"_lbs_10_207_0_v1.1.0.pkl", "_lbs_10_207_0_v1.0.0.pkl"}) {
+      if (kind == BodyKind::smpl) candidates.push_back(concat_text(folder, model, g.letter, version));
+    }
+  }
+  for (const std::string& c : candidates) {
+    if (detail::readable(c)) return c;
+  }
+  const BodyKindInfo& info = body_kinds[static_cast<std::size_t>(kind)];
+  raise<io_error>(401, "no ", info.name, " file such as ", usual, kind == BodyKind::smpl ? ".pkl" : ".npz",
+                  ": register at ", info.site, " to download it (free for research, no redistribution)");
+}
+
+MOTIONLANG_NAMESPACE_END

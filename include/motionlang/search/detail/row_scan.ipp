@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+/// Bodies of vector_scan.hpp: the split of the work over threads, and who is compared exactly.
+#pragma once
+
+#include <motionlang/backend/kernel_ops.ipp>
+#include <motionlang/search/detail/scan_kernels.hpp>
+#include <motionlang/search/vector_scan.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+/// The nearest so far to a group of queries, as one thread has seen them.
+template <class S>
+class Candidates {
+ public:
+  Candidates(const RowScan<S>& scan, std::span<const S> queries, Index k, double error)
+      : scan_(scan),
+        queries_(queries),
+        error_(error),
+        best_(queries.size() / static_cast<std::size_t>(scan.width), NearestK(k)),
+        limits_(best_.size(), -std::numeric_limits<S>::infinity()) {}
+
+  /// A fast score that is not above the limit of its query is not worth an exact one.
+  S limit(Index query) const { return limits_[static_cast<std::size_t>(query)]; }
+  void compare(Index query, Index row) {
+    const auto q = static_cast<std::size_t>(query);
+    best_[q].offer(
+        {row, exact_cosine(queries_.data() + query * scan_.width, scan_.rows.data() + row * scan_.width, scan_.width)});
+    limits_[q] = static_cast<S>(best_[q].least() - error_);
+  }
+  void merge(const Candidates& other) {
+    for (std::size_t q = 0; q < best_.size(); ++q) {
+      for (const Neighbour& n : other.best_[q].unordered()) best_[q].offer(n);
+    }
+  }
+  std::vector<Neighbour> take(Index query) { return best_[static_cast<std::size_t>(query)].take(); }
+
+ private:
+  const RowScan<S>& scan_;
+  std::span<const S> queries_;
+  double error_;
+  std::vector<NearestK> best_;
+  std::vector<S> limits_;
+};
+
+/// Few queries: the gallery is read once, each row by all of them.
+template <class S>
+void scan_with_few(const RowScan<S>& scan, const ScanKernels<S>& kernel, std::span<const S> queries, Index first,
+                   Index last, Candidates<S>& candidates) {
+  constexpr Index block = 128;
+  S scores[block];
+  const Index width = scan.width, count = std::ssize(queries) / width;
+  for (Index top = first; top < last; top += block) {
+    const Index rows = std::min(block, last - top);
+    for (Index q = 0; q < count; ++q) {
+      if (scan.halves.empty())
+        kernel.dot_rows(scan.rows.data() + top * width, rows, width, queries.data() + q * width, scores);
+      else
+        kernel.dot_half_rows(scan.halves.data() + top * width, rows, width, queries.data() + q * width, scores);
+      for (Index r = -1; (r = kernel.first_above(scores, r + 1, rows, candidates.limit(q))) < rows;)
+        candidates.compare(q, top + r);
+    }
+  }
+}
+
+/// Sizes of a block of scores: rows of the gallery with panels of queries.
+template <class S>
+struct ScoreBlock {
+  Index rows, panels, panel_width, product_scratch;
+
+  explicit ScoreBlock(const Panels<S>& queries) {
+    if (queries.kernels != nullptr) {  // one panel at a time: its scores stay in the first-level cache
+      const Kernels<S>& kernel = *queries.kernels;
+      rows = rows_of(kernel), panels = 1, panel_width = kernel.panel_width;
+      product_scratch = kernel.gemm_scratch(queries.k);
+    } else {  // all of them: every product puts the rows into another order first
+      rows = 64, panels = parts(queries.n, bf16_columns), panel_width = bf16_columns;
+      product_scratch = current_bf16_kernels()->gemm_scratch(queries.k);
+    }
+  }
+  /// Whole tiles, few enough to stay in the second-level cache beside a panel.
+  static Index rows_of(const Kernels<S>& kernel) { return 8 * kernel.tile_rows; }
+  Index columns() const { return panels * panel_width; }
+  /// Distance of rows: of those that are a power of two apart, few fit into a cache.
+  Index pitch() const { return panels == 1 ? panel_width : columns() + 16; }
+  static Index gallery_pitch(Index width) { return (width + 15) / 16 * 16 + 16; }
+  /// Numbers that scan_with_panels needs.
+  Index scratch(Index width) const {
+    return product_scratch + rows * pitch() + columns() + rows * gallery_pitch(width);
+  }
+};
+
+/// Many queries, in panels: a matrix product whose scores are looked at while they lie in a cache.
+template <class S>
+void scan_with_panels(const RowScan<S>& scan, const Panels<S>& queries, Index first, Index last, S* scratch,
+                      Candidates<S>& candidates) {
+  const ScanKernels<S>& scanner = scan_kernels(kernels<S>());
+  const ScoreBlock<S> block(queries);
+  const Index width = scan.width, pitch = block.gallery_pitch(width), w = block.panel_width;
+  S *scores = scratch + block.product_scratch, *maxima = scores + block.rows * block.pitch(),
+    *gallery = maxima + block.columns();
+  for (Index top = first; top < last; top += block.rows) {
+    const Index rows = std::min(block.rows, last - top);
+    for (Index r = 0; r < rows; ++r) {
+      if (scan.halves.empty())
+        std::memcpy(gallery + r * pitch, scan.rows.data() + (top + r) * width,
+                    static_cast<std::size_t>(width) * sizeof(S));
+      else
+        scanner.widen_row(scan.halves.data() + (top + r) * width, width, gallery + r * pitch);
+    }
+    Gemm<S> product{
+        .m = rows, .n = block.columns(), .k = width, .a = gallery, .lda = pitch, .c = scores, .ldc = block.pitch()};
+    for (Index j = 0; j * w < queries.n; j += block.panels) {
+      if (queries.kernels != nullptr) {
+        product.panels = queries.data() + j * w * width;
+        queries.kernels->gemm_block(product, 0, rows, 0, 1, scratch);
+      } else {
+        current_bf16_kernels()->gemm_block(product, queries.bf16(), 0, rows, 0, block.panels, scratch);
+      }
+      scanner.column_maxima(scores, rows, block.pitch(), block.columns(), maxima);
+      for (Index c = 0; c < std::min(block.columns(), queries.n - j * w); ++c) {
+        const Index query = j * w + c;
+        if (!(maxima[c] > candidates.limit(query))) continue;
+        for (Index r = 0; r < rows; ++r) {
+          if (scores[r * block.pitch() + c] > candidates.limit(query)) candidates.compare(query, top + r);
+        }
+      }
+    }
+  }
+}
+
+/// Queries for scan_with_few, in the order that its kernel wants.
+template <class S>
+std::vector<S> ordered_queries(const RowScan<S>& scan, std::span<const S> queries) {
+  std::vector<S> out(queries.begin(), queries.end());
+  if (scan.halves.empty()) return out;
+  for (Index q = 0; q < std::ssize(queries); q += scan.width)
+    scan_kernels(kernels<S>()).split_pairs(queries.data() + q, scan.width, out.data() + q);
+  return out;
+}
+
+/// Largest |q - bfloat16(q)|.
+template <class S>
+double rounding_of(std::span<const S> queries, Index width) {
+  std::vector<std::uint16_t> halves(queries.size());
+  return RowScan<S>::to_halves(queries, width, halves.data());
+}
+
+template <std::same_as<float> S>
+std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queries, Index k) const {
+  constexpr Index group = 1024, few = 8;  // queries: those that share a cache, and those that are not worth a product
+  const Kernels<S>& kernel = kernels<S>();
+  const Index total = std::ssize(queries) / width, threads = thread_count();
+  std::vector<std::vector<Neighbour>> out(static_cast<std::size_t>(total));
+  if (k == 0) return out;
+  const Index block = ScoreBlock<S>::rows_of(kernel), blocks = parts(count, block),
+              tasks = std::min(blocks, std::max(8 * threads, parts(blocks, 64)));
+  for (Index begin = 0; begin < total; begin += group) {
+    const Index n = std::min(group, total - begin);
+    const auto mine = queries.subspan(static_cast<std::size_t>(begin * width), static_cast<std::size_t>(n * width));
+    const bool product = n > few, rounded = product && !halves.empty();
+    // Errors of float sums, and 1 % for what lies below: lengths of 1.001, the rounding of the exact score and of the
+    // limit.
+    const double error =
+        1.01 * (static_cast<double>(width + 2) * 0x1p-24 + half_error + (rounded ? rounding_of(mine, width) : 0));
+    std::vector<Candidates<S>> seen(static_cast<std::size_t>(threads), Candidates<S>(*this, mine, k, error));
+    const auto for_rows = [&](auto f) {
+      parallel_for(tasks, [&](Index i) {
+        f(blocks * i / tasks * block, std::min(count, blocks * (i + 1) / tasks * block),
+          seen[static_cast<std::size_t>(thread_number())]);
+      });
+    };
+    if (product) {
+      const auto panels = pack_panels<S>(mine.data(), width, n, 1, width, rounded ? Precision::bf16 : Precision::fp32);
+      const Scratch<S> scratch(ScoreBlock<S>(panels).scratch(width));
+      for_rows([&](Index first, Index last, Candidates<S>& c) {
+        scan_with_panels<S>(*this, panels, first, last, scratch.mine(), c);
+      });
+    } else {
+      const auto ordered = ordered_queries<S>(*this, mine);
+      for_rows([&](Index first, Index last, Candidates<S>& c) {
+        scan_with_few<S>(*this, scan_kernels(kernel), ordered, first, last, c);
+      });
+    }
+    for (std::size_t t = 1; t < seen.size(); ++t) seen[0].merge(seen[t]);
+    for (Index q = 0; q < n; ++q) out[static_cast<std::size_t>(begin + q)] = seen[0].take(q);
+  }
+  return out;
+}
+
+template <std::same_as<float> S>
+double RowScan<S>::to_halves(std::span<const S> rows, Index width, std::uint16_t* halves) {
+  constexpr Index at_once = 256;
+  const Index count = std::ssize(rows) / width;
+  std::vector<double> worst(static_cast<std::size_t>(parts(count, at_once)));
+  parallel_for(std::ssize(worst), [&](Index part) {
+    for (Index r = part * at_once; r < std::min(count, (part + 1) * at_once); ++r) {
+      double square = 0;
+      for (Index i = r * width; i < (r + 1) * width; ++i) {
+        halves[i] = float_to_bfloat16(rows[static_cast<std::size_t>(i)]);
+        const double d =
+            static_cast<double>(rows[static_cast<std::size_t>(i)]) - static_cast<double>(bfloat16_to_float(halves[i]));
+        square += d * d;
+      }
+      auto& w = worst[static_cast<std::size_t>(part)];
+      w = std::max(w, std::sqrt(square));
+    }
+  });
+  return worst.empty() ? 0 : *std::max_element(worst.begin(), worst.end());
+}
+
+template <std::same_as<float> S>
+typename RowScan<S>::DotFunction RowScan<S>::dot_function() {
+  return scan_kernels(kernels<S>()).dot_rows;
+}
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+/// MDM's models of actions (HumanAct12, UESTC), and of HumanAct12 without its actions (--unconstrained), from the
+/// folders in which their repository leaves them.
+///
+///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));      // args.json,
+///     model000750000.pt const auto motions = run.model.generate(actions, Philox{.seed = 7});
+///
+/// Differs   from models of texts: motions are rotations in 6D and the way of the root, not normalised, of 60 frames; a
+///           model that was trained without empty actions (cond_mask_prob 0, as the published command has it) is not
+///           guided
+/// Source    spec mdm.md 3, 3.1, 3.5
+/// Throws    as weights/diffusion_run.hpp
+#pragma once
+
+#include <motionlang/datasets/action_names.hpp>
+#include <motionlang/diffusion/mdm_actions.hpp>
+#include <motionlang/features/actor_points.hpp>
+#include <motionlang/weights/diffusion_run.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+template <Backend B>
+struct MdmActionRun {
+  MdmActions<B> model;
+  ActorFeatureOptions features{};   // what a frame is made of
+  std::vector<std::string> labels;  // of the classes; empty if they are numbers; "any" of an unconstrained model
+  double fps = 20;                  // of the repository's videos; data have none
+};
+
+namespace detail {
+inline bool is_unconstrained_mdm(const RunFolder& run) {
+  const FileValue *now = run.option("unconstrained"), *before = run.option("cond_mode");
+  return now != nullptr ? to_string(*now) == "true" : before != nullptr && to_string(*before) == "no_cond";
+}
+}  // namespace detail
+
+/// Whether a run folder is MDM's and of actions, or unconstrained.
+inline bool is_mdm_action_run(const RunFolder& run) {
+  return run.system == "mdm" && !run.weights.empty() &&
+         (detail::is_unconstrained_mdm(run) ||
+          detail::prefix_of(detail::run_weights(run), "embed_action.action_embedding").has_value());
+}
+
+template <Backend B>
+MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
+  const WeightFile weights = detail::run_weights(run);
+  const detail::RunReader r = detail::reader_of(run, weights);
+  DiffusionRun about;
+  about.system = "mdm";
+  detail::read_mdm(about, r);
+  MdmConfig& c = about.mdm;
+  const ActorFeatureOptions features{.rotations = PoseRepresentation::rot6d, .translation = true, .global = true};
+  if (const Index wanted = 25 * size(features.rotations); c.nfeats != wanted)
+    raise<io_error>(404, weights.name(), ": motions of ", counted(c.nfeats, "number"),
+                    " a frame; models of actions have ", wanted);
+  const bool unconstrained = c.condition == MdmCondition::none;
+  if (c.condition == MdmCondition::text || unconstrained != detail::is_unconstrained_mdm(run))
+    raise<io_error>(404, weights.name(), ": not a model of actions");
+  if (unconstrained) c.num_actions = 1;
+  c.crop_frames = r.number({"num_frames"}, 60, 10'000);
+  const auto room = detail::room_of(weights);
+  NoInit zeros;
+  MdmActionRun<B> out{
+      .model = {.denoiser = MdmDenoiser<B>(c, zeros),
+                .diffusion = about.diffusion(),
+                .guidance = r.real("cond_mask_prob", 0.1) == 0 ? 1.0 : 2.5},
+      .features = features,
+      .labels = unconstrained ? std::vector<std::string>{"any"} : action_labels(r.text("dataset", ""), c.num_actions)};
+  detail::load_denoiser(out.model.denoiser, weights, r.prefix());
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END

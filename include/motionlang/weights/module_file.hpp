@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: MIT
+/// Parameters of modules in files of weights: paths of fields are the names of tensors. Any TensorSet will do:
+/// SafetensorsFile, WeightFile.
+#pragma once
+
+#include <algorithm>  // find_if
+#include <atomic>     // a finding of several threads
+#include <cmath>      // isfinite
+#include <cstdint>    // bit patterns
+#include <limits>     // infinity
+#include <set>        // names
+
+#include <motionlang/core/buffer_pool.hpp>
+#include <motionlang/core/parallel.hpp>
+#include <motionlang/core/standard_library.hpp>
+#include <motionlang/file/key_report.hpp>
+#include <motionlang/file/safetensors.hpp>
+#include <motionlang/tensor/gradient.hpp>
+#include <motionlang/tensor/module.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The name under which a tensor of the module is filed: its path, unless the module translates (`official_key`).
+template <Module M>
+std::string tensor_key(const std::string& prefix, const std::string& path) {
+  if constexpr (requires { M::official_key(path); })
+    return prefix + M::official_key(path);
+  else
+    return prefix + path;
+}
+
+namespace detail {
+/// By the bits of the exponent, which are all set in NaN and infinity: compilers make such a loop wide.
+template <Scalar S>
+bool all_finite(std::span<const S> numbers) {
+  using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
+  constexpr Bits exponent = detail::bit_cast<Bits>(std::numeric_limits<S>::infinity());
+  std::atomic<bool> finite{true};
+  parallel_ranges(std::ssize(numbers), 1, [&](Index first, Index last) {
+    Bits wrong = 0;
+    for (const S x : numbers.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first)))
+      wrong |= static_cast<Bits>((detail::bit_cast<Bits>(x) & exponent) == exponent);
+    if (wrong != 0) finite.store(false, std::memory_order_relaxed);
+  });
+  return finite;
+}
+}  // namespace detail
+
+/// Gives a tensor the numbers of a view, converted to its scalar. float from F32 is a view of the file, without a copy.
+/// A variable stays the variable it was. NaN is let through. Throws io_error 407 if the shape is another.
+template <Backend B>
+void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std::shared_ptr<const void>& owner,
+                   const std::string& where) {
+  if constexpr (AutodiffBackend<B>) {
+    assign_tensor<typename B::inner>(B::mutable_value(tensor), view, owner, where);
+  } else {
+    using S = typename B::scalar;
+    const Shape shape = B::shape(tensor);
+    if (view.shape != shape)
+      raise<io_error>(407, where, ": tensor '", view.name, "' is ", view.shape, ", the model has ", shape);
+    if constexpr (std::is_constructible_v<typename B::tensor, const S*, Shape, std::shared_ptr<const void>>) {
+      const auto numbers = direct<S>(view);
+      if (numbers && owner != nullptr) {
+        tensor = typename B::tensor(numbers->data(), view.shape, owner);
+        return;
+      }
+    }
+    tensor = written_tensor<B>(
+        shape, [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(shape.count()))); });
+  }
+}
+/// What a module is loaded for. For inference it is made ready as by prepare_loaded, in the same pass over the file:
+/// all its matrices are weights, and it is neither trained nor changed afterwards.
+enum class LoadFor { any_use, inference };
+
+namespace detail {
+
+/// Throws numeric_error 301 if a number is NaN or infinite.
+template <Scalar S>
+void require_finite(std::span<const S> numbers, const TensorView& view, const std::string& where) {
+  if (all_finite(numbers)) return;
+  const auto wrong = std::find_if(numbers.begin(), numbers.end(), [](auto x) { return !std::isfinite(x); });
+  raise<numeric_error>(301, where, ": number ", wrong - numbers.begin(), " of tensor '", view.name, "' is ", *wrong);
+}
+
+/// Fills tensors from a file by their names. For inference their numbers are looked at later.
+struct TensorLoader {
+  const TensorSet& file;
+  const std::string& prefix;
+  std::string (*key)(const std::string& prefix, const std::string& path);
+  LoadFor use;
+  KeyReport& report;
+  std::set<std::string>& known;
+
+  template <Backend B>
+  void fill(const ModuleTensor<B>& tensor) const {
+    const std::string& name = *known.insert(key(prefix, tensor.path)).first;
+    const TensorView* view = file.find(name);
+    if (view == nullptr) {
+      report.missing.push_back(name);
+      return;
+    }
+    assign_tensor<B>(*tensor.data, *view, file.owner(), file.name());
+    if (use == LoadFor::any_use) require_finite<typename B::scalar>(tensor.span(), *view, file.name());
+    MappedFile::forget_if_mapped(view->bytes);  // until it is needed
+  }
+};
+
+/// Whether the tensor repeats one of the module under another name. Throws io_error 407 if it should but is different.
+template <class M>
+bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, const TensorView& t) {
+  if constexpr (requires { module.copy_of(t.name); }) {
+    const std::string path = module.copy_of(t.name.substr(prefix.size()));
+    const TensorView* original = path.empty() ? nullptr : file.find(prefix + path);
+    if (original == nullptr) return false;
+    if (values_of<double>(*original) != values_of<double>(t))
+      raise<io_error>(407, file.name(), ": tensor '", t.name, "' should repeat '", original->name, "' but is another");
+    return true;
+  }
+  return false;
+}
+
+}  // namespace detail
+
+/// Tensors on their way into a file, with their own memory.
+class TensorStore {
+ public:
+  /// Copies the numbers, rounded to `dtype` (F32, F64, F16 or BF16). Throws config_error 101 for another, numeric_error
+  /// 301 for a number that would become infinite; F16 holds no NaN and infinity either.
+  template <Scalar S>
+  void add(std::string name, const FileShape& shape, std::span<const S> values, DType dtype) {
+    switch (dtype) {
+      case DType::F32:
+        require_held(name, values, dtype, std::numeric_limits<float>::infinity());
+        return put<float>(std::move(name), shape, values, dtype, [](S x) { return static_cast<float>(x); });
+      case DType::F64:
+        return put<double>(std::move(name), shape, values, dtype, [](S x) { return static_cast<double>(x); });
+      case DType::F16:
+        require_held(name, values, dtype, 65520);
+        return put<std::uint16_t>(std::move(name), shape, values, dtype,
+                                  [](S x) { return float_to_half(static_cast<float>(x)); });
+      case DType::BF16:
+        require_held(name, values, dtype, 0x1.FFp127F);
+        return put<std::uint16_t>(std::move(name), shape, values, dtype,
+                                  [](S x) { return float_to_bfloat16(static_cast<float>(x)); });
+      default:
+        raise<config_error>(101, "TensorStore: '", name, "' cannot be stored as ", dtype);
+    }
+  }
+  /// All tensors of a module.
+  template <Module M>
+  void add_module(const M& module, const std::string& prefix = "", DType dtype = DType::F32) {
+    for (const auto& t : tensors_of(module)) add(tensor_key<M>(prefix, t.path), t.shape(), t.span(), dtype);
+  }
+  std::vector<TensorView> views() const {
+    std::vector<TensorView> out;
+    for (const Entry& e : entries_) out.push_back({e.name, e.dtype, e.shape, e.bytes});
+    return out;
+  }
+
+ private:
+  struct Entry {
+    std::string name;
+    DType dtype;
+    FileShape shape;
+    std::vector<std::byte> bytes;
+  };
+  /// end   what rounds to infinity, and all above it
+  template <Scalar S>
+  static void require_held(const std::string& name, std::span<const S> values, DType dtype, float end) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (std::abs(static_cast<float>(values[i])) < end) continue;
+      if (std::isfinite(values[i]) || dtype == DType::F16)
+        raise<numeric_error>(301, "TensorStore: number ", i, " of '", name, "' is ", values[i], ", too large for ",
+                             dtype);
+    }
+  }
+  template <class Stored, Scalar S, class F>
+  void put(std::string name, const FileShape& shape, std::span<const S> values, DType dtype, F convert) {
+    Entry e{std::move(name), dtype, shape, std::vector<std::byte>(values.size() * sizeof(Stored))};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const Stored v = convert(values[i]);
+      std::memcpy(e.bytes.data() + i * sizeof(Stored), &v, sizeof(Stored));
+    }
+    entries_.push_back(std::move(e));
+  }
+  std::vector<Entry> entries_;
+};
+
+namespace detail {
+/// Packs a weight. If it lies in a mapped file, its memory there is given back: who still reads it gets it from the
+/// file again. Whether all its numbers are finite.
+template <PackingBackend B>
+bool pack_loaded(const typename B::tensor& weight) {
+  const bool finite = pack_weight<B>(weight);
+  MappedFile::forget_if_mapped(std::as_bytes(B::to_span(weight)));
+  return finite;
+}
+
+/// Numbers that are the weight's own, because they had to be converted, go into a file without a name, where there is a
+/// place for it.
+template <PackingBackend B>
+void put_aside(typename B::tensor& weight) {
+  const auto bytes = std::as_bytes(B::to_span(weight));
+  if (MappedFile::that_holds(bytes) != nullptr || !weight.unique()) return;
+  const auto aside = MappedFile::put_aside(bytes);
+  if (aside == nullptr) return;
+  const auto* numbers = reinterpret_cast<const typename B::scalar*>(aside->bytes().data());
+  weight = typename B::tensor(numbers, B::shape(weight), aside);
+  BufferPool::local().trim();  // packed, it may need a larger buffer than the one that it leaves
+}
+
+/// A small tensor in a mapped file becomes a copy: for a bias the system may keep two megabytes of the file in memory.
+template <Backend B>
+void copy_small(typename B::tensor& t) {
+  if constexpr (requires { t.attached(); }) {
+    constexpr std::size_t small = 1 << 14;
+    const auto numbers = B::to_span(t);
+    const auto bytes = std::as_bytes(numbers);
+    const MappedFile* const file = MappedFile::that_holds(bytes);
+    if (file == nullptr || t.attached() != nullptr || numbers.size() >= small) return;
+    auto copy = B::from_span(numbers, B::shape(t));
+    file->forget(bytes);  // before the tensor, which may be the last to keep the file
+    t = std::move(copy);
+  }
+}
+
+/// Makes a tensor ready; returns whether its numbers are finite, if they are `looked_at`.
+template <Backend B>
+bool prepare_loaded_tensor(const ModuleTensor<B>& t, bool looked_at) {
+  bool finite = true;
+  if constexpr (PackingBackend<B>) {
+    if (has_panels<B>(t.rank)) {
+      finite = pack_loaded<B>(*t.data);
+      looked_at = false;
+    }
+  }
+  if (looked_at) finite = all_finite(t.span());
+  copy_small<B>(*t.data);
+  return finite;
+}
+/// For large networks: a weight that had to be converted is put aside, so that it is not there twice. If it cannot be,
+/// it is not packed.
+template <Backend B>
+void prepare_loaded_once(const ModuleTensor<B>& t) {
+  if constexpr (PackingBackend<B>) {
+    if (has_panels<B>(t.rank)) {
+      put_aside<B>(*t.data);
+      if (MappedFile::that_holds(std::as_bytes(t.span())) != nullptr) pack_loaded<B>(*t.data);
+    }
+  }
+  copy_small<B>(*t.data);
+}
+/// Every thread takes some tensors: new memory is slow to come, and a thread gets it for itself. `finite` (null: not
+/// looked at) becomes false if a number is not.
+template <Backend B>
+void prepare_in_shares(const std::vector<ModuleTensor<B>>& tensors, std::atomic<bool>* finite) {
+  const Index count = std::ssize(tensors), shares = parallel_width();
+  parallel_for(shares, [&](Index share) {
+    for (Index i = 0; i < count; ++i) {
+      if (i * shares / count != share) continue;
+      const bool good = prepare_loaded_tensor(tensors[static_cast<std::size_t>(i)], finite != nullptr);
+      if (finite != nullptr && !good) finite->store(false);
+    }
+  });
+}
+}  // namespace detail
+
+/// `prepare` for networks all of whose matrices are weights, straight from a file: the memory of a mapped file is given
+/// back as soon as a weight is packed, so that none is there twice, and small tensors become copies. Whoever still
+/// reads the file gets it from the disk. Weights that had to be converted are packed beside their numbers.
+template <Module M>
+void prepare_loaded(M& model) {
+  detail::prepare_in_shares(tensors_of(model), nullptr);
+}
+
+/// Fills all tensors of a module from the tensors whose names begin with `prefix`. The module has its sizes already.
+/// Returns what did not match (then the module is not made ready); throws io_error 407 for a tensor of another shape,
+/// numeric_error 301 for NaN and infinity. A module may say (`copy_of`) which further names repeat a tensor of its own;
+/// io_error 407 if such a tensor is another one.
+template <Module M>
+KeyReport load_module_partly(M& module, const TensorSet& file, const std::string& prefix = "",
+                             LoadFor use = LoadFor::any_use) {
+  const auto tensors = tensors_of(module);
+  KeyReport report;
+  std::set<std::string> known;
+  const auto fill = [&](LoadFor how) {
+    report = {};
+    known.clear();
+    const detail::TensorLoader loader{file, prefix, &tensor_key<M>, how, report, known};
+    for (const auto& t : tensors) loader.fill(t);
+  };
+  fill(use);
+  if (use == LoadFor::inference) {
+    std::atomic<bool> finite{report.missing.empty()};
+    if (finite) detail::prepare_in_shares(tensors, &finite);
+    if (!finite) fill(LoadFor::any_use);  // says which number is not
+  }
+  for (const TensorView& t : file.tensors()) {
+    if (!t.name.starts_with(prefix) || known.contains(t.name)) continue;
+    if (!detail::is_copy(module, file, prefix, t)) report.unexpected.push_back(t.name);
+  }
+  return report;
+}
+/// The same, where every name has to match. Throws io_error 406 with both lists, and what looks like a name of either.
+template <Module M>
+void load_module(M& module, const TensorSet& file, const std::string& prefix = "", LoadFor use = LoadFor::any_use) {
+  const KeyReport report = load_module_partly(module, file, prefix, use);
+  if (report.missing.empty() && report.unexpected.empty()) return;
+  detail::raise_key_mismatch(file.name(), report);
+}
+
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+/// The run folder of any published system as a model folder of ours: one file of weights with the statistics, licence,
+/// provenance.
+///
+///     pack_run<B>(find_run("pretrained/temos"), "temos", {.license = "...", .provenance = "github.com/Mathux/TEMOS",
+///                                                         .sources = {.statistics = "deps/.../kit-amass-xyz"}});
+///     const auto temos = load_temos_run<B>("temos");            // as from the run itself
+///
+/// STMC, MDM and MotionDiffuse for texts as weights/diffusion_folder.hpp does it. ACTOR, TEMOS, TEACH, SINC, TMR, TM2T
+/// and MDM for actions with all their options, under a config.json that says "published"; find_run knows such a folder
+/// for one of the system.
+/// Left out   what is not the model's: SMPL, losses, metrics, optimisers
+#pragma once
+
+#include <motionlang/weights/diffusion_folder.hpp>
+#include <motionlang/weights/mdm_action_run.hpp>
+#include <motionlang/weights/tm2t_run.hpp>
+#include <motionlang/weights/vae_run.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// What goes into the folder.
+template <Backend B>
+struct PackedParts {
+  ModelFolder model{};
+  std::vector<WeightFile> weights{};  // with different names
+  std::optional<Normalizer<B>> statistics{};
+  std::vector<std::filesystem::path> text_encoder{};
+};
+
+inline bool is_of_a_model(const std::string& name) {
+  return !begins_with_any(name, {"rotation2xyz.", "rot2xyz.", "clip_model.", "_losses.", "losses.", "metrics.",
+                                 "eval_model.", "opt_", "motion_normalizer."});
+}
+
+template <Backend B>
+void add_lightning(PackedParts<B>& out, const RunFolder& run, const PackOptions& options) {
+  require_checkpoint(run, "temos", "checkpoints/last.ckpt");
+  const TensorSet& weights = out.weights.emplace_back(open_weights(run.weights));
+  const TemosRunOptions sources{.text_encoder = options.sources.text_encoder, .statistics = options.sources.statistics};
+  out.model.system = lightning_system(weights);
+  out.model.fps = RunReader(run, weights, "").real("data/framerate", out.model.system == "temos" ? 12.5 : 30);
+  out.model.text_encoder = "distilbert";
+  out.statistics = temos_normalizer<B>(run, weights, sources);
+  const bool inside = weights.find("textencoder.text_model.embeddings.word_embeddings.weight") != nullptr;
+  if (options.text_encoder) out.text_encoder = text_encoder_files(temos_text_folder(run, sources), !inside);
+}
+
+template <Backend B>
+void add_tmr(PackedParts<B>& out, const RunFolder& run) {
+  const TensorSet& weights = out.weights.emplace_back(open_weights(run.folder));
+  if (weights.find("stats.mean") == nullptr || weights.find("stats.std") == nullptr)
+    raise<io_error>(401, run.folder.string(), ": no statistics of the motions: stats/mean.pt and std.pt are missing");
+  out.model.features = "guoh3dfeats";
+  out.model.text_encoder = "distilbert";
+}
+
+template <Backend B>
+void add_tm2t(PackedParts<B>& out, const RunFolder& run, const PackOptions& options) {
+  const Tm2tRunOptions sources{.tokenizer = options.tokenizer, .words = options.sources.text_encoder};
+  const RunFolder tokenizer_run = tm2t_tokenizer_run(run, sources);
+  out.weights.push_back(tm2t_weights(run));
+  if (!tokenizer_run.packed) out.weights.push_back(tm2t_weights(tokenizer_run));
+  const TensorSet& weights = out.weights.back();
+  const Index features = tm2t_tokenizer_config(RunReader(tokenizer_run, weights, "")).features;
+  out.statistics = tm2t_normalizer<B>(tokenizer_run, weights, features);
+  out.model.features = "guoh3dfeats";
+  out.model.fps = features == 251 ? 12.5 : 20;
+  if (!options.text_encoder) return;
+  for (const char* end : {"_data.npy", "_words.pkl", "_idx.pkl"})
+    out.text_encoder.emplace_back(tm2t_words(run, sources).string() + end);
+}
+
+}  // namespace detail
+
+/// Throws what the readers of the system and write_model_folder throw; io_error 404 for a folder of none of them.
+template <Backend B>
+void pack_run(const RunFolder& run, const FilePath& path, const PackOptions& options) {
+  detail::PackedParts<B> parts;
+  parts.model.system = run.system;
+  if (run.system == "actor") {
+    detail::require_checkpoint(run, "actor", "checkpoint_0000.pth.tar");
+    parts.weights.push_back(open_weights(run.weights));
+  } else if (run.system == "temos") {
+    detail::add_lightning(parts, run, options);
+  } else if (run.system == "tmr") {
+    detail::add_tmr(parts, run);
+  } else if (is_tm2t_generator(run) || is_tm2t_describer(run)) {
+    detail::add_tm2t(parts, run, options);
+  } else if (is_mdm_action_run(run)) {
+    parts.weights.push_back(detail::run_weights(run));
+  } else {
+    return pack_diffusion_run<B>(run, path, options);
+  }
+  parts.model.license = options.license;
+  parts.model.provenance = options.provenance;
+  parts.model.others["published"] = true;
+  for (const FileValue& v : run.options) {  // "model/latent_dim": the reader makes the same path of it
+    const auto* text = std::get_if<std::string>(&v.value);
+    if (is_utf8(v.path) && (text == nullptr || is_utf8(*text)))
+      std::visit([&](const auto& x) { parts.model.config[v.path] = x; }, v.value);
+  }
+  TensorStore statistics;
+  if (parts.statistics) statistics.add_module(*parts.statistics, "motion_normalizer.");
+  std::vector<TensorView> tensors = statistics.views();
+  for (const WeightFile& file : parts.weights) {
+    for (const TensorView& t : file.tensors()) {
+      if (detail::is_of_a_model(t.name)) tensors.push_back(t);
+    }
+  }
+  write_model_folder(path, parts.model, tensors, parts.text_encoder);
+}
+
+MOTIONLANG_NAMESPACE_END

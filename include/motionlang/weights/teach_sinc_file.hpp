@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+/// TEACH and SINC from their published checkpoints: sizes come from the shapes of the tensors.
+///
+///     const auto teach = load_teach<B>(open_weights("last.ckpt"), find_run(folder));
+///     const auto sinc = load_sinc<B>(open_weights("last.ckpt"));
+///
+/// Heads    do not show in shapes: from the options of the run, else 4. The options ask for 6 under a misspelled name,
+///          which the code passes over
+/// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses, metrics, SINC's eval_model.*
+/// Throws   as weights/text_motion_file.hpp
+/// Source   spec teach.md 2.4, sinc.md 2.4
+#pragma once
+
+#include <motionlang/systems/sinc.hpp>
+#include <motionlang/systems/teach.hpp>
+#include <motionlang/weights/text_motion_file.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline bool beside_teach_and_sinc(const std::string& name) {
+  return beside_temos(name) || name.starts_with("eval_model.");
+}
+
+}  // namespace detail
+
+/// hist_frames and z_prev_text do not show in shapes: from the options of the run, else 5 and no.
+template <Backend B>
+Teach<B> load_teach(const TensorSet& file, const RunFolder& run = {}) {
+  const detail::RunReader r(run, file, "");
+  auto config = detail::temos_sizes<TeachConfig>(r);
+  config.hist_frames = r.number({"model/hist_frames"}, config.hist_frames, 1024);
+  config.z_prev_text = r.flag("model/z_prev_text", false);
+  config.motion_encoder = r.has("motionencoder.mu_token");
+  config.unused_encoder = r.has("textencoder.motionTransEncoder.layers.0.linear1.weight");
+  const auto room = detail::room_of(file);
+  NoInit zeros;
+  Teach<B> model(config, zeros);
+  detail::load_run_module(model, file, "", detail::beside_teach_and_sinc);
+  return model;
+}
+/// mode: not to be seen in the tensors; released models take one sentence.
+template <Backend B>
+Sinc<B> load_sinc(const TensorSet& file, const RunFolder& run = {}, SincMode mode = SincMode::single) {
+  const detail::RunReader r(run, file, "");
+  auto config = detail::temos_sizes<SincConfig>(r);
+  config.mode = mode;
+  config.motion_encoder = r.has("motionencoder.mu_token");
+  const auto room = detail::room_of(file);
+  NoInit zeros;
+  Sinc<B> model(config, zeros);
+  detail::load_run_module(model, file, "", detail::beside_teach_and_sinc);
+  return model;
+}
+
+MOTIONLANG_NAMESPACE_END

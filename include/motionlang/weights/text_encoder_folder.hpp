@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+/// Text encoders from the folders and files in which they are published, whatever network is in them.
+///
+///     const auto clip = load_text_encoder<B>("clip-vit-base-patch32", clip_sentences());       // Hugging Face: a
+///     folder
+///     const auto same = load_text_encoder<B>("ViT-B-32.pt", clip_sentences());                 // OpenAI: vocabulary
+///     beside it
+///     const auto words = load_text_encoder<B>("distilbert-base-uncased");                      // the states of all
+///     words
+///
+/// Hugging Face  config.json with model_type clip, clip_text_model, distilbert, bert or mpnet; weights
+///               (weights/run_folder.hpp); a tokenizer.json, vocab.txt, or vocab.json with merges.txt
+/// OpenAI        a file or a folder with the tensors of CLIP (ViT-B-32.pt), and bpe_simple_vocab_16e6.txt.gz in the
+///               same folder
+#pragma once
+
+#include <motionlang/text/tokenized_encoder.hpp>
+#include <motionlang/weights/text_network_file.hpp>
+#include <motionlang/weights/tokenizer_json.hpp>
+#include <motionlang/weights/weight_file.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// One of the networks, where which one it is shows only when a file is read.
+template <Backend B>
+struct AnyTextNetwork {
+  std::variant<ClipText<B>, DistilBert<B>, Bert<B>, Mpnet<B>> network;
+
+  bool is_clip() const { return network.index() == 0; }
+  TextFeatures<B> operator()(const TokenBatch& batch) const {
+    return std::visit([&](const auto& n) { return n(batch); }, network);
+  }
+  /// Throws config_error 102 if the network has no end token that stands for a text.
+  TokenBatch until_end(const TokenBatch& batch) const { return clip().until_end(batch); }
+  Tensor<B, 2> project(const Tensor<B, 2>& rows) const { return clip().project(rows); }
+
+ private:
+  const ClipText<B>& clip() const {
+    if (!is_clip()) raise<config_error>(102, "AnyTextNetwork: only CLIP's end token stands for the text");
+    return std::get<0>(network);
+  }
+};
+
+template <Backend B>
+using AnyTextEncoder = TokenizedEncoder<AnyTokenizer, AnyTextNetwork<B>>;
+
+/// What a system takes from its encoder.
+struct TextEncoderOptions {
+  TextOptions text{};
+  TokenizerLimits limits{};
+};
+/// One vector of CLIP for each text: MDM-SMPL; MDM has its texts cut to 22 ids. Texts are cleaned as by OpenAI, whose
+/// CLIP these systems were trained with, wherever the vocabulary comes from.
+inline TextEncoderOptions clip_sentences(Index longest = 77) {
+  return {.text = {.pooling = Pooling::end},
+          .limits = {.longest = longest, .truncate = true, .cleaning = ClipCleaning::original}};
+}
+/// All 77 rows of CLIP: MotionDiffuse. Cleaned likewise.
+inline TextEncoderOptions clip_states() {
+  return {.text = {.width = 77}, .limits = {.longest = 77, .truncate = true, .cleaning = ClipCleaning::original}};
+}
+
+namespace detail {
+
+inline constexpr const char* clip_vocabularies[] = {"bpe_simple_vocab_16e6.txt.gz", "bpe_simple_vocab_16e6.txt"};
+
+inline AnyTokenizer tokenizer_of(const std::filesystem::path& folder, const TokenizerLimits& limits, bool clip) {
+  for (const char* name : {"tokenizer.json", "vocab.txt", "vocab.json"}) {
+    if (file_exists(folder / name)) return read_tokenizer(folder, limits);
+  }
+  ClipTokenizerOptions options;
+  options.longest = limits.longest.value_or(options.longest);
+  options.truncate = limits.truncate.value_or(options.truncate);
+  for (const char* name : clip_vocabularies) {
+    if (clip && file_exists(folder / name)) return read_clip_tokenizer(folder / name, options);
+  }
+  raise<io_error>(401, folder.string(), ": no tokenizer of the text encoder: put ",
+                  clip ? "bpe_simple_vocab_16e6.txt.gz (of github.com/openai/CLIP), or tokenizer.json, "
+                       : "tokenizer.json, or vocab.txt, ",
+                  "there");
+}
+
+template <Backend B>
+AnyTextNetwork<B> text_network(const JsonView& config, const TensorSet& weights) {
+  const auto type = config["model_type"].as<std::string>();
+  if (type == "clip" || type == "clip_text_model") return {load_clip_text<B>(config, weights)};
+  if (type == "distilbert") return {load_text_network<DistilBert<B>>(config, weights)};
+  if (type == "bert") return {load_text_network<Bert<B>>(config, weights)};
+  if (type == "mpnet") return {load_text_network<Mpnet<B>>(config, weights)};
+  raise<config_error>(103, config.path(), ": model_type '", type, "' is none of clip, distilbert, bert, mpnet");
+}
+
+/// The highest id that a tokenizer gives has to have a row.
+template <Backend B>
+void check_vocabulary(const AnyTokenizer& tokenizer, const AnyTextNetwork<B>& network, const std::string& where) {
+  const Index rows = std::visit(
+      [](const auto& n) {
+        if constexpr (requires { n.token_embedding; })
+          return n.token_embedding.weight.size(0);
+        else
+          return n.words.weight.size(0);
+      },
+      network.network);
+  if (tokenizer.size() > rows)
+    raise<config_error>(102, where, ": a tokenizer of ", counted(tokenizer.size(), "piece"), ", the network knows ",
+                        rows);
+}
+
+}  // namespace detail
+
+/// CLIP's text tower among other tensors ("clip." in checkpoints of MotionDiffuse), with the tokenizer of a folder.
+template <Backend B>
+AnyTextEncoder<B> load_clip_encoder(const TensorSet& weights, const FilePath& tokenizer_folder,
+                                    const TextEncoderOptions& options) {
+  AnyTokenizer tokenizer = detail::tokenizer_of(tokenizer_folder.string(), options.limits, true);
+  AnyTextNetwork<B> network{load_clip_text<B>(weights)};
+  detail::check_vocabulary(tokenizer, network, weights.name());
+  return {std::move(tokenizer), std::move(network), options.text};
+}
+
+/// path    a folder, or OpenAI's file
+/// Throws  io_error 401, naming the file that is missing; config_error 103 for another network, 102 if tokenizer and
+///         network do not fit, and what their readers throw
+template <Backend B>
+AnyTextEncoder<B> load_text_encoder(const FilePath& path, const TextEncoderOptions& options = {}) {
+  const std::filesystem::path given = path.string();
+  std::error_code ignored;
+  const bool is_folder = std::filesystem::is_directory(given, ignored);
+  const auto folder = is_folder ? given : given.parent_path();
+  const auto file = folder / "config.json";
+  if (!is_folder || !detail::file_exists(file)) return load_clip_encoder<B>(open_weights(path), folder, options);
+  const auto document = read_json(file);
+  AnyTextNetwork<B> network = detail::text_network<B>(JsonView(document, file.string()), open_weights(path));
+  AnyTokenizer tokenizer = detail::tokenizer_of(folder, options.limits, network.is_clip());
+  detail::check_vocabulary(tokenizer, network, given.string());
+  return {std::move(tokenizer), std::move(network), options.text};
+}
+
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+/// Vocabularies of tokenizers as plain text: vocab.txt of BERT, merges.txt, bpe_simple_vocab_16e6.txt(.gz) of CLIP. The
+/// JSON files are another header, weights/tokenizer_json.hpp.
+///
+/// Source  spec text-encoders.md 7, 9, 10
+#pragma once
+
+#include <unordered_set>  // repeated pieces
+
+#include <motionlang/core/text_lines.hpp>
+#include <motionlang/file/gzip.hpp>
+#include <motionlang/text/bert_tokenizer.hpp>
+#include <motionlang/text/clip_tokenizer.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// One piece on each line; its id is the number of the line, from 0.
+/// Throws io_error 403, with the line, for a piece that is empty, stands twice or is not UTF-8
+inline std::vector<std::string> parse_vocabulary(std::string_view text, std::string_view name = "vocab.txt") {
+  std::vector<std::string> pieces;
+  std::unordered_set<std::string_view> seen;
+  detail::for_each_line(text, [&](std::string_view piece, Index line) {
+    const char* wrong = piece.empty() ? "an empty line" : !is_utf8(piece) ? "not UTF-8" : nullptr;
+    if (wrong != nullptr) raise<io_error>(403, name, ":", line, ": ", std::string_view(wrong));
+    if (!seen.insert(piece).second) raise<io_error>(403, name, ":", line, ": piece '", piece, "' stands twice");
+    pieces.emplace_back(piece);
+  });
+  return pieces;
+}
+/// Throws io_error 401 and as parse_vocabulary.
+inline std::vector<std::string> read_vocabulary(const FilePath& path) {
+  return parse_vocabulary(read_text(path), path.string());
+}
+
+namespace detail {
+
+/// "a b". Throws io_error 403 with the place.
+inline std::pair<std::string, std::string> parse_merge(std::string_view line, std::string_view name, Index number) {
+  const std::size_t blank = line.find(' ');
+  const bool two = blank != line.npos && blank > 0 && blank + 1 < line.size() && line.find(' ', blank + 1) == line.npos;
+  if (!two || !is_utf8(line))
+    raise<io_error>(403, name, ":", number, ": '", utf8_head(line, 40), "' is not two symbols with one blank between");
+  return {std::string(line.substr(0, blank)), std::string(line.substr(blank + 1))};
+}
+
+}  // namespace detail
+
+/// Two symbols with a blank between on each line, in the order of their rank, up to the first empty line. A line that
+/// begins with "#version", or in a text of OpenAI's with "\"bpe_simple_vocab", is a comment.
+/// most    further lines are not read
+/// Throws  io_error 403, with the line, for a line of another form or a pair that stands twice
+inline BytePairMerges parse_merges(std::string_view text, std::string_view name = "merges.txt",
+                                   std::size_t most = static_cast<std::size_t>(-1)) {
+  BytePairMerges merges;
+  std::unordered_set<std::string_view> seen;
+  bool ended = false;
+  detail::for_each_line(text, [&](std::string_view line, Index number) {
+    ended = ended || line.empty() || merges.size() == most;
+    if (ended || line.starts_with("#version") || (number == 1 && line.starts_with("\"bpe_simple_vocab"))) return;
+    merges.push_back(detail::parse_merge(line, name, number));
+    if (!seen.insert(line).second) raise<io_error>(403, name, ":", number, ": '", line, "' stands twice");
+  });
+  return merges;
+}
+/// Throws io_error 401 and as parse_merges and gunzip.
+inline BytePairMerges read_merges(const FilePath& path, std::size_t most = static_cast<std::size_t>(-1)) {
+  return parse_merges(read_text(path), path.string(), most);
+}
+
+/// Merges of bpe_simple_vocab_16e6.txt that CLIP takes; the file has 262,144.
+inline constexpr std::size_t clip_merges = 48894;
+
+/// CLIP's tokenizer from OpenAI's file, packed or not. Throws as read_merges, and as the constructor of ClipTokenizer.
+inline ClipTokenizer read_clip_tokenizer(const FilePath& path, ClipTokenizerOptions options = {}) {
+  return ClipTokenizer(read_merges(path, clip_merges), std::move(options), path.string());
+}
+
+/// BERT's tokenizer from vocab.txt. Throws as read_vocabulary, and as the constructor of BertTokenizer.
+inline BertTokenizer read_bert_tokenizer(const FilePath& path, BertTokenizerOptions options = {}) {
+  return BertTokenizer(read_vocabulary(path), std::move(options), path.string());
+}
+
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+/// ACTOR, TEMOS, TEACH and SINC from the folders in which their repositories leave them.
+///
+///     const auto actor = load_actor_run<B>("exps/humanact12");                  // opt.yaml, checkpoint_5000.pth.tar
+///     const auto temos = load_temos_run<B>("kit-amass-xyz/5xp9647f", {.text_encoder = "distilbert-base-uncased",
+///                                                                     .statistics = "deps/.../kit-amass-xyz"});
+///
+/// Sizes    from the shapes of the tensors; options that state them have to agree. Heads and representation from the
+///          options
+/// ACTOR    all networks of its repository (weights/actor_file.hpp)
+/// TEMOS, TEACH, SINC  with DistilBERT inside of the checkpoint; tokenizer and statistics are in no run folder. Their
+/// folders look alike:
+///          `lightning_system` tells them apart by their tensors
+/// Source   spec actor.md 3, 8; temos.md 3, 4.4; teach.md 1, 2.4; sinc.md 1, 2.4
+/// Throws   io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407 for
+///          tensors; config_error 101, 102 where options and tensors differ, 103, 107
+#pragma once
+
+#include <motionlang/datasets/action_names.hpp>
+#include <motionlang/weights/actor_file.hpp>
+#include <motionlang/weights/teach_sinc_file.hpp>
+#include <motionlang/weights/text_encoder_folder.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+template <Backend B>
+struct ActorRun {
+  Actor<B> model;
+  ActorFeatureOptions features{};
+  ActorPoints points = ActorPoints::vertices;  // that its loss compared
+  ActorFrameOptions frames{};                  // of a clip that it learned from; how many: `longest`
+  bool camera = true;                          // the figure stands on its head: Y down, as cameras have it
+  Index longest = 60;                          // frames of motions that it learned from
+  std::vector<std::string> labels;             // of the classes; empty if they are numbers
+};
+
+/// A model from texts to motions, with all that it needs.
+template <Backend B, class Model>
+struct TextMotionRun {
+  Model model;
+  Normalizer<B> normalizer;
+  AnyTextEncoder<B> text_encoder;
+  double fps = 12.5;
+
+  Index width() const { return normalizer.mean.count(); }
+};
+template <Backend B>
+using TemosRun = TextMotionRun<B, Temos<B>>;
+template <Backend B>
+using TeachRun = TextMotionRun<B, Teach<B>>;
+template <Backend B>
+using SincRun = TextMotionRun<B, Sinc<B>>;
+
+struct TemosRunOptions {
+  // folder of distilbert-base-uncased, or one with its tokenizer; looked for beside the model unless given
+  FilePath text_encoder = "";
+  FilePath statistics = "";  // folder with jfeats_mean.pt and jfeats_std.pt (rfeats_ of SMPL models)
+};
+
+namespace detail {
+
+inline void require_checkpoint(const RunFolder& run, const char* system, const char* wanted) {
+  if (run.system != system)
+    raise<io_error>(404, run.folder.string(), ": ",
+                    run.system.empty() ? "of no system that is known" : "of " + run.system, ", expected ", system);
+  if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no ", wanted);
+}
+
+/// Where its tokenizer is, or the whole text encoder. Throws io_error 401.
+inline std::filesystem::path temos_text_folder(const RunFolder& run, const TemosRunOptions& options) {
+  std::filesystem::path folder = options.text_encoder.string();
+  for (const auto& near : {run.folder, folder_around(run.folder)}) {
+    for (const char* name : {"", "text_encoder", "distilbert-base-uncased"}) {
+      const bool found = file_exists(near / name / "tokenizer.json") || file_exists(near / name / "vocab.txt");
+      if (folder.empty() && found) folder = near / name;
+    }
+  }
+  if (folder.empty())
+    raise<io_error>(401, run.folder.string(),
+                    ": no tokenizer of DistilBERT: put vocab.txt or tokenizer.json of "
+                    "distilbert-base-uncased there, or name its folder");
+  return folder;
+}
+
+/// DistilBERT of the checkpoint with a tokenizer from elsewhere, or the whole encoder from elsewhere.
+template <Backend B>
+AnyTextEncoder<B> temos_text_encoder(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
+  const bool inside = weights.find("textencoder.text_model.embeddings.word_embeddings.weight") != nullptr;
+  const std::filesystem::path folder = temos_text_folder(run, options);
+  if (!inside) return load_text_encoder<B>(folder);
+  AnyTokenizer tokenizer = tokenizer_of(folder, {}, false);
+  RenamedTensors own(weights);  // the eval_model of older checkpoints of SINC has a DistilBERT as well
+  for (const TensorView& t : weights.tensors()) {
+    if (t.name.starts_with("textencoder.text_model.")) own.add(t, t.name);
+  }
+  AnyTextNetwork<B> network{load_text_network<DistilBert<B>>(distilbert_config(own), own)};
+  check_vocabulary(tokenizer, network, folder.string());
+  return {std::move(tokenizer), std::move(network), {}};
+}
+
+}  // namespace detail
+
+template <Backend B>
+ActorRun<B> load_actor_run(const RunFolder& run) {
+  detail::require_checkpoint(run, "actor", "checkpoint_0000.pth.tar");
+  const WeightFile weights = open_weights(run.weights);
+  const detail::RunReader r(run, weights, "");
+  ActorRun<B> out;
+  out.model = load_actor<B>(weights, run);
+  out.longest = actor_longest(run, weights, out.model.config);
+  out.features = actor_point_options(run, weights).features;
+  out.points = actor_loss_points(run, weights);
+  out.frames = actor_frame_options(run, weights);
+  const Index joints = 23 + (out.features.global ? 1 : 0) + (out.features.translation ? 1 : 0);
+  if (out.model.config.njoints != joints)
+    raise<config_error>(102, run.options_file.string(), ": glob and translation make ", counted(joints, "row"),
+                        " a frame, ", weights.name(), " has ", out.model.config.njoints);
+  out.labels = action_labels(r.text("dataset", ""), out.model.config.num_classes);
+  prepare_loaded(out.model);
+  return out;
+}
+template <Backend B>
+ActorRun<B> load_actor_run(const FilePath& folder) {
+  return load_actor_run<B>(find_run(folder));
+}
+
+/// "temos", "teach" or "sinc", by the token that stands between texts.
+inline std::string lightning_system(const TensorSet& weights) {
+  if (weights.find("textencoder.seperation_token") != nullptr) return "teach";  // as published
+  return weights.find("textencoder.separation_token") != nullptr ? "sinc" : "temos";
+}
+
+namespace detail {
+
+/// Of the options' folder, else in the weights of a packed run, else of the run's. Throws io_error 401, 407.
+template <Backend B>
+Normalizer<B> temos_normalizer(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
+  const Index nfeats = RunReader(run, weights, "").size("motiondecoder.final_layer.weight", 0);
+  return run_normalizer<B>(
+      run, weights, nfeats, {"", "stats.", "motion_stats."},
+      concat_text("the motions: put ",
+                  nfeats == 135 ? "rfeats_mean.pt and rfeats_std.pt" : "jfeats_mean.pt and jfeats_std.pt",
+                  " (deps/transforms/... of TEMOS) there, or name their folder"),
+      options.statistics);
+}
+
+/// The statistics and the text encoder that belong to a model. eps: of the normalisation, backwards.
+template <Backend B, class Model>
+TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& weights, Model model, double fps,
+                                        double eps, const TemosRunOptions& options) {
+  const RunReader r(run, weights, "");
+  auto normalizer = temos_normalizer<B>(run, weights, options);
+  normalizer.eps = eps;
+  TextMotionRun<B, Model> out{.model = std::move(model),
+                              .normalizer = std::move(normalizer),
+                              .text_encoder = temos_text_encoder<B>(run, weights, options),
+                              .fps = r.real("data/framerate", fps)};
+  prepare_loaded(out.model);
+  return out;
+}
+inline WeightFile lightning_weights(const RunFolder& run, const char* system) {
+  require_checkpoint(run, "temos", "checkpoints/last.ckpt");
+  WeightFile weights = open_weights(run.weights);
+  if (const std::string found = lightning_system(weights); found != system)
+    raise<io_error>(404, weights.name(), ": a checkpoint of ", found, ", expected ", system);
+  return weights;
+}
+
+}  // namespace detail
+
+template <Backend B>
+TemosRun<B> load_temos_run(const RunFolder& run, const TemosRunOptions& options = {}) {
+  const WeightFile weights = detail::lightning_weights(run, "temos");
+  return detail::text_motion_run<B>(run, weights, load_temos<B>(weights, run), 12.5, 0, options);
+}
+template <Backend B>
+TeachRun<B> load_teach_run(const RunFolder& run, const TemosRunOptions& options = {}) {
+  const WeightFile weights = detail::lightning_weights(run, "teach");
+  return detail::text_motion_run<B>(run, weights, load_teach<B>(weights, run), 30, 0, options);
+}
+template <Backend B>
+SincRun<B> load_sinc_run(const RunFolder& run, const TemosRunOptions& options = {}) {
+  const WeightFile weights = detail::lightning_weights(run, "sinc");
+  return detail::text_motion_run<B>(run, weights, load_sinc<B>(weights, run), 30, sinc_eps, options);
+}
+template <Backend B>
+TemosRun<B> load_temos_run(const FilePath& folder, const TemosRunOptions& options = {}) {
+  return load_temos_run<B>(find_run(folder), options);
+}
+
+MOTIONLANG_NAMESPACE_END

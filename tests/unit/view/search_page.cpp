@@ -1,0 +1,27 @@
+// The page of a search: what is on it, and that nothing in a name becomes markup.
+#include <doctest/doctest.h>
+
+#include <motionlang/view/search_page.hpp>
+
+#include "../../support/synthetic_motion.hpp"
+
+namespace ml = motionlang;
+
+TEST_CASE("search_html: scores, places, what is said about a clip, its strip, or why there is none") {
+  std::vector<ml::FoundMotion> found(2);
+  found[0] = {.clip = {.path = "clips/<walk>.bvh", .captions = {"a \"person\" walks"}, .license = "CC0 1.0"},
+              .start = 1.5,
+              .end = 2.75,
+              .score = 0.625,
+              .strip = ml::film_strip_svg(synthetic::walk({.frames = 20}))};
+  found[1] = {.clip = {.path = "b.glb", .name = "wave"}, .end = 3, .score = 2, .problem = "cannot open b.glb"};
+  const std::string page = ml::search_html(found, "walks & waves", "The nearest 2 of 10");
+  for (const std::string part : {"<title>walks &amp; waves</title>", "The nearest 2 of 10", "1. clips/&lt;walk&gt;.bvh",
+                                 "0.625", "1.5 to 2.75 s", "a &quot;person&quot; walks", "CC0 1.0", "<svg", "2. b.glb",
+                                 "0 to 3 s of wave", "width:7.5em", "width:12em", "cannot open b.glb"})
+    CHECK_MESSAGE(page.find(part) != page.npos, part);
+  CHECK(page.find("<walk>") == page.npos);
+  CHECK(page.find("https://") == page.npos);
+  CHECK(page.find("http://") == page.find("http://www.w3.org"));  // the name space of SVG
+  CHECK(ml::search_html({}, "nothing", "").find("Nothing was found.") != std::string::npos);
+}
