@@ -8,7 +8,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY void set_product_precision(Precision p) {
-  detail::bf16_products.store(&detail::current_bf16_kernels, std::memory_order_relaxed);
+  detail::use_bf16_products();
   detail::tile_products.store(&detail::float_tiles_of, std::memory_order_relaxed);
   detail::current_product_precision().store(p, std::memory_order_release);
 }

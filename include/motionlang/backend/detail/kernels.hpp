@@ -343,11 +343,13 @@ inline const Bf16Kernels*& current_bf16_kernels() {
   return chosen;
 }
 
-/// The kernels of precisions other than fp32. Only set_product_precision names them (backend/precision.hpp): a program
-/// that never calls it does not compile them.
+/// The kernels of precisions other than fp32. Only set_product_precision (backend/precision.hpp) and searches in
+/// bfloat16 name them: a program without either does not compile them.
 inline std::atomic<const Bf16Kernels*& (*)()> bf16_products{nullptr};
 inline std::atomic<const FloatTiles* (*)(const Kernels<float>&)> tile_products{nullptr};
-/// When product_precision() is bf16.
+/// Makes bf16_product_kernels() callable. Whoever packs panels in bfloat16 calls it before.
+inline void use_bf16_products() { bf16_products.store(&current_bf16_kernels, std::memory_order_relaxed); }
+/// The kernels of products in bfloat16. Precondition: use_bf16_products() was called.
 inline const Bf16Kernels& bf16_product_kernels() { return *bf16_products.load(std::memory_order_relaxed)(); }
 
 }  // namespace detail
