@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+"""Gate: every file of ours that a comment or a page names exists.
+
+A name counts as ours if it is a link of a page, begins with a folder of the repository, or is a header (*.hpp, *.ipp, *.inc).
+It is looked for from the root, from include/ and include/motionlang/, and beside the file that names it; a name without a
+folder may be anywhere. Lines with #include are the compiler's business. Files of other projects are listed in links_others.txt.
+
+    python3 tests/gates/links.py [FILE ...]
+"""
+import pathlib
+import re
+import subprocess
+import sys
+
+here = pathlib.Path(__file__).resolve().parent
+root = here.parents[1]
+
+
+def tracked(*patterns):
+    listed = subprocess.run(["git", "ls-files", "--", *patterns], cwd=root, check=True, capture_output=True, text=True)
+    return listed.stdout.splitlines()
+
+
+known = set(tracked())
+known |= {str(parent) for name in known for parent in pathlib.PurePath(name).parents}
+basenames = {pathlib.PurePath(name).name for name in known}
+others = {line for line in (here / "links_others.txt").read_text(encoding="utf-8").splitlines() if line and line[0] != "#"}
+
+folders = r"(?:include|examples|tests|single_include|\.ci|\.github)"
+word = re.compile(rf"(?<![\w./*-])((?:{folders}/[\w./-]*[\w])|(?:[\w][\w./-]*\.(?:hpp|ipp|inc)))(?![\w*/-])")
+page_link = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
+
+
+def exists(name, beside):
+    name = name.rstrip("./")
+    if name in others or ("/" not in name and name in basenames):
+        return True
+    places = [root, root / "include", root / "include/motionlang", beside]
+    for place in places:
+        path = (place / name).resolve()
+        if path.is_relative_to(root) and str(path.relative_to(root)) in known:
+            return True
+    return False
+
+
+files = [pathlib.Path(name).resolve() for name in sys.argv[1:]]
+if not files:
+    files = [root / name for name in tracked("*.hpp", "*.ipp", "*.inc", "*.cpp", "*.h", "*.c", "*.md", "*.sh", "*.cmake", "*CMakeLists.txt",
+                                             "*.py", ":!single_include", ":!tests/gates", ":!tests/fuzz/corpus")]
+missing = checked = 0
+for file in files:
+    page = file.suffix == ".md"
+    for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
+        if not page:
+            comment = re.search(r"(//|/\*|^ \*|#(?!include|if|define|undef|elif|else|endif|pragma|error))", line.lstrip() if line.startswith(" *") else line)
+            if comment is None:
+                continue
+            line = line[comment.start():]
+        names = word.findall(line)
+        if page:
+            names += [name for name in page_link.findall(line) if "://" not in name]
+        for name in names:
+            checked += 1
+            if not exists(name, file.parent):
+                print(f"{file}:{number}: there is no {name}")
+                missing += 1
+if missing:
+    sys.exit(f"{missing} names of files that do not exist")
+print(f"{checked} names of files in {len(files)} files: all exist")

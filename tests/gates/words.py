@@ -1,0 +1,36 @@
+#!/usr/bin/env python3
+"""Gate: no text of ours has a word or phrase of words.txt.
+
+    python3 tests/gates/words.py [FILE ...]
+"""
+import pathlib
+import re
+import subprocess
+import sys
+
+here = pathlib.Path(__file__).resolve().parent
+root = here.parents[1]
+rules = []
+for line in (here / "words.txt").read_text(encoding="utf-8").splitlines():
+    if line and not line.startswith("#"):
+        pattern, better = line.split("\t")
+        rules.append((re.compile(pattern), better))
+
+files = sys.argv[1:]
+if not files:
+    listed = subprocess.run(
+        ["git", "ls-files", "--", "*.hpp", "*.ipp", "*.inc", "*.cpp", "*.h", "*.c", "*.md", "*.sh", "*.cmake", "*.txt", "*.py",
+         ":!single_include", ":!tests/gates", ":!tests/fuzz/corpus", ":!tests/golden/cases"],
+        cwd=root, check=True, capture_output=True, text=True)
+    files = [root / name for name in listed.stdout.splitlines()]
+
+found = 0
+for file in files:
+    for number, line in enumerate(pathlib.Path(file).read_text(encoding="utf-8").splitlines(), 1):
+        for pattern, better in rules:
+            if match := pattern.search(line):
+                print(f"{file}:{number}: '{match.group()}': write {better}")
+                found += 1
+if found:
+    sys.exit(f"{found} phrases that readers stumble over")
+print(f"{len(files)} files, {len(rules)} rules: nothing found")
