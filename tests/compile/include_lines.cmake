@@ -1,6 +1,7 @@
 # Reads the #include lines of the headers: cmake -DINCLUDE=<repository>/include -P include_lines.cmake
 #
 #   - a folder includes only itself and folders of a lower level
+#   - no header needs itself: with its bodies (.ipp), it comes after all that it includes
 #   - a third-party package is named only by the header that wraps it; core/ is spared <iostream> and std::function
 #   - motionlang.hpp includes every public header that needs no package
 #   - core/error.hpp alone throws and catches
@@ -21,8 +22,8 @@ endforeach()
 # Pairs: what is included, and the headers that may.
 set(rules "^xtensor/"                       "^backend/xtensor.ipp$"
           "^(Eigen|unsupported)/"           "^backend/eigen.ipp$"
-          "^nlohmann/json.hpp$"             "^file/json.hpp$"
-          "^hnswlib/"                       "^search/vector_graph.hpp$"
+          "^nlohmann/json.hpp$"             "^file/json.(hpp|ipp)$"
+          "^hnswlib/"                       "^search/vector_graph.(hpp|ipp)$"
           "^(xtl|xtensor-blas|doctest)/"    "^$"
           "^motionlang/(motionlang|stmc)\\.hpp$" "^$")
 
@@ -57,17 +58,45 @@ endfunction()
 file(GLOB_RECURSE headers RELATIVE ${INCLUDE}/motionlang ${INCLUDE}/motionlang/*.hpp ${INCLUDE}/motionlang/*.ipp ${INCLUDE}/motionlang/*.inc)
 foreach(header ${headers})
   string(REGEX REPLACE "/.*" "" folder ${header})
+  string(REGEX REPLACE "[.][a-z]+$" "" node ${header})
+  list(APPEND nodes ${node})
   file(STRINGS ${INCLUDE}/motionlang/${header} lines REGEX "^ *#? *(include|struct|class) ")
   foreach(line ${lines})
     if(line MATCHES "^(struct|class) ([A-Za-z0-9_]+)[^;]* {")
       list(APPEND definitions ${CMAKE_MATCH_2})
     elseif(line MATCHES "# *include *[<\"]motionlang/(([^/>\"]*)/[^>\"]*)" AND header MATCHES "/")
       string(REGEX MATCH "motionlang/(([^/>\"]*)/[^>\"]*)" unused ${line})
-      check_motionlang_include(${header} ${folder} ${CMAKE_MATCH_1} ${CMAKE_MATCH_2})
+      set(included ${CMAKE_MATCH_1})
+      check_motionlang_include(${header} ${folder} ${included} ${CMAKE_MATCH_2})
+      string(REGEX REPLACE "[.][a-z]+$" "" included ${included})
+      list(APPEND included_by_${node} ${included})
     elseif(line MATCHES "# *include *[<\"]([^>\"]*)")
       check_other_include(${header} ${folder} ${CMAKE_MATCH_1})
     endif()
   endforeach()
+endforeach()
+
+# Takes away what includes nothing that is left, until nothing changes: circles are left.
+list(REMOVE_DUPLICATES nodes)
+set(before)
+while(NOT nodes STREQUAL before)
+  set(before ${nodes})
+  foreach(node ${before})
+    list(REMOVE_ITEM included_by_${node} ${node})
+    set(waits FALSE)
+    foreach(included ${included_by_${node}})
+      if(included IN_LIST nodes)
+        set(waits TRUE)
+        break()
+      endif()
+    endforeach()
+    if(NOT waits)
+      list(REMOVE_ITEM nodes ${node})
+    endif()
+  endforeach()
+endwhile()
+foreach(node ${nodes})
+  problem("${node} is in a circle of includes, or includes one: ${included_by_${node}}")
 endforeach()
 
 foreach(header ${headers})

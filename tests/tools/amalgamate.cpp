@@ -7,7 +7,7 @@
 // Every `#include <motionlang/...>` is replaced by the text of that file, once if it says #pragma once, else at every
 // place. Other includes stay, once each. Text below an #if counts as present only below the same #if, because its
 // condition may be false. Every file is guarded by a macro of its own, so that the same text in several places does no
-// harm.
+// harm. No library goes with these headers: MOTIONLANG_INSTANTIATED counts as undefined.
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -68,6 +68,35 @@ bool is_directive(const std::string& line, const std::string& word, std::string*
   return true;
 }
 
+/// The branches of `#if`s on MOTIONLANG_INSTANTIATED, which is undefined. Asked once for every line of a file, in order.
+class Instantiated {
+ public:
+  /// Whether a line is left out: the directives of such an #if, and what is below one that does not hold.
+  bool decides(const std::string& line) {
+    std::string rest;
+    if (is_directive(line, "if", &rest)) {
+      const bool mine = rest == "def MOTIONLANG_INSTANTIATED" || rest == "ndef MOTIONLANG_INSTANTIATED";
+      open_.push_back({mine, !mine || rest[0] == 'n'});
+      return mine || !holds();
+    }
+    if (open_.empty()) return false;
+    const bool mine = open_.back().mine, held = holds();
+    if (is_directive(line, "else") && mine) open_.back().holds = !open_.back().holds;
+    if (is_directive(line, "endif")) open_.pop_back();
+    return !held || (mine && (is_directive(line, "else") || is_directive(line, "endif")));
+  }
+
+ private:
+  struct If {
+    bool mine, holds;
+  };
+  bool holds() const {
+    return std::all_of(open_.begin(), open_.end(), [](const If& i) { return i.holds; });
+  }
+
+  std::vector<If> open_;
+};
+
 class Amalgamation {
  public:
   explicit Amalgamation(fs::path include) : include_(std::move(include)) {}
@@ -104,7 +133,9 @@ class Amalgamation {
     for (const auto& header : headers) add(header);
   }
   void add_lines(const std::vector<std::string>& lines) {
+    Instantiated instantiated;
     for (const std::string& line : lines) {
+      if (instantiated.decides(line)) continue;
       std::string included;
       if (is_directive(line, "include", &included)) {
         add_include(line, included.substr(1, included.find_first_of(">\"", 1) - 1));

@@ -1,0 +1,52 @@
+# Where bodies stand: cmake -DINCLUDE=<repository>/include -P bodies.cmake
+#
+#   - MOTIONLANG_BODY occurs in files *.ipp only
+#   - every file *.ipp is included by a header, for those who compile headers only
+#   - every file *.ipp with bodies is compiled by exactly one unit of motionlang::instantiated
+cmake_minimum_required(VERSION 3.24)
+
+set(problems 0)
+macro(problem text)
+  message("${text}")
+  math(EXPR problems "${problems} + 1")
+endmacro()
+
+file(GLOB_RECURSE headers RELATIVE ${INCLUDE} ${INCLUDE}/motionlang/*.hpp)
+file(GLOB_RECURSE bodies RELATIVE ${INCLUDE} ${INCLUDE}/motionlang/*.ipp)
+file(GLOB units ${INCLUDE}/motionlang/instantiated/*.cpp)
+
+foreach(header ${headers})
+  file(STRINGS ${INCLUDE}/${header} lines REGEX "MOTIONLANG_BODY|include <.*[.]ipp>")
+  foreach(line ${lines})
+    if(line MATCHES "include <(.*)>")
+      list(APPEND included_by_headers ${CMAKE_MATCH_1})
+    elseif(NOT header STREQUAL "motionlang/version.hpp")
+      problem("${header} defines a body: ${line}")
+    endif()
+  endforeach()
+endforeach()
+foreach(unit ${units})
+  file(STRINGS ${unit} lines REGEX "include <.*[.]ipp>")
+  foreach(line ${lines})
+    string(REGEX REPLACE ".*<(.*)>.*" "\\1" body "${line}")
+    list(APPEND compiled ${body})
+  endforeach()
+endforeach()
+foreach(body ${bodies})
+  if(NOT body IN_LIST included_by_headers)
+    problem("no header includes ${body}")
+  endif()
+  file(STRINGS ${INCLUDE}/${body} lines REGEX "MOTIONLANG_BODY")
+  set(units_of_body ${compiled})
+  list(FILTER units_of_body INCLUDE REGEX "^${body}$")
+  list(LENGTH units_of_body count)
+  if(lines AND NOT count EQUAL 1)
+    problem("${count} units of include/motionlang/instantiated compile ${body}")
+  endif()
+endforeach()
+
+list(LENGTH bodies count)
+if(problems OR count EQUAL 0)
+  message(FATAL_ERROR "${problems} problems in ${count} files of bodies")
+endif()
+message("${count} files of bodies in order")
