@@ -178,7 +178,7 @@ TEST_CASE("generate: ACTOR takes actions, TEMOS a text") {
   CHECK(ml::read_file(w / "out/walk.bvh") == ml::read_file(w / "out/1.bvh"));
   const Outcome dance = w.run({"generate", "--model", "actor", "--action", "dance"});
   CHECK(dance.code == 1);
-  CHECK(contains(dance.text, "action 'dance' is none of 0 ... 11; they are called warm_up, walk"));
+  CHECK(contains(dance.text, "action 'dance' is not one of 0 ... 11; they are called warm_up, walk"));
   ml::write_file(w / "two.txt", std::string_view("walk # 0 # 1 # legs\nrun # 0.2 # 0.8 # right arm\n"));
   CHECK(w.run({"generate", "--model", "actor", "--timeline", "two.txt"}).code == 3);
 
@@ -221,7 +221,7 @@ TEST_CASE("generate --towards: ACTOR from action to action, TEMOS and SINC from 
     CHECK_MESSAGE(contains(out.text, message), out.text);
   };
   const Outcome dance = w.run({"generate", "--model", "actor", "--action", "walk", "--towards", "dance"});
-  CHECK_MESSAGE((dance.code == 1 && contains(dance.text, "action 'dance' is none of 0 ... 11")), dance.text);
+  CHECK_MESSAGE((dance.code == 1 && contains(dance.text, "action 'dance' is not one of 0 ... 11")), dance.text);
   refused({"--model", "actor", "--action", "walk", "--towards", "run", "--samples", "1"},
           "[motionlang.config.101] 1 motion");
   refused({"--model", "actor", "--action", "walk", "--towards", "run", "--noise", "n.safetensors"},
@@ -1122,7 +1122,7 @@ TEST_CASE("convert --denoise: encoded and decoded, put where it was; longer moti
   refused({"convert", "short.bvh", "out.bvh", "--denoise", "actor"},
           "[motionlang.config.102] ACTOR has to know which action a motion shows");
   const Outcome dance = w.run({"convert", "short.bvh", "out.bvh", "--denoise", "actor", "--action", "dance"});
-  CHECK_MESSAGE((dance.code == 1 && contains(dance.text, "action 'dance' is none of 0 ... 11")), dance.text);
+  CHECK_MESSAGE((dance.code == 1 && contains(dance.text, "action 'dance' is not one of 0 ... 11")), dance.text);
   auto with_action = temos;
   with_action.insert(with_action.end(), {"--action", "walk"});
   refused(with_action, "[motionlang.config.102] --action 'walk' is for ACTOR");
@@ -1172,7 +1172,7 @@ TEST_CASE("generate: MDM for actions, and TM2T, which decides itself how long a 
   CHECK(w.joints("out/any.npy") == std::vector<ml::Index>{40, 24, 3});
   CHECK(contains(w.did({"info", "free"}), "actions                  any"));
   CHECK(contains(w.run({"generate", "--model", "free", "--action", "walk"}).text,
-                 "action 'walk' is none of 0 ... 0; they are called any"));
+                 "action 'walk' is not one of 0 ... 0; they are called any"));
   official::write_mdm_action_run(w / "wrong", official::small(), 0.1, ml::MdmCondition::action,
                                  R"(, "cond_mode": "no_cond")");
   CHECK(contains(w.run({"generate", "--model", "wrong", "--action", "any"}).text, "[motionlang.io.404]"));

@@ -128,7 +128,7 @@ TEST_CASE("help names every command and option, and the exit codes") {
   }
 }
 
-TEST_CASE("a subcommand of a build with training is told with the command that makes one") {
+TEST_CASE("a subcommand of a build with training is reported with the command that makes one") {
   const TemporaryFolder folder;
   CHECK(program::no_subcommand("dance") == "there is no subcommand 'dance'");
   for (const std::string_view name : program::training_commands) {
@@ -713,7 +713,7 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
     CHECK_MESSAGE((o.code == 2 && contains(o.text, text)), o.text);
   };
   refused({}, "say what is kept: --keep-seconds or --keep-parts");
-  refused({"--keep-parts", "tail"}, "--keep-parts: 'tail' is none of left arm");
+  refused({"--keep-parts", "tail"}, "--keep-parts: 'tail' is not one of left arm");
   refused({"--keep-seconds", "3-1"}, "'3-1' is no stretch of time like 0-1.5");
   for (const char* none : {"-1", "-1-1", "1-", "1", "-", "nan-1", "0-inf", "0-1x"})
     refused({std::string("--keep-seconds=") + none}, "is no stretch of time like 0-1.5");
@@ -1009,7 +1009,7 @@ TEST_CASE("convert: texts of BABEL become annotations, and these files of captio
   CHECK(!std::filesystem::exists(w / "none"));
 }
 
-TEST_CASE("convert: every ROOT of a BVH file is a motion; bones that stretch are told") {
+TEST_CASE("convert: every ROOT of a BVH file is a motion; bones that stretch are reported") {
   const Workplace w;
   ml::write_file(w / "pair.bvh",
                  std::string_view(
@@ -1039,7 +1039,7 @@ TEST_CASE("convert: every ROOT of a BVH file is a motion; bones that stretch are
   for (const char* name : {"pair.bvh a: ", "pair.bvh b: "}) CHECK_MESSAGE(contains(checked.text, name), checked.text);
 }
 
-TEST_CASE("convert: joints of a GLB file that move along their bones are told, also on a character") {
+TEST_CASE("convert: joints of a GLB file that move along their bones are reported, also on a character") {
   const Workplace w;
   ml::write_file(w / "rig.glb", rigs::glb_of(rigs::skeleton_of(ml::skeleton_table("Mixamo"), 0, 1, {}, "mixamorig:")));
   ml::write_glb(w / "walk.glb", synthetic::walk({.frames = 40}));
@@ -1267,7 +1267,7 @@ TEST_CASE("results of MDM: every motion, named by its text") {
   CHECK(contains(w.run({"convert", "bare.npy", "bare.bvh"}).text, "bare_1.bvh: 10 frames at 20 per second"));
 }
 
-TEST_CASE("convert: what an AMASS file has besides the joints goes into another one, or is told") {
+TEST_CASE("convert: what an AMASS file has besides the joints goes into another one, or is reported") {
   const Workplace w;
   std::vector<double> poses(2 * 156), trans(6), betas{1.5, -2};
   poses[100] = 0.5;

@@ -37,7 +37,7 @@ namespace fs = std::filesystem;
 struct ConvertOptions {
   std::string in, out;  // out: "" of a folder: beside each motion
   std::string tensors, store, features;
-  std::string denoise, action;            // a model, and what it is told of the motion
+  std::string denoise, action;            // a model, and the action that the motion shows
   ModelSources sources;                   // of this model
   std::string as;                         // of a folder: extension of what its files become
   std::string skeleton;                   // a motion on the skeleton that the result takes
@@ -142,7 +142,7 @@ fs::path name_of(fs::path out, const std::string& name, std::set<std::string>& t
 /// may be generate's.
 fs::path beside(const fs::path& motion, const std::string& extension) { return motion.string() + extension; }
 
-/// One file into others. What is told about it is collected, for a caller who wants to show it.
+/// Converts one file into others. It collects the lines about them, for a caller who wants to show them.
 class Conversion {
  public:
   /// taken: names that clips of a data set have already, or files.

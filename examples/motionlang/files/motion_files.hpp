@@ -130,7 +130,7 @@ void write_motions(const std::filesystem::path& path, std::span<const ml::Motion
 
 /// The features of a motion on SMPL's joints or on theirs, as the systems have them, one row for each frame, to an .npy
 /// file: at `fps` frames per second (0: the rate of the features). Returns a line about what it wrote. Throws
-/// config_error 103 for a name that is none (motion_features) and for other joints, usage_error 103 for another
+/// config_error 103 for an unknown name (motion_features) and for other joints, usage_error 103 for another
 /// extension.
 std::string write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features,
                            double fps = 0);

@@ -205,7 +205,7 @@ ml::Skeleton renamed(ml::Skeleton s, const std::string& from, const std::string&
 
 }  // namespace
 
-TEST_CASE("LaFAN1 has Mixamo's names and lies in its zero pose: it is told by how it would stand") {
+TEST_CASE("LaFAN1 has Mixamo's names and lies in its zero pose: the pose in which it would stand tells which it is") {
   const ml::Skeleton source = lafan1();
   CHECK(ml::detect_skeleton_table(source).name == "LaFAN1");
   CHECK(ml::detect_skeleton_table(renamed(source, "Toe", "ToeBase")).name == "LaFAN1");

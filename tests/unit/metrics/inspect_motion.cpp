@@ -343,7 +343,7 @@ TEST_CASE("feet that are not on the floor") {
   }
 }
 
-TEST_CASE("several faults at once are told apart and mended together") {
+TEST_CASE("several faults at once are distinguished and mended together") {
   auto m = scaled(turned(walk(), synthetic::about_x(std::numbers::pi / 2), true), 100);
   m.root.insert(m.root.begin(), m.root[0]);
   m.local.insert(m.local.begin(), 24, ml::Quaternion<double>::identity());
