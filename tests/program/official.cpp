@@ -795,7 +795,7 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   check_strips("gerund", "walk while waveing");
   CHECK_MESSAGE(contains(gerund, "1 motion of val.json, of 2 keys"), gerund);
   CHECK(contains(gerund, "'walk while wave', with the -ing form of the second verb"));
-  // pairs that training has not
+  // pairs that training lacks
   const auto unseen = [&](const std::string& training, const std::string& validation) {
     return w.run({"evaluate", "sinc", "--data", ".", "--babel", training, "--babel-validation", validation, "--part",
                   "validation", "--items", "unseen", "--samples", "1", "--statistics", "of135", "--text-encoder",
@@ -895,7 +895,7 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   refused("sinc", {"--conjunction", "while", "--tags", "other.txt"},
           "[motionlang.config.103] --tags other.txt: no words of 1 sentence:\nwalk while wave");
   refused("sinc", {"--tags", "tags.txt"}, "[motionlang.config.102] --tags is for --conjunction while and during", 2);
-  refused("sinc", {"--items", "unseen"}, "--items unseen needs motions to train on, which --part all has not", 2);
+  refused("sinc", {"--items", "unseen"}, "--items unseen needs motions to train on; --part all does not have any", 2);
   refused("teach", {"--keys", "keys.txt"}, "[motionlang.config.101] val.json has no motions to measure, of 2 keys");
   refused("sinc", {"--babel-validation", "val.json"}, "[motionlang.config.102] --part all measures all of --babel", 2);
   refused("sinc", {"--temos", "temos"},

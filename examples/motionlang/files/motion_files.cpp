@@ -44,7 +44,7 @@ void MotionReadOptions::add_to(CLI::App& command) {
 void MotionReadOptions::require_for(const std::filesystem::path& file) const {
   const std::string kind = kind_of(file);
   const auto refuse = [&](bool given, bool fits, const char* option, const char* about) {
-    if (given && !fits) ml::raise<usage_error>(102, option, " is for ", about, "; ", file.string(), " is none");
+    if (given && !fits) ml::raise<usage_error>(102, option, " is for ", about, "; ", file.string(), " is not one");
   };
   refuse(scale != MotionReadOptions{}.scale, kind == ".bvh", "--scale", "BVH files");
   refuse(rate != 0, kind == ".npy" || kind == ".amc" || kind == ".npz", "--rate",

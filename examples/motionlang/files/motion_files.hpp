@@ -59,7 +59,7 @@ bool is_motion_file(const std::filesystem::path& path);
 /// The motion files in a folder and in those below it, in order, but not .npy files with one axis, which are mean and
 /// deviation of a data set. Folders below it that cannot be read and links that lead in a circle are skipped, and named
 /// on stderr.
-/// results  a folder for results: if it is below the other one, its files are no inputs, which is said on stderr
+/// results  a folder for results: if it is below the other one, its files are no inputs, and stderr says so
 /// Throws   io_error 401 if the folder itself cannot be read
 std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder,
                                                       const std::filesystem::path& results = {});

@@ -38,7 +38,7 @@ TEST_CASE("a mistake is reported with line and column") {
   CHECK(at("\"\xFF\"").starts_with("[motionlang.io.403] file:1:"));
 }
 
-TEST_CASE("all of what is wrong is said") {
+TEST_CASE("the message says all that is wrong") {
   CHECK(message_of([] {
           ml::parse_json("[\"a: \nb\"]", "file");
         }).find("syntax error while parsing value - invalid string") != std::string::npos);

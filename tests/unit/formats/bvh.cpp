@@ -141,7 +141,7 @@ TEST_CASE("BVH: a root that only carries a moving one is joined with it") {
   check_equal(p[3], {13, 1, -2});
 }
 
-TEST_CASE("BVH: joints below the root that move away from the joint before are named") {
+TEST_CASE("BVH: joints below the root that move away from the joint before are reported") {
   const std::string text =
       "HIERARCHY ROOT a { OFFSET 0 0 0 CHANNELS 1 Xposition JOINT still { OFFSET 0 1 0 CHANNELS 1 Yposition JOINT arm "
       "{ OFFSET 0 1 0 CHANNELS 1 Yposition } } JOINT leg { OFFSET 0 1 0 CHANNELS 1 Xrotation } } MOTION Frames: 2 "

@@ -393,7 +393,7 @@ TEST_CASE("MMM: there and back, limbs and trunk keep their directions") {
   CHECK(bone_angle(walk, fitted, "right_elbow", "right_wrist") < 1);
 }
 
-TEST_CASE("what is missing is named") {
+TEST_CASE("a missing joint is reported") {
   ml::Skeleton s = ml::smpl24_skeleton();
   s.names[static_cast<std::size_t>(s["left_knee"])] = "kneecap";
   CHECK_THROWS_WITH_AS(ml::detect_skeleton_table(s), Contains("SMPL, needs a joint 'left_knee'"), ml::config_error);

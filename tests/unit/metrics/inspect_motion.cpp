@@ -156,7 +156,7 @@ TEST_CASE("exchanged sides: of the whole body, of the arms, of the legs") {
   CHECK(text(exchanged([&](const auto& n) { return !is_leg(n); })).starts_with("the arms are"));
 }
 
-TEST_CASE("values that are none") {
+TEST_CASE("values that are not finite") {
   auto m = walk();
   m.local[7 * 24 + 4].x = std::numeric_limits<double>::quiet_NaN();
   CHECK(faults(m) == only(ml::Fault::not_finite));

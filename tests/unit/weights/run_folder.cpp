@@ -159,7 +159,7 @@ TEST_CASE("Hugging Face: whole, or in shards with an index") {
   CHECK(ml::open_weights(f.path).names() == std::vector<std::string>{"whole"});
 }
 
-TEST_CASE("folders that are none, and options that cannot be read") {
+TEST_CASE("folders without a run, and options that cannot be read") {
   const Folder f;
   CHECK(f.run().system.empty());
   CHECK_ERROR(ml::open_weights(f.path), "[motionlang.io.404]");
