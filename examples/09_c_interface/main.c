@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
   if (motionlang_write_motion(motion, "c_interface.bvh") != 0) return failed("write");
   printf("wrote c_interface.bvh\n");
 
-  /* What is wrong is said, not thrown. */
+  /* An error is reported, not thrown. */
   motionlang_motion* none = NULL;
   const int id = motionlang_generate(model, "wave # 2 # 1\n", NULL, &none);
   printf("error %d: %s\n", id, motionlang_message());

@@ -18,7 +18,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 OPENBLAS = "/usr/lib/x86_64-linux-gnu/openblas-openmp"
 ONNX_FOLDER = pathlib.Path(os.environ.get("ONNX_FOLDER", pathlib.Path.home() / ".cache/motionlang-bench"))
 
-# Which program of ours does a work; where nothing is said, bench_denoiser.
+# Which program of ours does a work; bench_denoiser does those that are not listed.
 PROGRAM = {"product": "products", "product_gelu": "products", "product_batched": "products", "xtensor": "xtensor",
            "tmr_encoder": "vae", "temos_decoder": "vae", "actor_decoder": "vae", "train_tmr": "vae", "train_tmr_memory": "vae",
            "distilbert": "text", "clip_text": "text", "fk": "kinematics", "smpl": "body", "search": "search", "search_bf16": "search",

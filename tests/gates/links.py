@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Gate: every file of ours that a comment or a page names exists.
 
-A name counts as ours if it is a link of a page, begins with a folder of the repository, or is a header (*.hpp, *.ipp, *.inc).
-It is looked for from the root, from include/ and include/motionlang/, and beside the file that names it; a name without a
-folder may be anywhere. Lines with #include are the compiler's business. Files of other projects are listed in links_others.txt.
+A name counts as ours if it is a link of a page, begins with a folder of the repository, is a header (*.hpp, *.ipp,
+*.inc) or a page (*.md). It is looked for from the root, from include/ and include/motionlang/, and beside the file that
+names it. A name without a folder may be anywhere. Lines with #include are the compiler's business. links_others.txt
+lists the files of other projects, and the pages of spec/, a folder that readers do not have ("spec tmr.md", "tmr.md").
 
     python3 tests/gates/links.py [FILE ...]
 """
@@ -27,13 +28,13 @@ basenames = {pathlib.PurePath(name).name for name in known}
 others = {line for line in (here / "links_others.txt").read_text(encoding="utf-8").splitlines() if line and line[0] != "#"}
 
 folders = r"(?:include|examples|tests|single_include|\.ci|\.github)"
-word = re.compile(rf"(?<![\w./*-])((?:{folders}/[\w./-]*[\w])|(?:[\w][\w./-]*\.(?:hpp|ipp|inc)))(?![\w*/-])")
+word = re.compile(rf"(?<![\w./*-])((?:{folders}/[\w./-]*[\w])|(?:[\w][\w./-]*\.(?:hpp|ipp|inc|md)))(?![\w*/-])")
 page_link = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
 
 
 def exists(name, beside):
     name = name.rstrip("./")
-    if name in others or ("/" not in name and name in basenames):
+    if name in others or f"spec/{name}" in others or ("/" not in name and name in basenames):
         return True
     places = [root, root / "include", root / "include/motionlang", beside]
     for place in places:

@@ -16,7 +16,7 @@ std::span<const ml::Vec3<S>> joints_view(const Vectors<S>& joints) {
 }
 std::string numbered(const std::string& name, Index i) { return name + "_" + std::to_string(i); }
 
-/// TEMOS' joints are in millimetres but for those of "mmmns".
+/// TEMOS' joints are in millimetres, except those of "mmmns".
 template <class S>
 S unit_of(const Case& c) {
   const bool metres = c.config().value_or("jointstype", std::string("mmm")) == "mmmns";

@@ -71,8 +71,8 @@ class Case {
   bool in_double() const;
 
   // ---- results ------------------------------------------------------------------------------------------------------
-  /// Compares an output. Every one in the file has to be handed over. Others are not looked at (a source has not every
-  /// intermediate result), but a gradient that the file has not is an error: those parameters are not trained.
+  /// Compares an output. Every one in the file has to be handed over. Others are not looked at (a source does not have
+  /// every intermediate result), but a gradient that the file lacks is an error: those parameters are not trained.
   template <class T>
   void out(const std::string& name, const ml::Shape& shape, std::span<const T> values) {
     result("out/" + name, name, shape, values);

@@ -214,7 +214,7 @@ TEST_CASE("items of BABEL: types of data, val.json to validate with, combined ac
   type("spatial_pairs", "1 motion to train on, 1 for validation, 0 for tests; 2 left out");
   type("separate_pairs+seq", "3 motions to train on, 2 for validation, 0 for tests; 0 left out");
 
-  // all single actions are combined with a partner, with the table's parts or by lot
+  // all single actions are combined with a partner, with the table's parts or at random
   const auto first_losses = [&](const std::vector<std::string>& more) {
     counted("train-sinc", two + more, "6 motions to train on");
     return w.losses("out");

@@ -63,7 +63,7 @@ ml::Quaternion<double> rotation(const ml::Motion& m, const char* joint) {
 
 }  // namespace
 
-TEST_CASE("convert: hands, face and shape of an AMASS file are on the body, and what it does not have is named") {
+TEST_CASE("convert: hands, face and shape of an AMASS file are on the body, and what it does not have is reported") {
   const Wardrobe w;
   CHECK(contains(
       w.convert("moving.npz", "x.obj", {"--body", "smplx.npz"}),

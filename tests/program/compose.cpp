@@ -87,7 +87,7 @@ TEST_CASE("compose: two motions of the whole body are none at the same time") {
   CHECK_MESSAGE((made.code == 2 && contains(made.text, said)), made.text);
 }
 
-TEST_CASE("compose, join: a T-pose that was put in front of a recording is left out, and this is said") {
+TEST_CASE("compose, join: a T-pose that was put in front of a recording is left out, and the program says so") {
   const Clips w;
   const ml::Motion walk = w.read("walk.bvh");
   ml::Motion pose = ml::crop(walk, 0, 1);

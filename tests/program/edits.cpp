@@ -39,7 +39,7 @@ struct Edited : TemporaryFolder {
 
 }  // namespace
 
-TEST_CASE("a motion after an edit is that of a whole run, and it is said what was reused") {
+TEST_CASE("a motion after an edit is that of a whole run, and the program says what was reused") {
   const Edited w;
   const std::vector<std::string> settings{"--seed", "5", "--preset", "fast", "--guidance", "2", "--overlap", "0.3"};
   auto recorded = settings;
@@ -79,7 +79,7 @@ TEST_CASE("samples are reused like any motion") {
     CHECK(w.bytes(std::string("a") + file) == w.bytes(std::string("b") + file));
 }
 
-TEST_CASE("--keep-beyond keeps what is further away and is said to be no whole run") {
+TEST_CASE("--keep-beyond keeps what is further away and the program says that it is no whole run") {
   const Edited w;
   const std::vector<std::string> raw{"--no-smooth", "--no-fix-feet"};
   auto recorded = raw, kept = raw;

@@ -137,7 +137,7 @@ TEST_CASE("an output that is an input is refused before a model is loaded") {
   CHECK_MESSAGE((itself.code == 2 && contains(itself.text, "cannot go into the folder itself")), itself.text);
 }
 
-TEST_CASE("texts of two motions that would be one file are refused, those of no duration are named") {
+TEST_CASE("texts of two motions that would be one file are refused, those of no duration are reported") {
   const Originals w;
   const auto entry = [](const char* id, const char* times) {
     return ml::concat_text("\"", id, R"(": {"babel_sid": 7, "url": "", "feat_p": "X/f_poses.npz", "dur": 2.0,

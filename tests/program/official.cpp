@@ -178,7 +178,7 @@ TEST_CASE("generate: ACTOR takes actions, TEMOS a text") {
   CHECK(ml::read_file(w / "out/walk.bvh") == ml::read_file(w / "out/1.bvh"));
   const Outcome dance = w.run({"generate", "--model", "actor", "--action", "dance"});
   CHECK(dance.code == 1);
-  CHECK(contains(dance.text, "action 'dance' is none of 0 ... 11; they are called warm_up, walk"));
+  CHECK(contains(dance.text, "action 'dance' is not one of 0 ... 11; they are called warm_up, walk"));
   ml::write_file(w / "two.txt", std::string_view("walk # 0 # 1 # legs\nrun # 0.2 # 0.8 # right arm\n"));
   CHECK(w.run({"generate", "--model", "actor", "--timeline", "two.txt"}).code == 3);
 
@@ -221,7 +221,7 @@ TEST_CASE("generate --towards: ACTOR from action to action, TEMOS and SINC from 
     CHECK_MESSAGE(contains(out.text, message), out.text);
   };
   const Outcome dance = w.run({"generate", "--model", "actor", "--action", "walk", "--towards", "dance"});
-  CHECK_MESSAGE((dance.code == 1 && contains(dance.text, "action 'dance' is none of 0 ... 11")), dance.text);
+  CHECK_MESSAGE((dance.code == 1 && contains(dance.text, "action 'dance' is not one of 0 ... 11")), dance.text);
   refused({"--model", "actor", "--action", "walk", "--towards", "run", "--samples", "1"},
           "[motionlang.config.101] 1 motion");
   refused({"--model", "actor", "--action", "walk", "--towards", "run", "--noise", "n.safetensors"},
@@ -795,7 +795,7 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   check_strips("gerund", "walk while waveing");
   CHECK_MESSAGE(contains(gerund, "1 motion of val.json, of 2 keys"), gerund);
   CHECK(contains(gerund, "'walk while wave', with the -ing form of the second verb"));
-  // pairs that training has not
+  // pairs that training lacks
   const auto unseen = [&](const std::string& training, const std::string& validation) {
     return w.run({"evaluate", "sinc", "--data", ".", "--babel", training, "--babel-validation", validation, "--part",
                   "validation", "--items", "unseen", "--samples", "1", "--statistics", "of135", "--text-encoder",
@@ -895,7 +895,7 @@ TEST_CASE("evaluate: SINC and TEACH as published, on labels of BABEL") {
   refused("sinc", {"--conjunction", "while", "--tags", "other.txt"},
           "[motionlang.config.103] --tags other.txt: no words of 1 sentence:\nwalk while wave");
   refused("sinc", {"--tags", "tags.txt"}, "[motionlang.config.102] --tags is for --conjunction while and during", 2);
-  refused("sinc", {"--items", "unseen"}, "--items unseen needs motions to train on, which --part all has not", 2);
+  refused("sinc", {"--items", "unseen"}, "--items unseen needs motions to train on; --part all does not have any", 2);
   refused("teach", {"--keys", "keys.txt"}, "[motionlang.config.101] val.json has no motions to measure, of 2 keys");
   refused("sinc", {"--babel-validation", "val.json"}, "[motionlang.config.102] --part all measures all of --babel", 2);
   refused("sinc", {"--temos", "temos"},
@@ -1122,7 +1122,7 @@ TEST_CASE("convert --denoise: encoded and decoded, put where it was; longer moti
   refused({"convert", "short.bvh", "out.bvh", "--denoise", "actor"},
           "[motionlang.config.102] ACTOR has to know which action a motion shows");
   const Outcome dance = w.run({"convert", "short.bvh", "out.bvh", "--denoise", "actor", "--action", "dance"});
-  CHECK_MESSAGE((dance.code == 1 && contains(dance.text, "action 'dance' is none of 0 ... 11")), dance.text);
+  CHECK_MESSAGE((dance.code == 1 && contains(dance.text, "action 'dance' is not one of 0 ... 11")), dance.text);
   auto with_action = temos;
   with_action.insert(with_action.end(), {"--action", "walk"});
   refused(with_action, "[motionlang.config.102] --action 'walk' is for ACTOR");
@@ -1172,7 +1172,7 @@ TEST_CASE("generate: MDM for actions, and TM2T, which decides itself how long a 
   CHECK(w.joints("out/any.npy") == std::vector<ml::Index>{40, 24, 3});
   CHECK(contains(w.did({"info", "free"}), "actions                  any"));
   CHECK(contains(w.run({"generate", "--model", "free", "--action", "walk"}).text,
-                 "action 'walk' is none of 0 ... 0; they are called any"));
+                 "action 'walk' is not one of 0 ... 0; they are called any"));
   official::write_mdm_action_run(w / "wrong", official::small(), 0.1, ml::MdmCondition::action,
                                  R"(, "cond_mode": "no_cond")");
   CHECK(contains(w.run({"generate", "--model", "wrong", "--action", "any"}).text, "[motionlang.io.404]"));

@@ -128,7 +128,7 @@ TEST_CASE("help names every command and option, and the exit codes") {
   }
 }
 
-TEST_CASE("a subcommand of a build with training is told with the command that makes one") {
+TEST_CASE("a subcommand of a build with training is reported with the command that makes one") {
   const TemporaryFolder folder;
   CHECK(program::no_subcommand("dance") == "there is no subcommand 'dance'");
   for (const std::string_view name : program::training_commands) {
@@ -184,7 +184,7 @@ TEST_CASE("exit codes") {
   CHECK_MESSAGE(contains(whole.text, "(line 1, column 1)"), whole.text);
 }
 
-TEST_CASE("options that make no sense are refused before any work, and it is said what is wanted") {
+TEST_CASE("options that make no sense are refused before any work, and the message says what is wanted") {
   const Workplace w;
   ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 40}));
   const std::vector<std::pair<std::vector<std::string>, std::string>> refused{
@@ -224,7 +224,7 @@ TEST_CASE("options that say nothing about a file, and results in the place of wh
   const std::vector<std::pair<std::vector<std::string>, std::string>> refused{
       {{"convert", "walk.bvh", "x.glb", "--rate", "60"}, "--rate is for .npy, .amc and .npz files"},
       {{"strip", "walk.bvh", "x.svg", "--up", "z"}, "--up is for .npy files"},
-      {{"convert", "walk.bvh", "x.glb", "--asf", "two.txt"}, "--asf is for AMC files; walk.bvh is none"},
+      {{"convert", "walk.bvh", "x.glb", "--asf", "two.txt"}, "--asf is for AMC files; walk.bvh is not one"},
       {{"convert", "walk.bvh", "./walk.bvh", "--mirror"}, "./walk.bvh is what is read"},
       {{"join", "other.bvh", "walk.bvh", "-o", "walk.bvh"}, "walk.bvh is what is read"},
       {{"compose", "walk.bvh", "other.bvh", "--second", "left arm", "-o", "walk.bvh"}, "walk.bvh is what is read"},
@@ -257,7 +257,7 @@ TEST_CASE("convert says what is strange about a motion: a T-pose in front, a dol
   CHECK_MESSAGE((doll.code == 0 && contains(doll.text, "x.bvh: the figure is 0.1")), doll.text);
 }
 
-TEST_CASE("a long text is made in parts, and this is said") {
+TEST_CASE("a long text is made in parts, and the program says so") {
   const Workplace w;
   const auto text = [&](const std::vector<std::string>& more) {
     std::vector<std::string> all{"generate",          "--text", "walk", "--seconds",   "17",           "--model",
@@ -348,7 +348,7 @@ TEST_CASE("standard output that cannot be written is an error") {
   CHECK(ml::read_file(told) == "[motionlang.io.401] standard output cannot be written\n");
 }
 
-TEST_CASE("a text that others hide at all times is named with its line") {
+TEST_CASE("a text that others hide at all times is reported with its line") {
   const Workplace w;
   ml::write_file(w / "hidden.txt", "walk # 0 # 3 # legs\nrun # 1 # 2 # legs\nhop # 1 # 2 # legs\n");
   for (const auto& out : {w.run({"check", "hidden.txt"}), w.run({"check", "hidden.txt", "--no-cut-texts"}),
@@ -360,7 +360,7 @@ TEST_CASE("a text that others hide at all times is named with its line") {
   }
 }
 
-TEST_CASE("a text of one arm that takes the whole body from another is named with its line") {
+TEST_CASE("a text of one arm that takes the whole body from another is reported with its line") {
   const Workplace w;
   ml::write_file(w / "arm.txt", "walk # 0 # 3\nwave with the right hand # 1 # 2\n");
   for (const auto& out : {w.run({"check", "arm.txt"}), w.generate("out", {}, "arm.txt")}) {
@@ -487,7 +487,7 @@ TEST_CASE("a timeline from standard input is read as one of a file") {
     CHECK_MESSAGE(contains(w.run({command, "--help"}).text, "standard input"), command);
 }
 
-TEST_CASE("words that the model never learned are named, if its weights list those that it learned") {
+TEST_CASE("words that the model never learned are reported, if its weights list those that it learned") {
   const Workplace w;
   CHECK(!contains(w.generate("no_list").text, "never learned"));
   const auto config = small::config(5);
@@ -674,7 +674,7 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
       "performed", {"--keep", "exported.bvh", "--keep-seconds", "0-0.25,0.8-1", "--no-smooth", "--no-fix-feet"});
   CHECK_MESSAGE(contains(performed.text, "exported.bvh: left out is 1 frame of an inserted T-pose"), performed.text);
   CHECK(synthetic::largest_distance(ml::read_bvh_motion(w / "performed/two.bvh"), begun) < 1e-3);
-  // the way comes to another place, which is said
+  // the way comes to another place, and the program says so
   const auto apart = begun.root_at(16) - walk.root_at(16);
   REQUIRE(std::hypot(apart.x, apart.z) > 0.1);
   CHECK_MESSAGE(contains(performed.text, "--keep: kept frames are up to "), performed.text);
@@ -713,7 +713,7 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
     CHECK_MESSAGE((o.code == 2 && contains(o.text, text)), o.text);
   };
   refused({}, "say what is kept: --keep-seconds or --keep-parts");
-  refused({"--keep-parts", "tail"}, "--keep-parts: 'tail' is none of left arm");
+  refused({"--keep-parts", "tail"}, "--keep-parts: 'tail' is not one of left arm");
   refused({"--keep-seconds", "3-1"}, "'3-1' is no stretch of time like 0-1.5");
   for (const char* none : {"-1", "-1-1", "1-", "1", "-", "nan-1", "0-inf", "0-1x"})
     refused({std::string("--keep-seconds=") + none}, "is no stretch of time like 0-1.5");
@@ -784,7 +784,7 @@ TEST_CASE("trembling is taken away, and then feet are put right, unless that is 
   CHECK(synthetic::largest_distance(on, ml::fix_feet(own)) > 1e-3);
 }
 
-TEST_CASE("convert, strip: whole folders, and the files that fail are named") {
+TEST_CASE("convert, strip: whole folders, and the files that fail are reported") {
   const Workplace w;
   const auto walk = synthetic::walk({.frames = 40});
   std::filesystem::create_directories(w / "in/a/b");
@@ -1009,7 +1009,7 @@ TEST_CASE("convert: texts of BABEL become annotations, and these files of captio
   CHECK(!std::filesystem::exists(w / "none"));
 }
 
-TEST_CASE("convert: every ROOT of a BVH file is a motion; bones that stretch are told") {
+TEST_CASE("convert: every ROOT of a BVH file is a motion; bones that stretch are reported") {
   const Workplace w;
   ml::write_file(w / "pair.bvh",
                  std::string_view(
@@ -1039,7 +1039,7 @@ TEST_CASE("convert: every ROOT of a BVH file is a motion; bones that stretch are
   for (const char* name : {"pair.bvh a: ", "pair.bvh b: "}) CHECK_MESSAGE(contains(checked.text, name), checked.text);
 }
 
-TEST_CASE("convert: joints of a GLB file that move along their bones are told, also on a character") {
+TEST_CASE("convert: joints of a GLB file that move along their bones are reported, also on a character") {
   const Workplace w;
   ml::write_file(w / "rig.glb", rigs::glb_of(rigs::skeleton_of(ml::skeleton_table("Mixamo"), 0, 1, {}, "mixamorig:")));
   ml::write_glb(w / "walk.glb", synthetic::walk({.frames = 40}));
@@ -1094,7 +1094,7 @@ TEST_CASE("--joints says which joint is which, of motions and of the character")
       contains(w.run({"generate", "--text", "a person walks", "--joints", "bip.tsv"}).text, "--joints requires --rig"));
 }
 
-TEST_CASE("convert: options that would be left out are refused; it is said how joints follow") {
+TEST_CASE("convert: options that would be left out are refused; the message says how joints follow") {
   const Workplace w;
   ml::write_file(w / "rig.glb", rigs::glb_of(rigs::skeleton_of(ml::skeleton_table("Mixamo"), 0, 1, {}, "mixamorig:")));
   ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 40}));
@@ -1194,7 +1194,7 @@ TEST_CASE("convert and generate put motions on a character") {
   CHECK(ml::GlbFile::open(w / "out/two.glb").animation_names() == std::vector<std::string>{"idle", "two"});
 }
 
-TEST_CASE("doctor tells numbers that are none; info tells of binary files what is wrong with them") {
+TEST_CASE("doctor reports numbers that are not finite; info says what is wrong with binary files") {
   const Workplace w;
   std::filesystem::create_directories(w / "data");
   std::vector<float> joints(2 * 22 * 3, 1);
@@ -1267,7 +1267,7 @@ TEST_CASE("results of MDM: every motion, named by its text") {
   CHECK(contains(w.run({"convert", "bare.npy", "bare.bvh"}).text, "bare_1.bvh: 10 frames at 20 per second"));
 }
 
-TEST_CASE("convert: what an AMASS file has besides the joints goes into another one, or is told") {
+TEST_CASE("convert: what an AMASS file has besides the joints goes into another one, or is reported") {
   const Workplace w;
   std::vector<double> poses(2 * 156), trans(6), betas{1.5, -2};
   poses[100] = 0.5;
@@ -1373,8 +1373,7 @@ TEST_CASE("doctor: a jump tells a wrong frame rate, and the copy has the right o
   CHECK(contains(w.run({"doctor", "clean"}).text, "3 motions, 3 without a finding"));
 }
 
-TEST_CASE(
-    "doctor: arrays of joints and features but for mean and deviation; AMC files with a skeleton from elsewhere") {
+TEST_CASE("doctor: arrays of joints and features except mean and deviation; AMC files with a skeleton from elsewhere") {
   const Workplace w;
   for (const char* folder : {"set", "one", "two"}) std::filesystem::create_directories(w / folder);
   auto walk = synthetic::walk({.frames = 60});

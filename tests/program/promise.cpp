@@ -52,7 +52,7 @@ TEST_CASE("walks, raises both arms from 2 s to 5 s; bones keep their lengths, fe
   }
 }
 
-TEST_CASE("words that no caption of the training had are named") {
+TEST_CASE("words that no caption of the training had are reported") {
   const TemporaryFolder folder;
   const auto out = run({"generate", "--text", "A person does a somersault", "--seconds", "1", "--preset", "fast",
                         "--model", (examples / "models/stmc_free.safetensors").string()},

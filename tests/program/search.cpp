@@ -197,7 +197,7 @@ TEST_CASE("index: what has not changed is not read again; what is gone, new, cha
   CHECK(file_of(g.search({"--like", "clips/new.bvh", "--top", "1"})[0]) == "new.bvh");
   for (const auto& hit : g.search({"a person walks"})) CHECK(!contains(hit["path"], "two.glb"));
 
-  // The same as an index that is made at once, but for the order.
+  // The same as an index that is made at once, except the order.
   const auto updated = ml::read_motion_index(g / "moves.index");
   check_contains(g.run({"index", "clips", "--model", "model", "-o", "other.index"}), 0, {"5 clips", "(5 added"});
   const auto fresh = ml::read_motion_index(g / "other.index");
@@ -282,7 +282,7 @@ TEST_CASE("index: Ctrl-C leaves an index of what is done, and the same command g
                  {"moves.index: 96 clips", "0 removed", "0 skipped"});
 }
 
-TEST_CASE("index: what is said later about clips that are there already: captions, a license") {
+TEST_CASE("index: captions and a license that come later, for clips that are there already") {
   const Gallery g;
   fs::remove(g / "clips/broken.bvh");
   fs::remove(g / "clips/LICENSE.txt");

@@ -257,7 +257,7 @@ TEST_CASE(
                                               "--joined", "2", "--windows", "0.5,1.5", "--stride", "0.5"});
   CHECK_MESSAGE(moments.code == 0, moments.text);
   for (const char* word :
-       {"6 texts in 3 motions of 2 clips of the training part", "0.5 s", "1.5 s", "all lengths", "a window by lot"})
+       {"6 texts in 3 motions of 2 clips of the training part", "0.5 s", "1.5 s", "all lengths", "a random window"})
     CHECK_MESSAGE(contains(moments.text, word), moments.text);
   CHECK(evaluate("train-tmr", {"--captions", "captions.tsv", "--moments", "3", "--windows", "99"}).code == 2);
   CHECK(evaluate("train-tmr", {"--captions", "captions.tsv", "--moments", "3", "--stride", "0"}).code == 2);
@@ -284,7 +284,7 @@ TEST_CASE(
   CHECK(ml::read_bvh_motion(clips / "made/walk.bvh").frames() == 12);
   CHECK(ml::read_file(clips / "made/1.bvh") == ml::read_file(clips / "made/walk.bvh"));
   CHECK(contains(generate("train-actor", {"--action", "fly"}).text,
-                 "action 'fly' is none of 0 ... 1; they are called turn, walk"));
+                 "action 'fly' is not one of 0 ... 1; they are called turn, walk"));
 
   // towards another text or action, and a recorded motion as the model knows it
   for (const std::string name : {"train-temos", "train-tmr", "train-actor"}) {
@@ -513,7 +513,7 @@ TEST_CASE(
     last = clips.losses(points);
   }
 
-  // frames by lot
+  // random frames
   trained("train-actor", "scattered", {"--set", "clips.random_frames=true"});
   CHECK(clips.losses("scattered") != clips.losses("first"));
   const auto steps =
@@ -1298,7 +1298,7 @@ TEST_CASE(
   const std::string scores =
       did({"evaluate", "motion-to-text/model", "--data", ".", "--captions", "captions.tsv", "--part", "training"});
   for (const char* text : {"4 motions of the training part, 4 to describe", "BLEU-4  ROUGE-L    CIDEr",
-                           "  a text of the training part by lot"})
+                           "  a random text of the training part"})
     CHECK_MESSAGE(contains(scores, text), scores);
   const auto described = scores.find("  described");
   REQUIRE(described != scores.npos);
@@ -1319,7 +1319,7 @@ TEST_CASE(
     for (double& x : out) rest >> x;
     return rest ? out : std::vector<double>(7);
   };
-  for (const char* row : {"described", "a text of the training part by lot"}) {
+  for (const char* row : {"described", "a random text of the training part"}) {
     const auto found = numbers(judged, row);
     CHECK(found[6] != 0);
     CHECK_MESSAGE((found[6] == 100) == (found[4] == 100), judged);  // and so ROUGE-L

@@ -96,7 +96,7 @@ TEST_CASE("how much is taken over depends on the number of steps and on cuts tha
   CHECK(7 * cut.work == cut.whole_work);
 }
 
-TEST_CASE("a limit keeps frames against the model, and is said to be no whole run") {
+TEST_CASE("a limit keeps frames against the model, and the result is marked as no whole run") {
   const auto model = small::model<B>();
   const ml::StmcOptions options{.overlap = 4};
   const auto before = numbers({model.generate(chain(seven), rng, options)});

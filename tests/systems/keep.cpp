@@ -21,7 +21,7 @@ Timeline two_texts() {
   return {{{"walk", 0, 12, BodyParts::all()}, {"wave", 8, 20, BodyParts{}.with(BodyPart::right_arm)}}};
 }
 
-/// Of another seed, so that it is none of the motions that are made.
+/// It has another seed, so that it differs from the motions that are made.
 template <class Model>
 ml::Tensor<B, 2> some_motion(const Model& model) {
   return model.generate(two_texts(), ml::Philox{.seed = 99});
@@ -69,7 +69,7 @@ TEST_CASE_TEMPLATE("kept frames and parts come back, the others are made", D, ml
   }
 }
 
-TEST_CASE("what cannot be kept is told") {
+TEST_CASE("what cannot be kept is refused") {
   const auto model = small::model_of<ml::MdmSmplDenoiser<B>>();
   const std::vector<Timeline> timelines{two_texts()};
   ml::KeptMotion<B> kept{some_motion(model), {{{0, 5}}}};

@@ -238,14 +238,14 @@ TEST_CASE("shapes that do not match, each with both") {
       407, {"tensor 'denoiser.registers' is (32, 2), the metadata say (2, 32)"});
 }
 
-TEST_CASE("numbers that are none") {
+TEST_CASE("numbers that are not finite") {
   for (const float wrong : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     check_refused([&](Parts& p) { p.tensors["denoiser.to_skel_layer.bias"].values[7] = wrong; }, 301,
                   {"number 7 of tensor 'denoiser.to_skel_layer.bias' is ", std::isnan(wrong) ? "nan" : "inf"});
   }
 }
 
-TEST_CASE("of several numbers that are none the first is named, for any use and on any number of threads") {
+TEST_CASE("of several numbers that are not finite the first is reported, for any use and on any number of threads") {
   Parts p;
   p.tensors["denoiser.registers"].values[1] = std::numeric_limits<float>::quiet_NaN();
   p.tensors["text_encoder.projection.weight"].values[2] = std::numeric_limits<float>::infinity();

@@ -1,4 +1,4 @@
-// Official run folders of the diffusion models: what they load as, what generation makes of it, and what is said when
+// Official run folders of the diffusion models: what they load as, what generation makes of it, and the errors when
 // something is missing or does not fit.
 #include <motionlang/weights/diffusion_folder.hpp>
 

@@ -1,4 +1,4 @@
-// TM2T's folders and those of MDM for actions: what they load as, what generation makes of it, what is said when
+// TM2T's folders and those of MDM for actions: what they load as, what generation makes of it, the errors when
 // something is missing.
 #include <motionlang/weights/mdm_action_run.hpp>
 #include <motionlang/weights/tm2t_run.hpp>

@@ -1,4 +1,4 @@
-// Official run folders of ACTOR and TEMOS: what they load as, what generation makes of it, what is said when something
+// Official run folders of ACTOR and TEMOS: what they load as, what generation makes of it, the errors when something
 // is missing.
 #include <motionlang/weights/vae_run.hpp>
 

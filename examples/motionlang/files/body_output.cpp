@@ -80,7 +80,7 @@ class OwnBody : public ShownBody {
     if (body_.kind == ml::BodyKind::other)
       return {ml::amass_motion(sequence, name),
               {},
-              npz.string() + ": left out are hands and betas, for the body is none of SMPL's\n"};
+              npz.string() + ": left out are hands and betas: the body is not one of SMPL's\n"};
     auto clip = ml::amass_on_body(sequence, name, body_);
     const bool has_more = !clip.parts.empty();
     if (betas_.empty()) {

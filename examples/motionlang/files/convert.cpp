@@ -37,7 +37,7 @@ namespace fs = std::filesystem;
 struct ConvertOptions {
   std::string in, out;  // out: "" of a folder: beside each motion
   std::string tensors, store, features;
-  std::string denoise, action;            // a model, and what it is told of the motion
+  std::string denoise, action;            // a model, and the action that the motion shows
   ModelSources sources;                   // of this model
   std::string as;                         // of a folder: extension of what its files become
   std::string skeleton;                   // a motion on the skeleton that the result takes
@@ -142,7 +142,7 @@ fs::path name_of(fs::path out, const std::string& name, std::set<std::string>& t
 /// may be generate's.
 fs::path beside(const fs::path& motion, const std::string& extension) { return motion.string() + extension; }
 
-/// One file into others. What is told about it is collected, for a caller who wants to show it.
+/// Converts one file into others. It collects the lines about them, for a caller who wants to show them.
 class Conversion {
  public:
   /// taken: names that clips of a data set have already, or files.
@@ -166,7 +166,7 @@ class Conversion {
       ml::raise<ml::config_error>(101, "convert: ", failures_, " of the ", ml::counted(motions_.size(), "motion"),
                                   " of ", o_.in, " could not be made:", reasons_);
   }
-  /// Lines that begin with the name of the input: what it has and the result has not.
+  /// Lines that begin with the name of the input: what it has and the result lacks.
   const std::string& about_input() const { return about_input_; }
   std::string told() const { return about_input_ + told_; }
 
@@ -214,7 +214,7 @@ class Conversion {
     if (loaded_.denoised && clip.has_more) about_input_ += o_.in + ": what --denoise makes is without hands and face\n";
   }
 
-  /// Of several motions one that fails is named and stops no other.
+  /// Of several motions one that fails is reported and stops no other.
   template <class Work>
   void attempt(const std::string& name, Work work) {
     try {
@@ -270,7 +270,7 @@ class Conversion {
 };
 
 /// Every motion file of a folder and of those below it, to the same place below another folder, or into a data set. One
-/// that fails is named and stops no other.
+/// that fails is reported and stops no other.
 class FolderConversion {
  public:
   explicit FolderConversion(const ConvertOptions& o) : o_(o), files_(files_of(o)), loaded_(o, inputs_of(o, files_)) {}
@@ -327,7 +327,7 @@ class FolderConversion {
     }
   }
 
-  /// The same said of many files is said once.
+  /// A line that is the same for many files is printed once.
   void note(const std::string& file, const std::string& about) {
     std::istringstream lines(about);
     for (std::string line; std::getline(lines, line);) {

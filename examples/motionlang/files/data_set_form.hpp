@@ -1,4 +1,4 @@
-// Data sets in the form of HumanML3D, which are told apart by the width of their rows: HumanML3D itself and KIT-ML.
+// Data sets in the form of HumanML3D. The width of their rows says which one it is: HumanML3D itself or KIT-ML.
 #pragma once
 
 #include <filesystem>

@@ -72,7 +72,7 @@ class Doctor {
     }
   }
 
-  /// None of a file that cannot be read or whose numbers are none, which is noted.
+  /// Returns no motions of a file that cannot be read or whose numbers are not finite, and notes the fault.
   std::vector<ml::Motion> readable_motions(const fs::path& file, const std::string& name) {
     try {
       return read_motions(file, options_in_folder(o_.read, file));

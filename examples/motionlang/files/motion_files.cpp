@@ -44,7 +44,7 @@ void MotionReadOptions::add_to(CLI::App& command) {
 void MotionReadOptions::require_for(const std::filesystem::path& file) const {
   const std::string kind = kind_of(file);
   const auto refuse = [&](bool given, bool fits, const char* option, const char* about) {
-    if (given && !fits) ml::raise<usage_error>(102, option, " is for ", about, "; ", file.string(), " is none");
+    if (given && !fits) ml::raise<usage_error>(102, option, " is for ", about, "; ", file.string(), " is not one");
   };
   refuse(scale != MotionReadOptions{}.scale, kind == ".bvh", "--scale", "BVH files");
   refuse(rate != 0, kind == ".npy" || kind == ".amc" || kind == ".npz", "--rate",
@@ -206,14 +206,14 @@ std::string listed(const std::vector<std::string>& names) {
   return shown < names.size() ? ml::concat_text(out, " and ", names.size() - shown, " more") : out;
 }
 
-/// What is told of joints that move along their bones; nothing of none.
+/// A line about joints that move along their bones; "" if there are none.
 std::string left_out(const std::filesystem::path& path, const std::vector<std::string>& joints, const char* kept) {
   if (joints.empty()) return {};
   return ml::concat_text(path.string(), ": left out is how ", listed(joints), joints.size() == 1 ? " moves" : " move",
                          " away from the joint before: bones keep their ", kept, "\n");
 }
 
-/// Each joint that some animation stretches is told once.
+/// Reports a joint once, however many animations stretch it.
 std::vector<ml::Motion> every_animation(const std::filesystem::path& path, std::optional<double> fps,
                                         std::string* told) {
   const auto file = ml::GlbFile::open(path);

@@ -59,7 +59,7 @@ bool is_motion_file(const std::filesystem::path& path);
 /// The motion files in a folder and in those below it, in order, but not .npy files with one axis, which are mean and
 /// deviation of a data set. Folders below it that cannot be read and links that lead in a circle are skipped, and named
 /// on stderr.
-/// results  a folder for results: if it is below the other one, its files are no inputs, which is said on stderr
+/// results  a folder for results: if it is below the other one, its files are no inputs, and stderr says so
 /// Throws   io_error 401 if the folder itself cannot be read
 std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder,
                                                       const std::filesystem::path& results = {});
@@ -130,7 +130,7 @@ void write_motions(const std::filesystem::path& path, std::span<const ml::Motion
 
 /// The features of a motion on SMPL's joints or on theirs, as the systems have them, one row for each frame, to an .npy
 /// file: at `fps` frames per second (0: the rate of the features). Returns a line about what it wrote. Throws
-/// config_error 103 for a name that is none (motion_features) and for other joints, usage_error 103 for another
+/// config_error 103 for an unknown name (motion_features) and for other joints, usage_error 103 for another
 /// extension.
 std::string write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features,
                            double fps = 0);

@@ -218,7 +218,7 @@ std::shared_ptr<const KeptClip> kept_clip(const GenerateOptions& o) {
   for (const std::string& name : o.keep_parts) {
     const auto part = ml::parse_body_part(ml::detail::trim(name));
     if (!part)
-      ml::raise<usage_error>(103, "--keep-parts: '", name, "' is none of ", ml::join_text(ml::body_part_names));
+      ml::raise<usage_error>(103, "--keep-parts: '", name, "' is not one of ", ml::join_text(ml::body_part_names));
     out.parts = out.parts.with(*part);
   }
   return std::make_shared<const KeptClip>(std::move(out));

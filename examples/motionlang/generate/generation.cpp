@@ -71,7 +71,7 @@ std::unique_ptr<Generator> load_generator(const std::string& backend, const std:
   if (backend == "xtensor") return published ? load_published_xtensor(model, sources) : load_xtensor(model_file(model));
   if (backend == "reference")
     return published ? load_published_reference(model, sources) : load_reference(model_file(model));
-  ml::raise<usage_error>(103, "backend '", backend, "' is none of eigen, xtensor, reference");
+  ml::raise<usage_error>(103, "backend '", backend, "' is not one of eigen, xtensor, reference");
 }
 
 const ml::Interval& only_text(const ml::Timeline& timeline) {
@@ -87,7 +87,7 @@ ml::Index action_of(const std::string& text, std::span<const std::string> labels
   const char* const end = text.data() + text.size();
   if (std::from_chars(text.data(), end, number).ptr == end && number >= 0 && number < classes) return number;
   const std::string known = labels.empty() ? "" : "; they are called " + ml::join_text(labels);
-  ml::raise<ml::config_error>(103, "action '", text, "' is none of 0 ... ", classes - 1, known);
+  ml::raise<ml::config_error>(103, "action '", text, "' is not one of 0 ... ", classes - 1, known);
 }
 void require_no_noise(const GenerationSettings& settings) {
   if (!settings.noise_file.empty())

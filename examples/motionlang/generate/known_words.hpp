@@ -60,7 +60,7 @@ inline std::vector<std::string> unreadable_words(std::string_view text) {
   return out;
 }
 
-/// A line about the words of a text that are none of the model's; "" if all are, or the model does not list any.
+/// A line about the words of a text that the model does not know; "" if it knows all, or does not list any.
 /// Their pieces make a motion as well, which looks as good as others but is of something else.
 inline std::string told_unknown_words(const std::string& text, const std::vector<std::string>& known) {
   if (known.empty() || text.empty()) return "";

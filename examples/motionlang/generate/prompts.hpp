@@ -1,4 +1,4 @@
-// What `judge` asks of a model: prompts, and how it is told from a motion whether it does what the prompt says.
+// The prompts that `judge` gives to a model, and the tests of whether a motion does what its prompt says.
 #pragma once
 
 #include <functional>

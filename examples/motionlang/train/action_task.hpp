@@ -172,7 +172,7 @@ class ClassifierTask : public ActionTask<ClassifierConfig, Classifier<TrainingTa
   }
 
  private:
-  /// The batch of a step, of which some motions, drawn by lot, are replaced by generated ones.
+  /// The batch of a step. Generated motions replace some of its motions, which are drawn at random.
   ActionBatch<A> partly_generated(const ml::Philox& rng, ml::Index step) const {
     auto lot = rng.split("generated");
     std::vector<ml::Index> kept, replaced;

@@ -12,7 +12,7 @@ namespace {
 template <class E, std::size_t N>
 E choice(const std::string& name, const char* key, const std::array<const char*, N>& names) {
   const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) ml::raise<ml::config_error>(103, key, " '", name, "' is none of ", ml::join_text(names));
+  if (found == names.end()) ml::raise<ml::config_error>(103, key, " '", name, "' is not one of ", ml::join_text(names));
   return static_cast<E>(found - names.begin());
 }
 

@@ -171,8 +171,8 @@ struct ActorModel {
     }
     return x.with(ml::Tensor<B, 2>::from(values, {x.offsets.rows(), seen.width()}));
   }
-  /// For each motion of x one on the line from its latent to that of another of its class, at a place by lot; as long
-  /// as it.
+  /// For each motion of x one of the same length, at a random place on the line between two latents: that of the motion
+  /// and that of another motion of its class.
   ml::Sequences<B> between(const ml::Sequences<B>& x, const ml::Sequences<B>& others,
                            std::span<const ml::Index> classes, ml::Philox& rng) const {
     std::vector<typename B::scalar> places(classes.size());
@@ -214,7 +214,7 @@ ActionBatch<B> action_batch(const std::vector<DescribedMotion>& motions, std::sp
   return out;
 }
 
-/// For each of these motions another one of its class by lot, or itself where there is no other.
+/// For each of these motions a random other one of its class, or itself where there is no other.
 std::vector<ml::Index> others_of_class(std::span<const ml::Index> which, std::span<const ml::Index> classes,
                                        ml::Philox& rng);
 

@@ -27,7 +27,7 @@ System babel_network(const Network& n, ml::Index width, ml::Index text_width) {
   return c;
 }
 
-/// How clips are split by lot.
+/// How clips are split at random.
 template <class Data>
 DataConfig lots_of(const Data& c) {
   return {.test_share = c.test_share, .validation_share = c.validation_share, .split_seed = c.split_seed};
@@ -61,11 +61,11 @@ struct SincLossesConfig {
 
 struct SincDataConfig {
   std::string types = "seg+seq+spatial_pairs";       // what is learnt, in any order; or with separate_pairs
-  ml::Index shortest = 15, window = 300;             // frames; of what is longer, as many from a place by lot
+  ml::Index shortest = 15, window = 300;             // frames; of longer ones, `window` from a random place
   ml::Index longest = 800;                           // of what is validated with
   ml::Index simultaneous_max = 4;                    // labels at the same time
   double proportion = 0.5;                           // of single actions that are combined with one of other body parts
-  bool random = false;                               // with any action, and parts by lot
+  bool random = false;                               // with any action, and random parts
   double test_share = 0.2, validation_share = 0.05;  // as in DataConfig
   std::uint64_t split_seed = 1;
 

@@ -21,7 +21,7 @@ struct BabelSources {
   std::filesystem::path data;        // folder of the motions
   std::filesystem::path babel;       // BABEL's own JSON
   std::filesystem::path validation;  // another, to validate with; then all of `babel` is for training
-  std::filesystem::path splits;      // folder with lists of ids; "": by lot
+  std::filesystem::path splits;      // folder with lists of ids; "": at random
   std::filesystem::path spelling;    // JSON of what words of labels are replaced by; "": by themselves
 
   /// Throws usage_error 102 without `babel`, and for `validation` beside `splits`.

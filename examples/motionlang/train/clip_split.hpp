@@ -15,10 +15,10 @@
 
 namespace program {
 
-/// Training (0), validation (1) or test (2) of every clip: by lists of ids, else by lot.
+/// Training (0), validation (1) or test (2) of every clip: by lists of ids, else at random.
 class Split {
  public:
-  /// lists: folder of train.txt, val.txt and test.txt; "": by lot, as the shares of `config` say
+  /// lists: folder of train.txt, val.txt and test.txt; "": at random, by the shares of `config`
   Split(const std::filesystem::path& lists, const DataConfig& config, std::vector<std::string> clips) {
     if (!lists.empty()) {
       for (const int part : {0, 1, 2}) {

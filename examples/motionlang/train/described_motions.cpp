@@ -63,7 +63,7 @@ void keep_actions(std::vector<ClipLine>& lines, const std::vector<std::string>& 
   });
 }
 
-/// Whether a clip is no features with numbers that are not finite; its reader says if there is none.
+/// False for features with numbers that are not finite. A missing clip is reported by its reader.
 bool can_be_read(const ClipLine& line) {
   return kind_of(line.file) != ".npy" || all_finite(ml::read_npy(line.file).to<float>());
 }

@@ -151,7 +151,7 @@ void add_evaluate(CLI::App& app) {
       ->capture_default_str();
   c->add_option(
        "--items", o->items,
-       "SINC: two actions at the same time, such of them as the training part has not and without 'stand' (the "
+       "SINC: two actions at the same time, those of them that the training part lacks and without 'stand' (the "
        "published evaluation), single actions, or all")
       ->check(CLI::IsMember({"pairs", "unseen", "single", "all"}))
       ->capture_default_str();

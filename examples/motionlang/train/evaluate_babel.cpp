@@ -355,7 +355,7 @@ void evaluate_sinc(const EvaluationOptions& o) {
   const BabelSources sources = babel_of(o);
   const bool unseen = o.items == "unseen";
   if (unseen && o.part == "all")
-    ml::raise<usage_error>(102, "--items unseen needs motions to train on, which --part all has not");
+    ml::raise<usage_error>(102, "--items unseen needs motions to train on; --part all does not have any");
   const Sentences sentence_of(o);
   FilmStrips strips(o);
   SincDataConfig config =

@@ -27,7 +27,7 @@ struct LongMotion {
   std::vector<std::string> texts;
 };
 
-/// So many clips by lot, no two of one text; fewer if the lot finds no other text a thousand times.
+/// Joins `clips` random clips, no two of one text. It joins fewer if a thousand draws find no other text.
 LongMotion joined(const std::vector<DescribedMotion>& motions, Index width, Index clips, ml::Philox rng) {
   LongMotion out;
   std::set<std::string> said;
@@ -74,7 +74,7 @@ void evaluate_moments(const EvaluationOptions& o) {
   std::vector<Answers> answers;
   for (const double seconds : o.windows) answers.push_back({ml::concat_text(seconds, " s"), {}});
   answers.push_back({"all lengths", {}});
-  Answers chance{"a window by lot", {}};
+  Answers chance{"a random window", {}};
   std::vector<ml::FrameSlice> wanted;
   const Index stride = std::max<Index>(1, std::lround(o.stride * model.fps()));
   ProgressBar bar("looking for moments");

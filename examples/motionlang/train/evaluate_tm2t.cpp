@@ -182,7 +182,7 @@ void evaluate_descriptions(const EvaluationOptions& o, const ml::RunFolder& foun
     const auto& texts = data.training[lot.below(static_cast<std::uint32_t>(data.training.size()))].texts;
     pair.candidate = ml::lemmas(words_of(texts[lot.below(static_cast<std::uint32_t>(texts.size()))], run.words));
   }
-  print_scores("a text of the training part by lot", pairs, bert);
+  print_scores("a random text of the training part", pairs, bert);
 }
 
 // ---- motions of texts ---------------------------------------------------------------------------------------------
@@ -271,8 +271,8 @@ struct Drawn {
   Embedded text, motion;
 };
 
-/// What the loader of Guo et al. hands out: a text of every entry by lot, a part of its motion, batches by lot, the
-/// last of which is left out unless it is whole.
+/// What the loader of Guo et al. hands out: a random text of every entry and a part of its motion, in random batches.
+/// The last batch is left out unless it is whole.
 class GuoItems {
  public:
   /// Throws config_error 101 unless there are two or more entries of the lengths that the loader takes.

@@ -35,8 +35,8 @@ class SampledErrors {
   JointErrors best_, worst_;
 };
 
-/// Errors of what is the same for every text: the mean of all poses, seen from the body, standing still, and another
-/// motion by lot.
+/// Errors of motions that know no text: the mean of all poses, seen from the body, standing still, and another, random
+/// motion.
 class BlindErrors {
  public:
   /// joints_of(i): those of motion i of so many to train on

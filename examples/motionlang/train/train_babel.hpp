@@ -18,7 +18,7 @@ inline CLI::App* add_babel_options(CLI::App& app, const char* name, const char* 
   c->get_option("--data")->description("Folder of the motions, such as AMASS, into which feat_p of BABEL leads");
   c->add_option("--babel", o.babel, "BABEL's train.json")->check(CLI::ExistingFile);
   c->add_option("--babel-validation", o.validation,
-                "BABEL's val.json, to validate with; a part of --babel, by --splits or by lot, unless given")
+                "BABEL's val.json, to validate with; unless given, a part of --babel, by --splits or at random")
       ->check(CLI::ExistingFile);
   c->add_option("--spelling", o.spelling, "JSON of words of labels and what they are replaced by")
       ->check(CLI::ExistingFile);

@@ -58,7 +58,7 @@ const std::filesystem::path& needed(const std::filesystem::path& folder, const c
   return folder;
 }
 
-/// What the stages behind the tokenizer go on from, but for the motions.
+/// What the stages behind the tokenizer go on from, except the motions.
 std::optional<TokenizedData> models_before(const Options& o, const Tm2tTrainingConfig& config) {
   if (o.stage == Tm2tStage::tokenizer) return std::nullopt;
   ml::GloVe words({"sos", "eos", "unk"}, std::vector<float>(3), 1);

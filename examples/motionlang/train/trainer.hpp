@@ -75,7 +75,7 @@ void require_same_settings(const ml::SafetensorsFile& checkpoint, const std::map
 /// loss       the terms of a step, from the step's own generator: it may depend on nothing but that, the step and the
 ///            state; the context brings the dropout of the step
 /// update     one step of the optimisers
-/// settings   everything that decides what a step computes, but for the number of steps
+/// settings   everything that decides what a step computes, except the number of steps
 /// add_to, load   the state
 template <class T>
 concept TrainingTask = requires(T& task, const T& same, ml::Philox rng, const ml::Context& context,
@@ -215,8 +215,7 @@ class Trainer {
   std::string validation_note() const {
     if (record_.validations.empty()) return "";
     std::string text = "  validation";
-    for (const Measure& m : record_.validations.back().measures)
-      text += formatted(" %s %.4g", m.name.c_str(), m.value);
+    for (const Measure& m : record_.validations.back().measures) text += formatted(" %s %.4g", m.name.c_str(), m.value);
     return text;
   }
 

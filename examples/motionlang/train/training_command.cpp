@@ -11,7 +11,7 @@ void add_training_options(CLI::App& command, TrainingOptions& o, const std::vect
   for (std::size_t i = 1; i < presets.size(); ++i) names += (i + 1 < presets.size() ? ", " : " or ") + presets[i];
   command.add_option("--data", o.data, "Folder with the clips of the table, or in the form of HumanML3D or KIT-ML")
       ->check(CLI::ExistingDirectory);
-  command.add_option("--splits", o.splits, "Folder with train.txt, val.txt, test.txt; by lot unless given")
+  command.add_option("--splits", o.splits, "Folder with train.txt, val.txt, test.txt; split at random unless given")
       ->check(CLI::ExistingDirectory);
   command.add_option("--preset", o.preset, "Hyperparameters: " + names)->capture_default_str();
   command.add_option("--config", o.config, "JSON with the hyperparameters that differ from the preset")

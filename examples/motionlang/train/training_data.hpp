@@ -48,7 +48,7 @@ struct SampleOptions {
 
 class TrainingSet {
  public:
-  /// Reads captions.tsv and the clips that it names below `data`. `progress` is told how many clips are read.
+  /// Reads captions.tsv and the clips that it names below `data`. `progress` gets the number of clips read.
   /// Throws io_error 401, 403.
   TrainingSet(const std::filesystem::path& captions, const std::filesystem::path& data, ml::Progress progress);
 

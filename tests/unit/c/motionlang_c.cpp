@@ -110,7 +110,7 @@ TEST_CASE("each step of the finish can be left out") {
   CHECK(positions() != all);
 }
 
-TEST_CASE("a progress function is told of every step and may stop the work") {
+TEST_CASE("a progress function is called after every step and may stop the work") {
   struct Calls {
     int64_t count = 0, last = 0, stop_at = 0;
   } calls;

@@ -281,7 +281,7 @@ TEST_CASE("a whole run: the first draw is the start, progress can stop it") {
   CHECK_THROWS_AS(ml::sample_collage(c, process, ml::Prediction::x0, noise, {}, stop), ml::cancelled);
   const auto short_process = process.respaced(std::vector<Index>{2, 5});
   ml::sample_collage(c, short_process, ml::Prediction::x0, noise);
-  CHECK(says.steps == std::vector<Index>(3, 2));  // the network is told the original step
+  CHECK(says.steps == std::vector<Index>(3, 2));  // the network gets the original step
 }
 
 TEST_CASE("interpolation between the ends of a window, per part") {

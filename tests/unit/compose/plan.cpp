@@ -161,7 +161,7 @@ TEST_CASE("gaps are filled with the unconditional text, or refused") {
   CHECK(ml::plan_timeline({{{"a", 5, 5, {}}}}, {.hidden = ml::HiddenTexts::ignore}).frames == 5);
 }
 
-TEST_CASE("hidden texts are named, or their transitions left out") {
+TEST_CASE("hidden texts are reported, or their transitions left out") {
   const auto t = parsed("walk # 0 # 30 # legs\nblink # 10 # 20");
   check_timeline_error(
       t, {},

@@ -58,7 +58,7 @@ TEST_CASE("amass_mirror: left and right change places, twice is nothing") {
   CHECK(back.trans == trans);
 }
 
-TEST_CASE("AMASS rates that are none are refused") {
+TEST_CASE("invalid AMASS rates are refused") {
   const std::vector<double> poses(6), trans(6);
   for (const double fps : {0.0, -20.0, std::nan(""), std::numeric_limits<double>::infinity(), 1e-310})
     CHECK_ERROR(ml::amass_resample<double>(poses, trans, fps, 20), "[motionlang.config.101] amass_resample");

@@ -67,7 +67,7 @@ TEST_CASE("a respaced process tells the network the original steps") {
   CHECK_ERROR(d.respaced(Steps{5, 5}), "[motionlang.config.104]");  // a step twice would add no noise
 }
 
-TEST_CASE("steps that a process has not, and one that keeps nothing") {
+TEST_CASE("steps that a process lacks, and one that keeps nothing") {
   const ml::GaussianDiffusion twenty(ml::LinearSchedule{.steps = 20});  // the last beta is 1
   CHECK(twenty.abar(19) == 0);
   CHECK_ERROR(twenty.inverse_abar(19), "[motionlang.config.104] GaussianDiffusion: step 19 keeps nothing of x0");

@@ -72,7 +72,7 @@ TEST_CASE("MappedFile: bytes that are put aside are there as long as the mapping
   ::setenv("TMPDIR", before.c_str(), 1);
 }
 
-TEST_CASE("write_file: what cannot be written is named, not the temporary file") {
+TEST_CASE("write_file: the error has the name of the file, not of the temporary file") {
   const TemporaryFolder folder;
   const std::string path = folder.path / "missing" / "a.bvh";
   CHECK_ERROR(ml::write_file(path, std::string_view("a")),

@@ -38,13 +38,13 @@ TEST_CASE("a mistake is reported with line and column") {
   CHECK(at("\"\xFF\"").starts_with("[motionlang.io.403] file:1:"));
 }
 
-TEST_CASE("all of what is wrong is said") {
+TEST_CASE("the message says all that is wrong") {
   CHECK(message_of([] {
           ml::parse_json("[\"a: \nb\"]", "file");
         }).find("syntax error while parsing value - invalid string") != std::string::npos);
 }
 
-TEST_CASE("a name that stands twice in an object is refused with both places") {
+TEST_CASE("a duplicate name in an object is refused with both places") {
   const auto said = [](std::string_view text) { return message_of([&] { ml::parse_json(text, "file"); }); };
   CHECK(said("{\"a\": 1,\n \"b\": 2, \"a\": 3}") ==
         "[motionlang.io.403] file:2:10: the name 'a' stands twice, first at 1:2");

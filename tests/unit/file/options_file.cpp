@@ -74,7 +74,7 @@ TEST_CASE("YAML: mappings in one line") {
   CHECK_ERROR(ml::parse_options("a: {b}\n", "x"), "[motionlang.io.403] x:1: a key with a colon expected in the braces");
 }
 
-TEST_CASE("a name that stands twice is refused with both lines") {
+TEST_CASE("a duplicate name is refused with both lines") {
   CHECK_ERROR(ml::parse_options("a:\n  b: 1\nc: 2\na:\n  d: 1\n", "x"),
               "[motionlang.io.403] x:4: 'a' stands twice, first in line 1");
   CHECK_ERROR(ml::parse_options("a:\n- b: 1\n  c: 2\n  b: 3\n", "x"), "x:4: 'a/0/b' stands twice, first in line 2");

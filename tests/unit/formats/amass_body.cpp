@@ -62,7 +62,7 @@ TEST_CASE("the vertices are those of the model, turned to Y up") {
   }
 }
 
-TEST_CASE("parts are found by their joints, and what a body does not have is named") {
+TEST_CASE("parts are found by their joints, and what a body does not have is reported") {
   const auto smplh = sequence_of(156), smplx = sequence_of(165);
   const auto on_x = ml::amass_on_body(smplh, "h", body_of(ml::BodyKind::smplx));
   CHECK(on_x.parts == Names{"left hand", "right hand"});

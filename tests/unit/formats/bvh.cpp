@@ -141,7 +141,7 @@ TEST_CASE("BVH: a root that only carries a moving one is joined with it") {
   check_equal(p[3], {13, 1, -2});
 }
 
-TEST_CASE("BVH: joints below the root that move away from the joint before are named") {
+TEST_CASE("BVH: joints below the root that move away from the joint before are reported") {
   const std::string text =
       "HIERARCHY ROOT a { OFFSET 0 0 0 CHANNELS 1 Xposition JOINT still { OFFSET 0 1 0 CHANNELS 1 Yposition JOINT arm "
       "{ OFFSET 0 1 0 CHANNELS 1 Yposition } } JOINT leg { OFFSET 0 1 0 CHANNELS 1 Xrotation } } MOTION Frames: 2 "
@@ -168,7 +168,7 @@ TEST_CASE("BVH: of several roots one is chosen") {
   CHECK(ml::parse_bvh(ml::format_bvh(file)).values == file.values);
 }
 
-TEST_CASE("BVH: joints of one name are told apart") {
+TEST_CASE("BVH: joints of one name are distinguished") {
   const auto motion = ml::to_motion(ml::parse_bvh(
       "HIERARCHY ROOT a { OFFSET 0 0 0 CHANNELS 1 Xposition JOINT a { OFFSET 1 0 0 } JOINT a { OFFSET 2 0 "
       "0 } } MOTION Frames: 0 Frame Time: 0.05"));

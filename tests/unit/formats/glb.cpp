@@ -335,7 +335,7 @@ TEST_CASE("hips that move below a root on the floor become the root; control bon
   CHECK(ml::norm(motion.root_at(1) - ml::Vec3{0.0, 0.8, 2.0}) < 1e-6);
 }
 
-TEST_CASE("joints below the root that move along their bones are named") {
+TEST_CASE("joints below the root that move along their bones are reported") {
   Builder b = two_joints();
   b.document["nodes"][1]["children"] = {2};
   b.node({{"name", "c"}, {"translation", {0, 1, 0}}});

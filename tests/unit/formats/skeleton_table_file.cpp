@@ -72,7 +72,7 @@ TEST_CASE("a table in a file puts motions on a character of other names") {
   CHECK(mine.with(std::span(&walk, 1)).size() > glb.size());
 }
 
-TEST_CASE("what is wrong with a table is said with its line") {
+TEST_CASE("an error in a table is reported with its line") {
   const auto refused = [](const std::string& text, const char* message) {
     CHECK_THROWS_WITH_AS(ml::parse_skeleton_table(text, biped(), "t.tsv"), Contains(message), ml::error);
   };

@@ -128,7 +128,7 @@ TEST_CASE("blend_into: before and after the blend both clips are as they were, i
 }
 
 TEST_CASE("without_jump: the frame after the jump goes where those before lead, and what that moves fades away") {
-  // turns and goes evenly, but for a jump into frame 20
+  // turns and goes evenly, except a jump into frame 20
   const auto steady = [](const ml::Quaternion<double>& later, double up) {
     ml::Motion m{synthetic::walk({.frames = 1}).skeleton, 20, {}, {}, "steady"};
     for (int f = 0; f < 40; ++f) {

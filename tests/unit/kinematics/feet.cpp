@@ -63,7 +63,7 @@ TEST_CASE("a leg that cannot reach a place points at it") {
   CHECK(ml::norm(ml::normalized(after.position[7] - hip) - ml::normalized(target - hip)) < 1e-6);
 }
 
-TEST_CASE("a straight leg bends as it is told; three joints that are no limb are refused") {
+TEST_CASE("a straight leg bends in the given direction; three joints that are no limb are refused") {
   ml::Motion rest{ml::smpl24_skeleton(), 20, {{0, 0.95, 0}}, std::vector(24, ml::Quaternion<double>::identity()), {}};
   ml::JointTransforms<double> before, after;
   rest.world(0, before);

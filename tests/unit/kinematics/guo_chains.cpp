@@ -122,7 +122,7 @@ TEST_CASE("mirrored hands: fingers as published, and the right ones") {
   CHECK_ERROR(ml::mirror_joints(view(joints), {}), "[motionlang.shape.205]");
 }
 
-TEST_CASE("chains that are none") {
+TEST_CASE("invalid chains are refused") {
   auto broken = [](auto change) {
     auto skeleton = ml::humanml3d_chains();
     change(skeleton);

@@ -137,7 +137,7 @@ TEST_CASE("partners are found by the usual marks") {
   CHECK_THROWS_WITH_AS(partners({"root", "left_arm"}), Contains("[motionlang.config.103]"), ml::config_error);
 }
 
-TEST_CASE("mirror refuses partners that are none") {
+TEST_CASE("mirror refuses invalid partners") {
   const auto walk = synthetic::walk({.frames = 2});
   std::vector<int> partners = ml::mirror_partners(walk.skeleton);
   CHECK_THROWS_WITH_AS(ml::mirror(walk, std::span(partners).first(3)), Contains("[motionlang.config.102]"),

@@ -205,7 +205,7 @@ ml::Skeleton renamed(ml::Skeleton s, const std::string& from, const std::string&
 
 }  // namespace
 
-TEST_CASE("LaFAN1 has Mixamo's names and lies in its zero pose: it is told by how it would stand") {
+TEST_CASE("LaFAN1 has Mixamo's names and lies in its zero pose: the pose in which it would stand tells which it is") {
   const ml::Skeleton source = lafan1();
   CHECK(ml::detect_skeleton_table(source).name == "LaFAN1");
   CHECK(ml::detect_skeleton_table(renamed(source, "Toe", "ToeBase")).name == "LaFAN1");
@@ -393,7 +393,7 @@ TEST_CASE("MMM: there and back, limbs and trunk keep their directions") {
   CHECK(bone_angle(walk, fitted, "right_elbow", "right_wrist") < 1);
 }
 
-TEST_CASE("what is missing is named") {
+TEST_CASE("a missing joint is reported") {
   ml::Skeleton s = ml::smpl24_skeleton();
   s.names[static_cast<std::size_t>(s["left_knee"])] = "kneecap";
   CHECK_THROWS_WITH_AS(ml::detect_skeleton_table(s), Contains("SMPL, needs a joint 'left_knee'"), ml::config_error);

@@ -1,4 +1,4 @@
-// The loss of classifiers: by hand, large scores, gradient, labels that are none.
+// The loss of classifiers: by hand, large scores, gradient, invalid labels.
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/loss/cross_entropy.hpp>

@@ -99,7 +99,7 @@ TEST_CASE("InfoNCE: perfect pairs, no pairs, filtered negatives") {
   CHECK(ml::info_nce(x, equal, 0.5, filtered(different, 0.8)).item() == Approx(std::log(2.0)));
   CHECK(ml::info_nce(x, equal, 0.5, filtered(same, 0)).item() == Approx(std::log(2.0)));
   CHECK(ml::info_nce(x, equal, 0.5, filtered(different, 0.4)).item() ==
-        Approx(0));  // cosines above -0.2: but for the diagonal
+        Approx(0));  // cosines above -0.2, except the diagonal
   CHECK(std::isfinite(ml::info_nce(Matrix::zeros({2, 2}), x, 0.1).item()));
   CHECK_ERROR(ml::info_nce(x, Matrix::zeros({3, 2}), 0.1), "[motionlang.shape.204] info_nce");
   const std::vector<unsigned char> three(3);

@@ -156,7 +156,7 @@ TEST_CASE("exchanged sides: of the whole body, of the arms, of the legs") {
   CHECK(text(exchanged([&](const auto& n) { return !is_leg(n); })).starts_with("the arms are"));
 }
 
-TEST_CASE("values that are none") {
+TEST_CASE("values that are not finite") {
   auto m = walk();
   m.local[7 * 24 + 4].x = std::numeric_limits<double>::quiet_NaN();
   CHECK(faults(m) == only(ml::Fault::not_finite));
@@ -343,7 +343,7 @@ TEST_CASE("feet that are not on the floor") {
   }
 }
 
-TEST_CASE("several faults at once are told apart and mended together") {
+TEST_CASE("several faults at once are distinguished and mended together") {
   auto m = scaled(turned(walk(), synthetic::about_x(std::numbers::pi / 2), true), 100);
   m.root.insert(m.root.begin(), m.root[0]);
   m.local.insert(m.local.begin(), 24, ml::Quaternion<double>::identity());

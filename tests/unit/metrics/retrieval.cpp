@@ -72,7 +72,7 @@ TEST_CASE("guo_batches: NumPy's shuffle with seed 0, the rest is dropped") {
 }
 
 TEST_CASE("retrieve: protocols choose their pairs") {
-  // Latents on a circle: text i and motion i at the same angle, but for the pair "c".
+  // Latents on a circle: text i and motion i at the same angle, except the pair "c".
   const std::vector<double> texts{1, 0, 0, 1, -1, 0}, motions{1, 0, 0, 1, 0, 1};
   const ml::Rows x(texts, 2), y(motions, 2);
   ml::RetrievalOptions options{.batch = 2, .ids = {"c", "a", "b"}, .nsim_ids = {"a", "missing", "c"}};

@@ -130,7 +130,7 @@ TEST_CASE(
   CHECK(a.encoder.position_enc.positional_encoding.data().node == nullptr);
 }
 
-TEST_CASE("a shared projection stands twice in files; a copy that is another tensor is refused") {
+TEST_CASE("a shared projection is in files twice; a copy that is another tensor is refused") {
   const auto m = small_transformer();
   auto file = [&](const ml::Tensor<B, 2>& copy) {
     ml::TensorStore store;

@@ -25,7 +25,7 @@ std::vector<float> random_rows(Index count, Index width, std::uint64_t seed) {
 }
 
 /// The definition. Sums in one order that is not the library's: scores may differ by the rounding of double, which
-/// float does not see (but for one number in a hundred million).
+/// float does not see (except for one number in a hundred million).
 std::vector<ml::Neighbour> sorted_by_cosine(std::span<const float> rows, std::span<const float> query, Index k) {
   const auto width = query.size();
   const std::vector<float> unit = ml::unit_rows(query, static_cast<Index>(width));

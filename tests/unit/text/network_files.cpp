@@ -71,7 +71,7 @@ TEST_CASE("CLIP: the forms of Hugging Face and OpenAI, alone or inside of a larg
   CHECK(same_bits(clip_vector(with_prefix(other, "model.")), want));
 }
 
-TEST_CASE("what does not match is named") {
+TEST_CASE("the error says what does not match") {
   Numbers n = distil;
   n["transformer.layer.0.ffn.lin1.wieght"] = n["transformer.layer.0.ffn.lin1.weight"];
   n.erase("transformer.layer.0.ffn.lin1.weight");

@@ -1,5 +1,5 @@
-// Model folders of ours: what is written comes back, nothing half written stays, wrong entries are named with both
-// values.
+// Model folders of ours: what is written comes back, nothing half written stays, wrong entries are reported with
+// both values.
 #include <motionlang/weights/model_folder.hpp>
 #include <motionlang/weights/module_file.hpp>
 #include <motionlang/weights/weight_file.hpp>
@@ -84,7 +84,7 @@ TEST_CASE("who gets a model has to know its licence and where it comes from") {
   CHECK(entries(folder.path) == 0);
 }
 
-TEST_CASE("wrong entries are named with file, key and both values") {
+TEST_CASE("wrong entries are reported with file, key and both values") {
   const auto refused = [](const std::string& text, const char* message) {
     CHECK_ERROR(ml::parse_model_config(text, "m/config.json"), message);
   };

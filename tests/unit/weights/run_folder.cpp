@@ -122,7 +122,7 @@ TEST_CASE("TMR: one file for each module, last_weights before others") {
   CHECK(file.find("motion_encoder.tokens") != nullptr);
   CHECK(file.find("stats.std") != nullptr);
 
-  const TemporaryFolder copy;  // a file that lies beside the modules is none of them
+  const TemporaryFolder copy;  // a file that lies beside the modules is not one of them
   std::filesystem::copy(golden / "tmr_run", copy / "run", std::filesystem::copy_options::recursive);
   std::filesystem::copy_file(run.parts.at("motion_encoder"), std::filesystem::path(copy / "run") / "other.pt");
   CHECK(part_names(ml::find_run(copy / "run")) == part_names(run));
@@ -159,7 +159,7 @@ TEST_CASE("Hugging Face: whole, or in shards with an index") {
   CHECK(ml::open_weights(f.path).names() == std::vector<std::string>{"whole"});
 }
 
-TEST_CASE("folders that are none, and options that cannot be read") {
+TEST_CASE("folders without a run, and options that cannot be read") {
   const Folder f;
   CHECK(f.run().system.empty());
   CHECK_ERROR(ml::open_weights(f.path), "[motionlang.io.404]");

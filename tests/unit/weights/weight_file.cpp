@@ -132,7 +132,7 @@ TEST_CASE("PyTorch: big-endian, packed, older and newer ways to rebuild tensors"
   CHECK(floats(open("nested_storage.pkl"), "w") == six);
 }
 
-TEST_CASE("checkpoints: the tensors are found, other entries are told, classes that nobody knows are skipped") {
+TEST_CASE("checkpoints: the tensors are found, other entries are listed, classes that nobody knows are skipped") {
   const auto file = open("checkpoint.ckpt");
   CHECK(file.names() == std::vector<std::string>{"a", "b"});
   CHECK(value<std::int64_t>(file, "epoch") == 3);
@@ -184,7 +184,7 @@ TEST_CASE("configurations in objects of classes that nobody knows are read, thei
     CHECK(value<std::int64_t>(file, "hyper_parameters/tree/inner/heads") == 4);
     CHECK(value<std::string>(file, "hyper_parameters/mode") == "training");
     CHECK(value<std::string>(file, "hyper_parameters/nested/mode") == "training");
-    for (const ml::FileValue& v : file.values()) {  // once each: loops end, and what stands twice is there once
+    for (const ml::FileValue& v : file.values()) {  // once each: loops end, and shared values are listed once
       CHECK_MESSAGE(v.path.find("again") == std::string::npos, v.path);
       CHECK_MESSAGE(v.path.find("_parent") == std::string::npos, v.path);
       CHECK_MESSAGE(file.value(v.path) == &v, v.path);
@@ -219,7 +219,7 @@ TEST_CASE("graphs of objects that nobody knows end, and leave the rest of the fi
   CHECK(value<std::int64_t>(file, "y") == 3);
 }
 
-TEST_CASE("each of several values of one class is skipped by its own keys, the first thousand are told") {
+TEST_CASE("each of several values of one class is skipped by its own keys, the first thousand are listed") {
   std::string pickle = "\x80\x02(dS'layers'\n(l";
   for (int i = 0; i < 1001; ++i)
     pickle +=
@@ -443,7 +443,7 @@ std::vector<std::byte> changed_archive(std::string_view more, const std::string&
 
 }  // namespace
 
-TEST_CASE("PyTorch: what follows the pickle is told, two roots are refused") {
+TEST_CASE("PyTorch: what follows the pickle is reported, two roots are refused") {
   const auto bytes = changed_archive("more");
   const auto file = ml::WeightFile::from_bytes(bytes, "x.pt");
   CHECK(floats(file, "h") == std::vector<float>{1, -2.5F});
