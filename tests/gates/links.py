@@ -10,22 +10,14 @@ lists the files of other projects, and the pages of spec/, a folder that readers
 """
 import pathlib
 import re
-import subprocess
 import sys
 
-here = pathlib.Path(__file__).resolve().parent
-root = here.parents[1]
-
-
-def tracked(*patterns):
-    listed = subprocess.run(["git", "ls-files", "--", *patterns], cwd=root, check=True, capture_output=True, text=True)
-    return listed.stdout.splitlines()
-
+from files import root, tracked
 
 known = set(tracked())
 known |= {str(parent) for name in known for parent in pathlib.PurePath(name).parents}
 basenames = {pathlib.PurePath(name).name for name in known}
-others = {line for line in (here / "links_others.txt").read_text(encoding="utf-8").splitlines() if line and line[0] != "#"}
+others = {line for line in (root / "tests/gates/links_others.txt").read_text(encoding="utf-8").splitlines() if line and line[0] != "#"}
 
 folders = r"(?:include|examples|tests|single_include|\.ci|\.github)"
 word = re.compile(rf"(?<![\w./*-])((?:{folders}/[\w./-]*[\w])|(?:[\w][\w./-]*\.(?:hpp|ipp|inc|md)))(?![\w*/-])")
@@ -46,8 +38,9 @@ def exists(name, beside):
 
 files = [pathlib.Path(name).resolve() for name in sys.argv[1:]]
 if not files:
-    files = [root / name for name in tracked("*.hpp", "*.ipp", "*.inc", "*.cpp", "*.h", "*.c", "*.md", "*.sh", "*.cmake", "*CMakeLists.txt",
-                                             "*.py", ":!single_include", ":!tests/gates", ":!tests/fuzz/corpus")]
+    files = [root / name for name in tracked(
+        "*.hpp", "*.ipp", "*.inc", "*.cpp", "*.h", "*.c", "*.md", "*.sh", "*.cmake", "*CMakeLists.txt", "*.py",
+        "!single_include", "!tests/gates", "!tests/fuzz/corpus")]
 missing = checked = 0
 for file in files:
     page = file.suffix == ".md"

@@ -1,23 +1,30 @@
 #!/bin/sh
-# Gate: clang-tidy 14, with the checks of .clang-tidy, has nothing to say of a source or a header alone.
-#     sh tests/gates/tidy.sh all | changed | tenth | FILE ...      in front: the compiler's options, in TIDY_OPTIONS
+# Gate: clang-tidy 14, with the checks of .clang-tidy, finds nothing.
+#     sh tests/gates/tidy.sh BUILD all | changed | tenth | FILE ...
 #
-# changed   what differs from the last merge (TIDY_BASE names another commit)
+# BUILD     a build folder: its compile_commands.json has the options of every source
+# changed   what differs from the last merge, or from TIDY_BASE
 # tenth     every tenth file, other ones with every commit
+#
+# Headers are looked at together, in one unit that includes them; sources one by one.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
+build=$(cd "$1" && pwd)
+shift
 cd "$here/../.."
 . "$here/sources.sh"
 command -v clang-tidy-14 >/dev/null || { echo "clang-tidy-14 is needed (Debian: clang-tidy-14)"; exit 1; }
-base=${TIDY_BASE:-$(git rev-list --merges --max-count=1 --skip="$(git rev-list --merges --max-count=1 HEAD | grep -c "$(git rev-parse HEAD)" || true)" HEAD)}
-ours() { grep -E '^(include|examples|tests/(unit|laws|ops|systems|program|support|golden))/.*\.(hpp|cpp|c)$' || true; }
+last_merge() { git rev-list --merges --max-count=1 HEAD^ 2>/dev/null || true; }
+ours() { grep -E '^(include|examples|tests/(unit|laws|ops|systems|program|golden))/.*\.(hpp|cpp)$' || true; }
 case ${1:-all} in
   all) files=$(sources | ours) ;;
-  changed) files=$(git diff --name-only --diff-filter=d "${base:-HEAD}" | ours) ;;
+  changed) files=$(git diff --name-only --diff-filter=d "${TIDY_BASE:-$(last_merge)}" | ours) ;;
   tenth) files=$(sources | ours | awk -v n="$(git rev-list --count HEAD)" 'NR % 10 == n % 10') ;;
   *) files=$* ;;
 esac
-[ -n "$files" ] || { echo "nothing to look at"; exit 0; }
-echo "clang-tidy looks at $(echo "$files" | wc -w) files"
+mkdir -p "$build/tidy"
 # shellcheck disable=SC2086
-echo $files | tr ' ' '\n' | xargs -P "$(nproc)" -n 1 clang-tidy-14 --quiet --extra-arg-before=-xc++ "{}" -- ${TIDY_OPTIONS:-}
+python3 "$here/tidy_commands.py" "$build" $files >"$build/tidy/units.txt"
+echo "clang-tidy looks at $(echo "$files" | wc -w) files in $(wc -l <"$build/tidy/units.txt") units"
+xargs -a "$build/tidy/units.txt" -P "$(nproc)" -I{} sh -c '
+  clang-tidy-14 --quiet -p "$0/tidy" --header-filter="$(cat "$0/tidy/headers.txt")" "{}" 2>/dev/null' "$build"

@@ -5,24 +5,21 @@
 """
 import pathlib
 import re
-import subprocess
 import sys
 
-here = pathlib.Path(__file__).resolve().parent
-root = here.parents[1]
+from files import root, tracked
+
 rules = []
-for line in (here / "words.txt").read_text(encoding="utf-8").splitlines():
+for line in (root / "tests/gates" / "words.txt").read_text(encoding="utf-8").splitlines():
     if line and not line.startswith("#"):
         pattern, better = line.split("\t")
         rules.append((re.compile(pattern), better))
 
 files = sys.argv[1:]
 if not files:
-    listed = subprocess.run(
-        ["git", "ls-files", "--", "*.hpp", "*.ipp", "*.inc", "*.cpp", "*.h", "*.c", "*.md", "*.sh", "*.cmake", "*.txt", "*.py",
-         ":!single_include", ":!tests/gates", ":!tests/fuzz/corpus", ":!tests/golden/cases"],
-        cwd=root, check=True, capture_output=True, text=True)
-    files = [root / name for name in listed.stdout.splitlines()]
+    files = [root / name for name in tracked(
+        "*.hpp", "*.ipp", "*.inc", "*.cpp", "*.h", "*.c", "*.md", "*.sh", "*.cmake", "*.txt", "*.py",
+        "!single_include", "!tests/gates", "!tests/fuzz/corpus", "!tests/golden/cases")]
 
 found = 0
 for file in files:

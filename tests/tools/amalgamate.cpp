@@ -68,7 +68,7 @@ bool is_directive(const std::string& line, const std::string& word, std::string*
   return true;
 }
 
-/// The branches of `#if`s on MOTIONLANG_INSTANTIATED, which is undefined. Asked once for every line of a file, in order.
+/// The branches of `#if`s on MOTIONLANG_INSTANTIATED, which is undefined. Asked once for every line, in order.
 class Instantiated {
  public:
   /// Whether a line is left out: the directives of such an #if, and what is below one that does not hold.

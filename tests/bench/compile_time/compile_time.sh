@@ -1,7 +1,20 @@
 #!/bin/bash
-# What the headers cost a user: compile_time.sh <compiler and flags...>
-# Prints seconds of user time (the best of three) and preprocessed lines. Fails if a unit of a user is over its limit.
-cd "$(dirname "$0")" || exit
+# What the headers cost a user: compile_time.sh [--table] [--kept FILE] <compiler and flags...>
+#
+# Compiles the unit of a user in several ways and prints each time (user seconds, the best of two) and its ratio to three
+# packages together, <Eigen/Dense>, <nlohmann/json.hpp> and <xtensor/xarray.hpp>, measured in the same run. Fails if a ratio is
+# more than 1.2 times what kept.txt says, and says so if it is less than 0.8 times: then keep the new one.
+# --table: what single headers cost, too.
+here=$(cd "$(dirname "$0")" && pwd)
+kept=$here/kept.txt
+table=0
+while [ $# -gt 0 ]; do
+  case $1 in
+    --table) table=1 && shift ;;
+    --kept) kept=$2 && shift 2 ;;
+    *) break ;;
+  esac
+done
 compile=("$@")
 TIMEFORMAT=%U
 
@@ -9,39 +22,38 @@ TIMEFORMAT=%U
 seconds() {
   local text
   text=$(cat)
-  for _ in 1 2 3; do
+  for _ in 1 2; do
     { time "${compile[@]}" "$@" -x c++ - <<<"$text" >/dev/null 2>&1; } 2>&1
   done | sort -n | head -1
 }
-# row <label> <includes> <flags...>
-row() {
-  local label=$1 includes=$2 text
-  shift 2
-  text=$(printf '#include <%s>\n' $includes)
-  printf '%-38s %7s %9s\n' "$label" "$(seconds "$@" -fsyntax-only <<<"$text")" \
-    "$("${compile[@]}" "$@" -E -x c++ - <<<"$text" | wc -l)"
-}
-# unit <label> <limit> <flags...>
-unit() {
-  local label=$1 limit=$2 time
-  shift 2
-  time=$(seconds "$@" -O0 -c -o /dev/null <user.cpp)
-  printf '%-38s %7s %9s\n' "$label" "$time" "limit $limit"
-  awk "BEGIN { exit !($time <= $limit) }" || status=1
-}
+includes() { printf '#include <%s>\n' "$@"; }
+
+if [ $table -eq 1 ]; then
+  printf '%-38s %7s %9s\n' include seconds lines
+  for header in Eigen/Core nlohmann/json.hpp motionlang/{fwd,core/rng,tensor/ops,tensor/fused,geometry/so3,kinematics/forward}.hpp \
+    motionlang/{nn/transformer_encoder,backend/reference,backend/eigen,backend/xtensor,backend/autodiff}.hpp \
+    motionlang/{compose/timeline_text,formats/bvh,file/json,motionlang,stmc}.hpp; do
+    printf '%-38s %7s %9s\n' "$header" "$(seconds -fsyntax-only < <(includes "$header"))" \
+      "$("${compile[@]}" -E -x c++ - < <(includes "$header") | wc -l)"
+  done
+  echo
+fi
 
 status=0
-printf '%-38s %7s %9s\n' include seconds lines
-row '<vector> <string> <memory> <span>' 'vector string memory concepts span'
-row Eigen/Core Eigen/Core
-row nlohmann/json.hpp nlohmann/json.hpp
-for header in fwd core/rng tensor/ops tensor/fused geometry/so3 kinematics/forward nn/transformer_encoder backend/reference \
-  backend/eigen backend/xtensor backend/autodiff compose/timeline_text io/bvh io/json motionlang stmc; do
-  row "motionlang/$header.hpp" "motionlang/$header.hpp"
-done
-row 'motionlang/stmc.hpp, instantiated' motionlang/stmc.hpp -DMOTIONLANG_INSTANTIATED
-echo
-printf '%-38s %7s\n' 'unit of a user, -O0' seconds
-unit 'header-only' 3
-unit 'motionlang::instantiated' 1.5 -DMOTIONLANG_INSTANTIATED
+packages=$(seconds -O0 -c -o /dev/null < <(includes Eigen/Dense nlohmann/json.hpp xtensor/xarray.hpp))
+printf '%-34s %7s %7s %7s\n' "unit of a user" seconds ratio kept
+printf '%-34s %7s %7s\n' "the three packages, -O0" "$packages" 1
+while read -r ratio flags; do
+  [ "${ratio:0:1}" = "#" ] && continue
+  # shellcheck disable=SC2086
+  time=$(seconds $flags -c -o /dev/null <"$here/user.cpp")
+  now=$(awk "BEGIN { printf \"%.2f\", $time / $packages }")
+  printf '%-34s %7s %7s %7s' "$flags" "$time" "$now" "$ratio"
+  if awk "BEGIN { exit !($now > 1.2 * $ratio) }"; then
+    printf '   more than 1.2 times what is kept' && status=1
+  elif awk "BEGIN { exit !($now < 0.8 * $ratio) }"; then
+    printf '   faster: keep it in %s' "$(basename "$kept")"
+  fi
+  echo
+done <"$kept"
 exit $status

@@ -1,0 +1,27 @@
+#!/bin/sh
+# Gate: no reader has an error of memory, undefined behaviour or a leak on what the tests and the fuzzers' corpora feed it.
+#     sh tests/gates/sanitizers.sh [TEST ...]      programs of tests/; without: all that read files
+set -eu
+cd "$(dirname "$0")/../.."
+. .ci/packages.sh
+if [ $# -eq 0 ]; then
+  set -- unit_file unit_formats unit_datasets unit_weights unit_text unit_compose \
+    $(cd tests/fuzz && ls fuzz_*.cpp | sed 's/fuzz_\(.*\)\.cpp/replay_\1/')
+fi
+build sanitizers "$@"
+log=${TMPDIR:-/tmp}/motionlang-sanitizers.log
+code=0
+for test in "$@"; do
+  corpus=
+  case $test in replay_*) corpus=$PWD/tests/fuzz/corpus/${test#replay_} ;; esac
+  program=$(find build/sanitizers/tests -name "$test" -type f)
+  # shellcheck disable=SC2086
+  if "$program" $corpus >"$log" 2>&1; then
+    echo "$test: no error"
+  else
+    tail -40 "$log"
+    echo "$test: failed"
+    code=1
+  fi
+done
+exit $code
