@@ -9,7 +9,7 @@ need python3 clang-format-14 clang-tidy-14
 sh tests/gates/format.sh
 python3 tests/gates/words.py
 python3 tests/gates/links.py
-sh tests/gates/tidy.sh build/ci changed
-sh tests/gates/tidy.sh build/ci tenth
+TIDY_MINUTES=8 sh tests/gates/tidy.sh build/ci changed
+TIDY_MINUTES=8 sh tests/gates/tidy.sh build/ci tenth
 sh tests/gates/sanitizers.sh
 echo "All gates passed."

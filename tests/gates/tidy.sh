@@ -6,7 +6,8 @@
 # changed   what differs from the last merge, or from TIDY_BASE
 # tenth     every tenth file, other ones with every commit
 #
-# Headers are looked at together, in one unit that includes them; sources one by one.
+# Headers are looked at together, in one unit that includes them; sources one by one. After TIDY_MINUTES no further unit is
+# begun, and those left out are reported.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 build=$(cd "$1" && pwd)
@@ -18,7 +19,11 @@ last_merge() { git rev-list --merges --max-count=1 HEAD^ 2>/dev/null || true; }
 ours() { grep -E '^(include|examples|tests/(unit|laws|ops|systems|program|golden))/.*\.(hpp|cpp)$' || true; }
 case ${1:-all} in
   all) files=$(sources | ours) ;;
-  changed) files=$(git diff --name-only --diff-filter=d "${TIDY_BASE:-$(last_merge)}" | ours) ;;
+  changed)
+    base=${TIDY_BASE:-$(last_merge)}
+    [ -n "$base" ] || { echo "clang-tidy: no merge is known here, so nothing counts as changed"; exit 0; }
+    files=$(git diff --name-only --diff-filter=d "$base" | ours)
+    ;;
   tenth) files=$(sources | ours | awk -v n="$(git rev-list --count HEAD)" 'NR % 10 == n % 10') ;;
   *) files=$* ;;
 esac
@@ -26,5 +31,7 @@ mkdir -p "$build/tidy"
 # shellcheck disable=SC2086
 python3 "$here/tidy_commands.py" "$build" $files >"$build/tidy/units.txt"
 echo "clang-tidy looks at $(echo "$files" | wc -w) files in $(wc -l <"$build/tidy/units.txt") units"
+deadline=$(($(date +%s) + ${TIDY_MINUTES:-10000} * 60))
 xargs -a "$build/tidy/units.txt" -P "$(nproc)" -I{} sh -c '
-  clang-tidy-14 --quiet -p "$0/tidy" --header-filter="$(cat "$0/tidy/headers.txt")" "{}" 2>/dev/null' "$build"
+  [ "$(date +%s)" -lt "$1" ] || { echo "left out, for time: {}"; exit 0; }
+  clang-tidy-14 --quiet -p "$0/tidy" --header-filter="$(cat "$0/tidy/headers.txt")" "{}" 2>/dev/null' "$build" "$deadline"
