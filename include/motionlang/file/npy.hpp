@@ -152,6 +152,9 @@ std::size_t checked_size(std::span<const Index> shape, std::size_t item_size, st
 /// Throws  io_error 404 for other element types
 NpyArray described_array(std::string_view type, std::vector<Index> shape, std::string_view where);
 
+/// Throws io_error 402 if the data have fewer bytes than the array, 403 if they have more, 405 for impossible sizes.
+void check_raw_size(const NpyArray& array, std::size_t bytes, std::string_view where);
+
 /// An array as NumPy stores it, in .npy files and in pickles. `raw` are all its bytes. Throws like the two above.
 NpyArray stored_array(std::string_view type, bool fortran_order, std::vector<Index> shape,
                       std::span<const std::byte> raw, std::string_view where);

@@ -114,8 +114,7 @@ MOTIONLANG_BODY NpyArray described_array(std::string_view type, std::vector<Inde
   return array;
 }
 
-/// Throws io_error 402 if the data have fewer bytes than the array, 403 if they have more, 405 for impossible sizes.
-inline void check_raw_size(const NpyArray& array, std::size_t bytes, std::string_view where) {
+MOTIONLANG_BODY void check_raw_size(const NpyArray& array, std::size_t bytes, std::string_view where) {
   const std::size_t needed = checked_size(array.shape, array.item_size, where);
   if (bytes < needed) raise<io_error>(402, where, ": array data of ", counted(bytes, "byte"), ", ", needed, " needed");
   if (bytes > needed) raise<io_error>(403, where, ": ", counted(bytes - needed, "byte"), " after the array data");
