@@ -26,14 +26,14 @@ bool has_amx_bf16();
 
 bool processor_has(Isa isa);
 
-/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor
-/// lacks.
+/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for an unknown name and for one that
+/// this processor lacks.
 Isa wanted_isa();
 
 // Clang inlines less into such functions than GCC, and what is not inlined stays narrow.
 #if defined(__x86_64__) && !defined(__clang__)
 #define MOTIONLANG_WIDER_COPIES
-/// avx512, avx2 or portable: what code with vectors only can be told apart by.
+/// avx512, avx2 or portable: the sets that differ for code with vectors only.
 Isa widest_vectors();
 template <class F>
 __attribute__((target(MOTIONLANG_AVX2), flatten)) void with_avx2(const F& f) {

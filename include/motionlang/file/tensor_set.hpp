@@ -19,9 +19,9 @@ class TensorSet {
   /// All tensors, sorted by name.
   std::span<const TensorView> tensors() const { return tensors_; }
   std::vector<std::string> names() const;
-  /// Null if there is none of that name.
+  /// Null if no tensor has that name.
   const TensorView* find(std::string_view tensor) const;
-  /// Throws io_error 406 if there is none of that name, with the most similar one.
+  /// Throws io_error 406, with the most similar name, if no tensor has that name.
   const TensorView& tensor(std::string_view tensor) const;
 
  protected:
