@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <motionlang/file/detail/bytes.hpp>
 #include <motionlang/file/safetensors.hpp>
 
 #include "../../support/temporary_folder.hpp"
