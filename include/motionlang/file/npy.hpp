@@ -97,20 +97,7 @@ struct NpyArray {
   /// Throws io_error 407 for texts, for real numbers as integers, and for integers out of T's range.
   template <class T>
   requires std::is_arithmetic_v<T> std::vector<T> to()
-  const {
-    std::vector<T> out;
-    out.reserve(static_cast<std::size_t>(count()));
-    const bool known = detail::with_npy_number(kind, item_size, [&](auto type_tag) {
-      using E = decltype(type_tag);
-      for (std::size_t at = 0; at < data.size(); at += sizeof(E)) {
-        E value;
-        std::memcpy(&value, data.data() + at, sizeof(E));
-        out.push_back(converted<T>(value));
-      }
-    });
-    if (!known) raise<io_error>(407, place, ": elements of type ", type(), " are not numbers");
-    return out;
-  }
+  const;
   /// The only element as T. Throws io_error 407 if there are more.
   template <class T>
   T value() const {
@@ -141,6 +128,29 @@ struct NpyArray {
     }
   }
 };
+
+template <class T>
+requires std::is_arithmetic_v<T> std::vector<T> NpyArray::to()
+const {
+  std::vector<T> out;
+  out.reserve(static_cast<std::size_t>(count()));
+  const bool known = detail::with_npy_number(kind, item_size, [&](auto type_tag) {
+    using E = decltype(type_tag);
+    for (std::size_t at = 0; at < data.size(); at += sizeof(E)) {
+      E value;
+      std::memcpy(&value, data.data() + at, sizeof(E));
+      out.push_back(converted<T>(value));
+    }
+  });
+  if (!known) raise<io_error>(407, place, ": elements of type ", type(), " are not numbers");
+  return out;
+}
+
+#ifdef MOTIONLANG_INSTANTIATED
+extern template std::vector<float> NpyArray::to() const;
+extern template std::vector<double> NpyArray::to() const;
+extern template std::vector<std::int64_t> NpyArray::to() const;
+#endif
 
 namespace detail {
 

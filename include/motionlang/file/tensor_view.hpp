@@ -190,6 +190,11 @@ void copy_values(const TensorView& view, std::span<T> out) {
   }
 }
 
+#ifdef MOTIONLANG_INSTANTIATED
+extern template void copy_values(const TensorView& view, std::span<float> out);
+extern template void copy_values(const TensorView& view, std::span<double> out);
+#endif
+
 template <class T>
 std::vector<T> values_of(const TensorView& view) {
   std::vector<T> out(static_cast<std::size_t>(view.shape.count()));

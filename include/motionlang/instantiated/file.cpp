@@ -23,3 +23,9 @@
 #include <motionlang/file/tensor_view.ipp>
 #include <motionlang/file/torch_file.ipp>
 #include <motionlang/file/zip.ipp>
+
+template void motionlang::copy_values(const TensorView& view, std::span<float> out);
+template void motionlang::copy_values(const TensorView& view, std::span<double> out);
+template std::vector<float> motionlang::NpyArray::to() const;
+template std::vector<double> motionlang::NpyArray::to() const;
+template std::vector<std::int64_t> motionlang::NpyArray::to() const;
