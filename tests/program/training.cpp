@@ -589,7 +589,7 @@ TEST_CASE(
   }
   const auto refused = clips.train("train-tmr", "row", {"--set", "network.activation=gelo"});
   CHECK(refused.code == 1);
-  CHECK_MESSAGE(contains(refused.text, "activation 'gelo' is none of none, relu, gelu"), refused.text);
+  CHECK_MESSAGE(contains(refused.text, "activation 'gelo' is not one of none, relu, gelu"), refused.text);
 }
 
 TEST_CASE("an ACTOR without the rotation of joint 0; vertices that move; networks that know no time") {

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <string>
 
+#include <motionlang/file/detail/deflate.hpp>
+#include <motionlang/file/detail/inflate.hpp>
 #include <motionlang/file/png.hpp>
 
 /// One array of `size` bytes, all of them `value`.

@@ -25,7 +25,7 @@ inline Activation parse_activation(std::string_view name) {
   if (name == "gelu_new") return Activation::gelu_new;
   if (name == "sigmoid") return Activation::sigmoid;
   raise<config_error>(103, "activation '", name,
-                      "' is none of none, relu, gelu, silu, tanh, quick_gelu, gelu_new, sigmoid");
+                      "' is not one of none, relu, gelu, silu, tanh, quick_gelu, gelu_new, sigmoid");
 }
 
 constexpr std::string_view to_string(Activation a) {

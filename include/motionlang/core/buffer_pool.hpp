@@ -17,7 +17,6 @@
 #include <utility>      // exchange
 
 #include <motionlang/core/error.hpp>
-#include <motionlang/core/large_memory.hpp>
 #include <motionlang/core/thread_object.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -56,20 +55,12 @@ class BufferPool {
   }
 
   /// Returns all free buffers to the system.
-  void trim() {
-    for (auto& head : free_) {
-      while (head != nullptr) release(std::exchange(head, head->next));
-    }
-  }
+  void trim();
 
   /// How often this pool had to ask the system. Stands still in a loop that has settled.
   std::int64_t system_allocations() const { return system_allocations_; }
 
-  static void release(detail::Buffer* b) {
-    const int bucket = b->bucket;
-    b->~Buffer();
-    give_memory(b, sizeof(detail::Buffer) + bucket_bytes(bucket));
-  }
+  static void release(detail::Buffer* b);
 
   BufferPool(const BufferPool&) = delete;
   BufferPool& operator=(const BufferPool&) = delete;
@@ -78,10 +69,7 @@ class BufferPool {
   template <class T, class Tag>
   friend T& thread_object();
   BufferPool() = default;
-  ~BufferPool() {
-    gone_ = true;
-    trim();
-  }
+  ~BufferPool();
 
   detail::Buffer* reuse(int bucket, std::size_t bytes) {
     detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
@@ -93,14 +81,7 @@ class BufferPool {
     ++system_allocations_;
     return make(bucket, bytes, number_);
   }
-  static detail::Buffer* make(int bucket, std::size_t bytes, std::uint32_t pool) {
-    void* memory = take_memory(sizeof(detail::Buffer) + bucket_bytes(bucket), sizeof(detail::Buffer) + bytes);
-    auto* b = new (memory) detail::Buffer;
-    b->data = static_cast<std::byte*>(memory) + sizeof(detail::Buffer);
-    b->bucket = bucket;
-    b->pool = pool;
-    return b;
-  }
+  static detail::Buffer* make(int bucket, std::size_t bytes, std::uint32_t pool);
 
   // Sizes 64 * {4, 5, 6, 7} * 2^k: at most a quarter of a buffer is unused.
   static int bucket_of(std::size_t bytes) {
@@ -228,3 +209,7 @@ class PoolVector {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/core/buffer_pool.ipp>
+#endif

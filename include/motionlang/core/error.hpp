@@ -155,11 +155,7 @@ template <class T>
 TextPart text_part(const T& value) {
   return {&value, [](std::string& out, const void* v) { detail::append(out, *static_cast<const T*>(v)); }};
 }
-inline std::string concat_parts(std::initializer_list<TextPart> parts) {
-  std::string out;
-  for (const TextPart& p : parts) p.append(out, p.value);
-  return out;
-}
+std::string concat_parts(std::initializer_list<TextPart> parts);
 
 /// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
 struct ModulePath {
@@ -289,14 +285,12 @@ bool guard_all(const F& f, [[maybe_unused]] const H& handle) {
   return true;
 }
 
+/// The message of an error of a family.
+std::string error_text(std::string_view family, int id, std::initializer_list<TextPart> parts);
+
 template <class E>
 [[noreturn]] void raise_parts(int id, std::initializer_list<TextPart> parts) {
-  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + printable(concat_parts(parts), "\n");
-#ifdef MOTIONLANG_DIAGNOSTICS
-  const auto& path = ModulePath::names();
-  for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
-#endif
-  throw_exception(E(id, text));
+  throw_exception(E(id, error_text(E::family, id, parts)));
 }
 
 }  // namespace detail
@@ -308,3 +302,7 @@ template <class E, class... T>
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/core/error.ipp>
+#endif

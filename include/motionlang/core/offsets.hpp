@@ -30,21 +30,14 @@ class Offsets {
   explicit Offsets(const std::vector<Index>& lengths) : Offsets(std::span<const Index>(lengths)) {}
   Offsets(std::initializer_list<Index> lengths) : Offsets(std::span<const Index>(lengths.begin(), lengths.size())) {}
   /// `count` sequences of equal length. Throws shape_error 207 if either is negative.
-  static Offsets equal(Index count, Index length) {
-    if (count < 0) raise<shape_error>(207, "Offsets: ", count, " sequences");
-    return Offsets(std::span<const Index>(PoolVector<Index>(static_cast<std::size_t>(count), length)));
-  }
+  static Offsets equal(Index count, Index length);
 
   Index count() const { return count_; }
   Index rows() const { return first()[count_]; }
   Index begin(Index i) const { return first()[i]; }
   Index end(Index i) const { return first()[i + 1]; }
   Index length(Index i) const { return end(i) - begin(i); }
-  Index longest() const {
-    Index n = 0;
-    for (Index i = 0; i < count(); ++i) n = length(i) > n ? length(i) : n;
-    return n;
-  }
+  Index longest() const;
   std::span<const Index> list() const { return {first(), static_cast<std::size_t>(count_) + 1}; }
   bool operator==(const Offsets& o) const {
     return count_ == o.count_ &&
@@ -58,3 +51,7 @@ class Offsets {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/core/offsets.ipp>
+#endif

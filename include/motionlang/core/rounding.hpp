@@ -2,39 +2,20 @@
 /// Decimal places as Python and NumPy round them: published tables are printed by one or the other.
 #pragma once
 
-#include <cmath>  // nearbyint, pow, isfinite
-
-#include <motionlang/core/error.hpp>
-#include <motionlang/core/standard_library.hpp>
+#include <motionlang/version.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-namespace detail {
-
-/// Places that make sense of a double. Throws config_error 101.
-inline void require_places(const char* function, int places) {
-  if (places < 0 || places > 15) raise<config_error>(101, function, ": ", places, " decimal places");
-}
-
-}  // namespace detail
-
 /// Python's `round(x, places)`: the decimal number nearest to the binary value of x. 2.675 is a little less than it
 /// looks and becomes 2.67. Throws config_error 101 unless 0 <= places <= 15.
-inline double python_round(double x, int places) {
-  detail::require_places("python_round", places);
-  if (!std::isfinite(x)) return x;
-  char digits[400];  // the largest double has 309 digits before the point
-  const char* end = detail::to_chars(digits, digits + sizeof digits, x, std::chars_format::fixed, places).ptr;
-  detail::from_chars(digits, end, x);
-  return x;
-}
+double python_round(double x, int places);
 
 /// NumPy's `round(x, places)`: x 10^places to the nearest integer, halves to the even one, then back. 2.675 becomes
 /// 2.68, because the product is rounded before. Throws config_error 101 unless 0 <= places <= 15.
-inline double numpy_round(double x, int places) {
-  detail::require_places("numpy_round", places);
-  const double scale = std::pow(10.0, places);
-  return std::nearbyint(x * scale) / scale;
-}
+double numpy_round(double x, int places);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/core/rounding.ipp>
+#endif

@@ -70,9 +70,7 @@ class Shape {
 namespace detail {
 
 /// "(2, 60, 512)"; a negative size stands for any.
-inline std::string shape_text(std::span<const Index> sizes) {
-  return concat_text("(", join_text(sizes, ", ", [](Index n) { return n < 0 ? "any" : concat_text(n); }), ")");
-}
+std::string shape_text(std::span<const Index> sizes);
 
 }  // namespace detail
 
@@ -102,3 +100,7 @@ constexpr Shape broadcast_shapes(const Shape& a, const Shape& b, const char* op)
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/core/shape.ipp>
+#endif

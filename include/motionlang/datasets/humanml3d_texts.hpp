@@ -12,6 +12,7 @@
 
 #include <motionlang/core/standard_library.hpp>
 #include <motionlang/datasets/humanml3d_source.hpp>
+#include <motionlang/file/detail/bytes.hpp>
 #include <motionlang/file/id_list.hpp>
 #include <motionlang/text/mirror_caption.hpp>
 #include <motionlang/text/tagged_word.hpp>

@@ -15,6 +15,8 @@
 #include <cmath>      // isfinite
 
 #include <motionlang/core/standard_library.hpp>
+#include <motionlang/core/text_lines.hpp>
+#include <motionlang/file/detail/bytes.hpp>
 #include <motionlang/file/id_list.hpp>
 #include <motionlang/file/json.hpp>
 #include <motionlang/geometry/vec.hpp>

@@ -2,12 +2,13 @@
 /// Single values of a file, flat: each with the keys that lead to it.
 #pragma once
 
-#include <cstdint>  // integers
-#include <string>   // paths
-#include <variant>  // values
-#include <vector>   // lists
+#include <cstdint>      // integers
+#include <string>       // paths
+#include <string_view>  // paths
+#include <variant>      // values
+#include <vector>       // lists
 
-#include <motionlang/core/error.hpp>
+#include <motionlang/version.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -16,15 +17,12 @@ struct FileValue {
   std::string path;
   std::variant<bool, std::int64_t, double, std::string> value;
 };
-inline std::string to_string(const FileValue& v) {
-  return std::visit([](const auto& value) { return concat_text(value); }, v.value);
-}
+std::string to_string(const FileValue& v);
 /// The value at a path, or null.
-inline const FileValue* find_value(const std::vector<FileValue>& values, std::string_view path) {
-  for (const FileValue& v : values) {
-    if (v.path == path) return &v;
-  }
-  return nullptr;
-}
+const FileValue* find_value(const std::vector<FileValue>& values, std::string_view path);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/file/file_value.ipp>
+#endif

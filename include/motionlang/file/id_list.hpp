@@ -2,13 +2,11 @@
 /// Lists of clips: the split files of data sets (train.txt, val.txt, test.txt, ...), one id on each line.
 #pragma once
 
-#include <algorithm>  // none_of, min
-#include <span>       // ids
-#include <string>     // ids
-#include <vector>     // ids
+#include <span>         // ids
+#include <string>       // ids
+#include <string_view>  // ids
+#include <vector>       // ids
 
-#include <motionlang/core/text_lines.hpp>
-#include <motionlang/file/detail/bytes.hpp>
 #include <motionlang/file/file.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -16,46 +14,23 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 /// Whether an id names a file in the folder of its data set: it has no control characters and does not lead out.
-inline bool is_clip_id(std::string_view id) {
-  if (id.empty() || id.front() == '/' || trim(id) != id || id.find('\\') != id.npos) return false;
-  for (std::size_t at = 0; at <= id.size();) {
-    const std::size_t end = std::min(id.find('/', at), id.size());
-    const std::string_view part = id.substr(at, end - at);
-    if (part.empty() || part == "." || part == "..") return false;
-    at = end + 1;
-  }
-  return std::none_of(id.begin(), id.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; });
-}
+bool is_clip_id(std::string_view id);
 
 }  // namespace detail
 
 /// The ids of a text in its order, without blanks around them; empty lines are skipped. Repeated ids stay.
 /// Throws io_error 403, with the line, for an id that cannot be the name of a file below a folder.
-inline std::vector<std::string> parse_ids(std::string_view text, std::string_view name = "list of ids") {
-  std::vector<std::string> ids;
-  detail::for_each_line(text, [&](std::string_view line, Index number) {
-    const std::string_view id = detail::trim(line);
-    if (id.empty()) return;
-    if (!detail::is_clip_id(id)) raise<io_error>(403, name, ":", number, ": '", id, "' is no id of a clip");
-    ids.emplace_back(id);
-  });
-  return ids;
-}
+std::vector<std::string> parse_ids(std::string_view text, std::string_view name = "list of ids");
 /// Throws io_error 401 and as parse_ids.
-inline std::vector<std::string> read_ids(const FilePath& path) {
-  return parse_ids(detail::as_text(MappedFile::open(path)->bytes()), path.string());
-}
+std::vector<std::string> read_ids(const FilePath& path);
 /// Throws io_error 401, 403 for an id that would not be read again.
-inline void write_ids(const FilePath& path, std::span<const std::string> ids) {
-  std::string text;
-  for (const std::string& id : ids) {
-    if (!detail::is_clip_id(id)) raise<io_error>(403, path.string(), ": '", id, "' is no id of a clip");
-    text += id + '\n';
-  }
-  write_file(path, text);
-}
+void write_ids(const FilePath& path, std::span<const std::string> ids);
 
 /// Mirrored clips have an M in front of their ids.
 inline std::string mirrored_id(std::string_view id) { return concat_text("M", id); }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/file/id_list.ipp>
+#endif

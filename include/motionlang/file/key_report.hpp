@@ -2,11 +2,9 @@
 /// Names of tensors that do not match between a file and a model, as one list that a person can act on.
 #pragma once
 
-#include <algorithm>    // min
-#include <span>         // lists
+#include <cstddef>      // sizes
 #include <string>       // names
 #include <string_view>  // names
-#include <utility>      // exchange
 #include <vector>       // lists
 
 #include <motionlang/core/error.hpp>
@@ -20,60 +18,23 @@ struct KeyReport {
 
 /// How many characters have to be inserted, removed or exchanged to make b of a (Levenshtein), or `limit` if it is that
 /// many.
-inline std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
-  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t k = 0; k < row.size(); ++k) row[k] = k;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t k = 0; k < b.size(); ++k) {
-      const std::size_t exchanged = diagonal + (a[i] == b[k] ? 0 : 1);
-      diagonal = row[k + 1];
-      row[k + 1] = std::min(exchanged, std::min(diagonal, row[k]) + 1);
-    }
-  }
-  return std::min(row.back(), limit);
-}
+std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit);
 
 /// The name that is most like `name`; empty if none has half of it. Of a long list only the first 2,000 names are
 /// looked at.
-inline std::string nearest_name(std::string_view name, const std::vector<std::string>& among) {
-  constexpr std::size_t longest = 256;
-  std::string_view best;
-  std::size_t distance = std::min(name.size(), longest) / 2 + 1;
-  for (const std::string& candidate : std::span(among).first(std::min<std::size_t>(among.size(), 2000))) {
-    if (name.size() > longest || candidate.size() > longest) continue;
-    const std::size_t d = edit_distance(name, candidate, distance);
-    if (d < distance) distance = d, best = candidate;
-  }
-  return std::string(best);
-}
+std::string nearest_name(std::string_view name, const std::vector<std::string>& among);
 
 /// A line for each name, and beside it the name of the other list that is most like it.
-inline std::string to_string(const KeyReport& report) {
-  constexpr std::size_t most = 20;  // lines of a list
-  std::string text;
-  const auto list = [&](const char* what, const std::vector<std::string>& names, const std::vector<std::string>& others,
-                        const char* has) {
-    for (std::size_t i = 0; i < names.size() && i < most; ++i) {
-      const std::string like = nearest_name(names[i], others);
-      text += concat_text("\n  ", what, " ", names[i]);
-      if (!like.empty()) text += concat_text("  (", has, " ", like, ")");
-    }
-    if (names.size() > most) text += concat_text("\n  ", what, " ", names.size() - most, " more");
-  };
-  list("missing   ", report.missing, report.unexpected, "the file has");
-  list("unexpected", report.unexpected, report.missing, "the model has");
-  return text;
-}
+std::string to_string(const KeyReport& report);
 
 namespace detail {
 
-[[noreturn]] inline void raise_key_mismatch(std::string_view file, const KeyReport& report) {
-  raise<io_error>(406, file, ": ", counted(report.missing.size(), "tensor is missing", "tensors are missing"), ", ",
-                  counted(report.unexpected.size(), "is", "are"), " not expected:", report);
-}
+[[noreturn]] void raise_key_mismatch(std::string_view file, const KeyReport& report);
 
 }  // namespace detail
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/file/key_report.ipp>
+#endif

@@ -17,14 +17,24 @@
 /// Source  CPython Lib/pickle.py and pickletools.py; spec weights.md, section 5
 #pragma once
 
-#include <optional>  // entries that may be missing
+#include <cstdint>      // numbers
+#include <memory>       // machine
+#include <optional>     // entries that may be missing
+#include <span>         // bytes
+#include <string>       // names
+#include <string_view>  // texts
+#include <vector>       // persistent values
 
-#include <motionlang/file/detail/pickle_machine.hpp>
+#include <motionlang/file/detail/pickle_node.hpp>
 #include <motionlang/file/file.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 class Pickle;
+
+namespace detail {
+class PickleMachine;
+}
 
 /// A value in a pickle: a handle, valid as long as its Pickle lives. Graphs may share values and may be cyclic: whoever
 /// descends into one limits the depth.
@@ -36,27 +46,15 @@ class PickleValue {
   std::uint32_t id() const { return ref_; }
   /// Offset of the byte that made it.
   std::uint64_t at() const { return node().at; }
-  const std::string& file() const { return machine_->file(); }
+  const std::string& file() const;
 
   /// Values of these kinds. A whole number also reads as a real one, a truth value as 0 or 1. Throws io_error 407.
-  std::int64_t integer() const {
-    if (!is(PickleKind::integer) && !is(PickleKind::boolean)) wrong("a whole number");
-    return node().integer;
-  }
-  bool boolean() const {
-    if (!is(PickleKind::boolean)) integer();
-    return node().integer != 0;
-  }
+  std::int64_t integer() const;
+  bool boolean() const;
   double real() const { return is(PickleKind::real) ? node().real : static_cast<double>(integer()); }
   /// UTF-8; of a Python-2 string the bytes as they are, which is Latin-1. Throws io_error 407.
-  std::string_view text() const {
-    if (!is(PickleKind::text) && !is(PickleKind::bytes)) wrong("a text");
-    return node().text;
-  }
-  std::span<const std::byte> bytes() const {
-    if (!is(PickleKind::bytes)) wrong("bytes");
-    return std::as_bytes(std::span(node().text.data(), node().text.size()));
-  }
+  std::string_view text() const;
+  std::span<const std::byte> bytes() const;
 
   /// Number of elements of a list, a tuple or a set, or of entries of a dictionary; of objects, what was appended or
   /// set.
@@ -64,83 +62,44 @@ class PickleValue {
   /// Whether the elements are entries: of dictionaries, and of objects that behave like one.
   bool keyed() const { return node().keyed; }
   /// Element of a sequence. Throws io_error 407 if there is no such element.
-  PickleValue operator[](std::size_t i) const {
-    if (node().keyed || i >= node().items.size()) wrong("a sequence of more elements");
-    return {*machine_, node().items[i]};
-  }
+  PickleValue operator[](std::size_t i) const;
   /// Key and value of entry i < size() of a dictionary. Throws io_error 407 if it is none.
   PickleValue key(std::size_t i) const { return entry(2 * i); }
   PickleValue value(std::size_t i) const { return entry(2 * i + 1); }
   /// The entry of a dictionary with this text as its key; of several the last, as in Python.
-  std::optional<PickleValue> find(std::string_view name) const {
-    for (std::size_t i = node().keyed ? size() : 0; i-- > 0;) {
-      const PickleValue k = key(i);
-      if ((k.is(PickleKind::text) || k.is(PickleKind::bytes)) && k.text() == name) return value(i);
-    }
-    return std::nullopt;
-  }
+  std::optional<PickleValue> find(std::string_view name) const;
   /// Throws io_error 406 if there is none.
-  PickleValue operator[](std::string_view name) const {
-    const auto found = find(name);
-    if (!found) raise<io_error>(406, machine_->file(), ": no entry '", name, "' in the dictionary at byte ", at());
-    return *found;
-  }
+  PickleValue operator[](std::string_view name) const;
 
   /// "module.attribute" of a name, and of the class or function that made an object; "" for all others.
-  std::string name() const {
-    if (is(PickleKind::name)) return concat_text(node().text, ".", node().attribute);
-    if (!is(PickleKind::object)) return "";
-    return machine_->node(node().callee).kind == PickleKind::name ? PickleValue(*machine_, node().callee).name() : "";
-  }
+  std::string name() const;
   /// Of an object: what its class or function was called with. Of a persistent value: its id.
   PickleValue arguments() const { return related(node().arguments, "arguments"); }
   /// Of an object: what it was asked to restore itself from.
   PickleValue state() const { return related(node().state, "a state"); }
   bool has_state() const { return node().state != detail::no_pickle_value; }
   /// Of an object: the bytes behind it that are not part of the pickle (PickleOptions::inline_bytes).
-  std::span<const std::byte> inline_bytes() const {
-    if (!is(PickleKind::object)) wrong("an object with bytes behind it");
-    return std::as_bytes(std::span(node().text.data(), node().text.size()));
-  }
+  std::span<const std::byte> inline_bytes() const;
 
   /// For the readers of objects: io_error `id` with the file, what is wrong, and where.
   template <class... T>
   [[noreturn]] void fail(int id, const T&... what) const {
-    raise<io_error>(id, machine_->file(), ": ", what..., machine_->place(at()));
+    fail_with(id, concat_text(what...));
   }
 
  private:
   friend class Pickle;
   friend class detail::PickleMachine;
   PickleValue(const detail::PickleMachine& machine, detail::PickleRef ref) : machine_(&machine), ref_(ref) {}
-  const detail::PickleNode& node() const { return machine_->node(ref_); }
-  [[noreturn]] void wrong(const char* expected) const {
-    const std::string n = name();
-    fail(407, expected, " expected, found ", to_string(kind()), n.empty() ? "" : " ", n);
-  }
-  PickleValue entry(std::size_t i) const {
-    if (!node().keyed || i >= node().items.size()) wrong("a dictionary of more entries");
-    return {*machine_, node().items[i]};
-  }
-  PickleValue related(detail::PickleRef ref, const char* what) const {
-    if (ref == detail::no_pickle_value) wrong(what);
-    return {*machine_, ref};
-  }
+  const detail::PickleNode& node() const;
+  [[noreturn]] void fail_with(int id, const std::string& what) const;
+  [[noreturn]] void wrong(const char* expected) const;
+  PickleValue entry(std::size_t i) const;
+  PickleValue related(detail::PickleRef ref, const char* what) const;
 
   const detail::PickleMachine* machine_;
   detail::PickleRef ref_;
 };
-
-namespace detail {
-
-inline void PickleMachine::read_inline(PickleRef object) {
-  const InlineBytes found = options_.inline_bytes(PickleValue(*this, object), bytes_, position_);
-  if (found.begin == 0) return;
-  nodes_[object].text = as_text(slice(bytes_, found.begin, found.size, file_, "bytes behind an object"));
-  position_ = found.begin + found.size;
-}
-
-}  // namespace detail
 
 /// A pickle that has been read.
 class Pickle {
@@ -151,27 +110,21 @@ class Pickle {
   /// Throws  io_error 402 if it ends too early, 403 if it is malformed, 404 if it names what must not be executed, what
   ///         `options` do not allow, or an extension, 405 beyond the limits
   Pickle(std::span<const std::byte> bytes, std::string file, const PickleOptions& options = {},
-         std::shared_ptr<const void> owner = nullptr, std::uint64_t start = 0)
-      : machine_(std::make_unique<detail::PickleMachine>(bytes, std::move(file), options)), owner_(std::move(owner)) {
-    root_ = machine_->run(start);
-  }
+         std::shared_ptr<const void> owner = nullptr, std::uint64_t start = 0);
   /// Throws io_error 401, and as above.
-  static Pickle open(const FilePath& path, const PickleOptions& options = {}) {
-    auto file = MappedFile::open(path);
-    return Pickle(file->bytes(), path.string(), options, file);
-  }
+  static Pickle open(const FilePath& path, const PickleOptions& options = {});
+
+  Pickle(Pickle&&) noexcept;
+  Pickle& operator=(Pickle&&) noexcept;
+  ~Pickle();
 
   PickleValue root() const { return {*machine_, root_}; }
   /// The values that stand for something outside of the pickle, in the order of the file.
-  std::vector<PickleValue> persistent() const {
-    std::vector<PickleValue> out;
-    for (const detail::PickleRef ref : machine_->persistent()) out.push_back({*machine_, ref});
-    return out;
-  }
+  std::vector<PickleValue> persistent() const;
   /// Of the bytes that it was allowed.
-  std::uint64_t memory_left() const { return machine_->memory_left(); }
+  std::uint64_t memory_left() const;
   /// Offset behind the pickle.
-  std::uint64_t end() const { return machine_->position(); }
+  std::uint64_t end() const;
 
  private:
   std::unique_ptr<detail::PickleMachine> machine_;  // values point to it
@@ -180,3 +133,7 @@ class Pickle {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/file/pickle.ipp>
+#endif

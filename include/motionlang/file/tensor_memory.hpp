@@ -3,9 +3,12 @@
 /// before it allocates.
 #pragma once
 
-#include <deque>   // unpacked bytes: views to them stay valid
-#include <memory>  // the file
-#include <vector>  // unpacked bytes
+#include <cstdint>  // sizes
+#include <deque>    // unpacked bytes: views to them stay valid
+#include <memory>   // the file
+#include <string>   // name
+#include <utility>  // move
+#include <vector>   // unpacked bytes
 
 #include <motionlang/core/error.hpp>
 
@@ -19,12 +22,7 @@ class TensorMemory {
       : file_(std::move(file)), name_(std::move(name)), left_(file_size + (std::uint64_t{12} << 20)) {}
 
   /// Throws io_error 405 if the file has cost too much already.
-  void spend(std::uint64_t bytes) {
-    if (bytes > left_) {
-      raise<io_error>(405, name_, ": needs ", counted(bytes, "byte"), " more than a file of its size justifies");
-    }
-    left_ -= bytes;
-  }
+  void spend(std::uint64_t bytes);
   void allow(std::uint64_t more) { left_ += more; }
   /// What may still be spent.
   std::uint64_t left() const { return left_; }
@@ -46,3 +44,7 @@ class TensorMemory {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/file/tensor_memory.ipp>
+#endif

@@ -3,7 +3,6 @@
 /// takes them; nothing is converted until somebody asks for values.
 #pragma once
 
-#include <algorithm>         // find
 #include <array>             // table of element types
 #include <bit>               // bit_width
 #include <concepts>          // integral, floating_point
@@ -42,7 +41,7 @@ inline constexpr std::array<DTypeInfo, 22> dtype_table{{
 // clang-format on
 
 constexpr const DTypeInfo& info(DType t) { return dtype_table[static_cast<std::size_t>(t)]; }
-inline std::string to_string(DType t) { return std::string(info(t).name); }
+std::string to_string(DType t);
 constexpr std::optional<DType> parse_dtype(std::string_view name) {
   for (std::size_t i = 0; i < dtype_table.size(); ++i) {
     if (dtype_table[i].name == name) return static_cast<DType>(i);
@@ -70,13 +69,9 @@ class FileShape {
   static constexpr int max_rank = 64;
 
   FileShape() = default;
-  FileShape(const Shape& shape) {
-    for (int i = 0; i < shape.rank(); ++i) push_back(shape[i]);
-  }
+  FileShape(const Shape& shape);
   FileShape(std::initializer_list<Index> sizes) : FileShape(std::span<const Index>(sizes.begin(), sizes.size())) {}
-  explicit FileShape(std::span<const Index> sizes) {
-    for (const Index n : sizes) push_back(n);
-  }
+  explicit FileShape(std::span<const Index> sizes);
   /// Throws shape_error 206 for more than six.
   operator Shape() const { return Shape(std::span<const Index>(sizes_)); }
 
@@ -85,19 +80,9 @@ class FileShape {
   Index& operator[](int axis) { return sizes_[static_cast<std::size_t>(axis)]; }
   std::span<const Index> sizes() const { return sizes_; }
   /// Number of elements.
-  Index count() const {
-    // beside a 0 the others may be of any size
-    if (std::find(sizes_.begin(), sizes_.end(), 0) != sizes_.end()) return 0;
-    Index n = 1;
-    for (const Index size : sizes_) n *= size;
-    return n;
-  }
+  Index count() const;
   /// Throws shape_error 205 for a negative size, 206 for more than 64 of them.
-  void push_back(Index n) {
-    if (n < 0) raise<shape_error>(205, "FileShape: negative size ", n);
-    if (rank() == max_rank) raise<shape_error>(206, "FileShape: more than ", max_rank, " axes");
-    sizes_.push_back(n);
-  }
+  void push_back(Index n);
   friend bool operator==(const FileShape&, const FileShape&) = default;
   friend bool operator==(const FileShape& a, const Shape& b) { return a == FileShape(b); }
 
@@ -106,7 +91,7 @@ class FileShape {
 };
 
 /// "(2, 60, 512)"
-inline std::string to_string(const FileShape& s) { return detail::shape_text(s.sizes()); }
+std::string to_string(const FileShape& s);
 
 /// Row-major, without strides. Does not own its bytes.
 struct TensorView {
@@ -205,6 +190,11 @@ void copy_values(const TensorView& view, std::span<T> out) {
   }
 }
 
+#ifdef MOTIONLANG_INSTANTIATED
+extern template void copy_values(const TensorView& view, std::span<float> out);
+extern template void copy_values(const TensorView& view, std::span<double> out);
+#endif
+
 template <class T>
 std::vector<T> values_of(const TensorView& view) {
   std::vector<T> out(static_cast<std::size_t>(view.shape.count()));
@@ -213,3 +203,7 @@ std::vector<T> values_of(const TensorView& view) {
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/file/tensor_view.ipp>
+#endif

@@ -2,6 +2,7 @@
 /// One figure with its spread out of repeated evaluations, as the tables of ACTOR and of Guo et al. print them.
 #pragma once
 
+#include <cmath>        // sqrt
 #include <numeric>      // accumulate
 #include <span>         // values
 #include <string_view>  // names

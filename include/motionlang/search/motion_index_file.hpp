@@ -16,6 +16,7 @@
 
 #include <map>  // graphs
 
+#include <motionlang/file/detail/bytes.hpp>
 #include <motionlang/file/detail/content_hash.hpp>
 #include <motionlang/file/json.hpp>
 #include <motionlang/file/safetensors.hpp>

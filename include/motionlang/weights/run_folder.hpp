@@ -24,6 +24,7 @@
 /// Source         spec weights.md 9; actor.md 3.2, temos.md 3.2, tmr.md 3.2, mdm.md 2.2, 3.5, 4.4, tm2t.md 6
 #pragma once
 
+#include <algorithm>   // any_of
 #include <filesystem>  // folders
 #include <map>         // parts
 

@@ -20,6 +20,7 @@
 #include <algorithm>      // find, none_of
 #include <unordered_map>  // objects that were looked into
 
+#include <motionlang/file/detail/inflate.hpp>
 #include <motionlang/file/file_value.hpp>
 #include <motionlang/file/gzip.hpp>
 #include <motionlang/file/npz.hpp>

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <motionlang/file/detail/deflate.hpp>
+#include <motionlang/file/detail/inflate.hpp>
 #include <motionlang/file/npz.hpp>
 
 #include "../../support/temporary_folder.hpp"

@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/core/rng.hpp>
+#include <motionlang/file/detail/deflate.hpp>
+#include <motionlang/file/detail/inflate.hpp>
 #include <motionlang/file/png.hpp>
 
 #include "../../support/check_error.hpp"

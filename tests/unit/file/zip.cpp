@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <motionlang/file/detail/inflate.hpp>
 #include <motionlang/file/zip.hpp>
 
 namespace ml = motionlang;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// What the system does with files: POSIX, and Windows by what MinGW's C library has of it. Failures are told by errno.
+/// What the system does with files: POSIX, and Windows by what MinGW's C library has of it. errno says why a call
+/// failed.
 #pragma once
 
 #include <fcntl.h>     // open
