@@ -103,6 +103,8 @@ Index first_expression(BodyKind kind, Index directions, Index told);
 std::vector<SurfacePoints> rows_of_points(const BodyArrays& arrays, const char* triangles, const char* weights,
                                           std::span<const std::array<Index, 3>> faces);
 
+bool readable(const FilePath& path);
+
 }  // namespace detail
 
 /// Throws  io_error 401 to 407 for files that cannot be read or are not a body, numeric_error 301 for numbers that are

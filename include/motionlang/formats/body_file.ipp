@@ -124,7 +124,7 @@ MOTIONLANG_BODY std::vector<SurfacePoints> rows_of_points(const BodyArrays& arra
   return out;
 }
 
-inline bool readable(const FilePath& path) { return ::access(path.c_str(), R_OK) == 0; }
+MOTIONLANG_BODY bool readable(const FilePath& path) { return ::access(path.c_str(), R_OK) == 0; }
 
 }  // namespace detail
 
