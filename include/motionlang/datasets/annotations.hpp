@@ -56,7 +56,7 @@ class AnnotationFile {
   bool has(const std::string& id) const { return members_.has(id); }
 
   /// Throws config_error 103 for an unknown id, 107 for a value of the wrong kind (with its path), io_error 403 for
-  /// malformed JSON (with line and column) and for times that are none.
+  /// malformed JSON (with line and column) and for times that are not valid.
   AnnotatedMotion load(const std::string& id) const;
   /// The motion of an entry. Throws what load throws for its values.
   static AnnotatedMotion parse(const std::string& id, const JsonView& view);
@@ -81,7 +81,7 @@ AnnotatedMotion mirrored(AnnotatedMotion motion);
 
 /// The text of an annotation file, laid out as the published ones.
 /// Laws    AnnotationFile::from_text(annotations_json(x)) loads x
-/// Throws  io_error 403 for an id that stands twice, a text that is not UTF-8, and times that are none
+/// Throws  io_error 403 for a repeated id, a text that is not UTF-8, and times that are not valid
 std::string annotations_json(std::span<const AnnotatedMotion> motions);
 /// Throws io_error 401 and as annotations_json.
 void write_annotations(const FilePath& path, std::span<const AnnotatedMotion> motions);

@@ -81,7 +81,7 @@ MOTIONLANG_BODY std::string annotations_json(std::span<const AnnotatedMotion> mo
       if (!is_utf8(text)) raise<io_error>(403, place, ": a text is not UTF-8");
       return text;
     };
-    if (!seen.insert(m.id).second) raise<io_error>(403, place, ": the id stands twice");
+    if (!seen.insert(m.id).second) raise<io_error>(403, place, ": the id is repeated");
     detail::require_times(place, 0, m.duration);
     auto list = nlohmann::ordered_json::array();
     for (const Annotation& a : m.annotations) {

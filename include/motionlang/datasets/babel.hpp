@@ -66,7 +66,7 @@ class BabelFile {
   bool has(const std::string& id) const { return members_.has(id); }
 
   /// Throws config_error 103 for an unknown id, 107 for a value of the wrong kind (with its path), io_error 403 for
-  /// malformed JSON (with line and column) and for times that are none.
+  /// malformed JSON (with line and column) and for times that are not valid.
   BabelSequence load(const std::string& id) const;
   /// Whether an entry is one of BABEL, and not one of the annotation JSON.
   static bool is_entry(const JsonView& view);
@@ -96,8 +96,8 @@ using SpellingTable = std::unordered_map<std::string, std::string>;
 std::string clean_babel_label(std::string_view label, const SpellingTable& spelling = {});
 
 /// The stretches of an annotation in a motion of `frames` frames, in the order of the file and nothing left out:
-/// int(start fps) up to int(end fps), cut at the end of the motion, perhaps empty. Throws config_error 101 for a rate
-/// that is none.
+/// int(start fps) up to int(end fps), cut at the end of the motion, perhaps empty. Throws config_error 101 unless the
+/// rate is positive and finite.
 std::vector<BabelSegment> babel_intervals(std::span<const BabelLabel> labels, double fps, Index frames,
                                           const SpellingTable& spelling = {});
 
@@ -106,7 +106,7 @@ struct BabelSegmentOptions {
 };
 
 /// Those to train on, sorted by start and end: without empty ones, those without text and excluded labels. Throws
-/// config_error 101 for a rate that is none.
+/// config_error 101 unless the rate is positive and finite.
 std::vector<BabelSegment> babel_segments(std::span<const BabelLabel> labels, double fps, Index frames,
                                          const SpellingTable& spelling = {}, const BabelSegmentOptions& options = {});
 

@@ -27,7 +27,7 @@ struct MotionCaption {
 };
 
 /// Fields are split off from the right, so a caption may contain '#'. Lines with fewer than four fields are skipped, as
-/// published. Throws io_error 403, with the line, for a time that is none.
+/// published. Throws io_error 403, with the line, for a time that is not valid.
 std::vector<MotionCaption> parse_captions(std::string_view text, std::string_view name = "captions");
 /// Throws io_error 401, 403.
 std::vector<MotionCaption> read_captions(const FilePath& path);
@@ -35,7 +35,7 @@ std::vector<MotionCaption> read_captions(const FilePath& path);
 /// `name` stands in messages.
 /// Laws    parse_captions(format_captions(x)) equals x
 /// Throws  timeline_error 510 for a caption or word that other readers would take apart: with '#', a line end, blanks
-///         at its ends or in a word, '/' in a tag; io_error 403 for a time that is none
+///         at its ends or in a word, '/' in a tag; io_error 403 for a time that is not valid
 std::string format_captions(std::span<const MotionCaption> captions, std::string_view name = "captions");
 
 /// The caption of the mirrored clip: other sides in the text and in its words.

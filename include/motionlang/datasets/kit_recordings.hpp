@@ -30,8 +30,8 @@ struct KitRecording {
   Index frames() const { return static_cast<Index>(joints.size() / joint_count); }
 };
 
-/// The positions in a text of _fke.csv. Throws io_error 403, with the line, for a line that has not 64 numbers (the
-/// first is an index and only looked at).
+/// The positions in a text of _fke.csv. Throws io_error 403, with the line, unless every line has 64 numbers. The
+/// first is an index, which is only checked.
 std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::string_view name = "fke.csv");
 
 /// A folder that is being read. Nothing is kept in memory: every call reads its files.

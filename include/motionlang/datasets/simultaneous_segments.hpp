@@ -18,7 +18,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct SimultaneousSegment {
   Index start = 0, end = 0;
-  std::vector<std::string> texts;  // sorted; a text that stands twice stands twice
+  std::vector<std::string> texts;  // sorted; a text that two segments have is there two times
   bool operator==(const SimultaneousSegment&) const = default;
 };
 

@@ -7,6 +7,8 @@
 #include <numeric>
 
 #include <motionlang/datasets/humanml3d_folder.hpp>
+#include <motionlang/file/id_list.hpp>
+#include <motionlang/file/npy.hpp>
 #include <motionlang/features/statistics.hpp>
 
 #include "../../support/check_error.hpp"
