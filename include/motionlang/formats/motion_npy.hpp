@@ -34,8 +34,8 @@ bool is_joint_count(Index joints);
 
 }  // namespace detail
 
-/// Throws io_error 407 if the array has none of these shapes; shape_error 205, numeric_error 301 for values that are not
-/// finite; config_error 101 unless the rate is 0 or positive and finite.
+/// Throws io_error 407 if the array has none of these shapes; shape_error 205, numeric_error 301 for values that are
+/// not finite; config_error 101 unless the rate is 0 or positive and finite.
 Motion motion_from_array(const NpyArray& array, const MotionArrayOptions& options = {},
                          std::string_view name = "array");
 

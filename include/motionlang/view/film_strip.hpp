@@ -27,8 +27,8 @@ struct FilmStripOptions {
 std::string film_strip_svg(const Motion& motion, std::span<const Track> tracks = {},
                            const FilmStripOptions& options = {});
 
-/// The picture in pixels. Throws as film_strip_svg, and config_error 101 for a resolution that is not positive and for a
-/// picture of more than 20,000 pixels a side.
+/// The picture in pixels. Throws as film_strip_svg, and config_error 101 for a resolution that is not positive and
+/// for a picture of more than 20,000 pixels a side.
 Picture film_strip_picture(const Motion& motion, std::span<const Track> tracks = {},
                            const FilmStripOptions& options = {});
 
