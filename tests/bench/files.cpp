@@ -4,6 +4,7 @@
 //     bench_files [FOLDER]
 #include <filesystem>
 
+#include <motionlang/file/file.hpp>
 #include <motionlang/formats/bvh.hpp>
 
 #include "../support/synthetic_motion.hpp"

@@ -4,6 +4,7 @@
 
 #include <motionlang/datasets/humanml3d_folder.hpp>
 #include <motionlang/datasets/kit_recordings.hpp>
+#include <motionlang/file/id_list.hpp>
 
 #include "check.hpp"
 

@@ -1,5 +1,7 @@
 // Golden functions: TM2T's pairs of motion tokens and words.
 #include <motionlang/datasets/motion_tokens.hpp>
+#include <motionlang/text/glove.hpp>
+#include <motionlang/vae/motion_tokenizer.hpp>
 
 #include "golden.hpp"
 

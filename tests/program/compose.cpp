@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <motionlang/file/file.hpp>
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/formats/glb.hpp>
 #include <motionlang/kinematics/blend.hpp>

@@ -7,6 +7,8 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/datasets/annotations.hpp>
 #include <motionlang/datasets/humanml3d_folder.hpp>
+#include <motionlang/features/motion_features.hpp>
+#include <motionlang/file/id_list.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/glb_reader.hpp>
 #include <motionlang/formats/motion_npy.hpp>

@@ -5,6 +5,7 @@
 #include <set>
 
 #include <motionlang/datasets/humanml3d_folder.hpp>
+#include <motionlang/file/id_list.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/formats/glb.hpp>

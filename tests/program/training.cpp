@@ -8,6 +8,7 @@
 
 #include <motionlang/datasets/humanml3d_folder.hpp>
 #include <motionlang/features/motion_features.hpp>
+#include <motionlang/file/id_list.hpp>
 #include <motionlang/file/npz.hpp>
 #include <motionlang/file/safetensors.hpp>
 #include <motionlang/formats/amass.hpp>

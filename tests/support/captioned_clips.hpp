@@ -2,6 +2,7 @@
 /// A folder with a few made-up BVH clips and their captions, as training expects them.
 #pragma once
 
+#include <motionlang/file/file.hpp>
 #include <motionlang/formats/bvh.hpp>
 
 #include "synthetic_motion.hpp"

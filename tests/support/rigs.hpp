@@ -5,7 +5,7 @@
 #include <algorithm>  // any_of
 #include <map>        // joints by role
 
-#include <motionlang/formats/glb_writer.hpp>
+#include <motionlang/formats/detail/glb_builder.hpp>
 #include <motionlang/kinematics/skeleton_tables.hpp>
 
 #include "synthetic_motion.hpp"

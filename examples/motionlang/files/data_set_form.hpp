@@ -6,6 +6,8 @@
 #include <string_view>
 
 #include <motionlang/datasets/humanml3d_folder.hpp>
+#include <motionlang/file/file.hpp>
+#include <motionlang/file/npy.hpp>
 
 namespace program {
 

@@ -3,6 +3,7 @@
 #include <set>
 
 #include <motionlang/file/npy.hpp>
+#include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/inspection_page.hpp>
 
 #include "../commands.hpp"

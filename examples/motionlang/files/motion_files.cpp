@@ -6,6 +6,9 @@
 #include <cerrno>
 #include <cstdio>
 
+#include <motionlang/file/id_list.hpp>
+#include <motionlang/file/npy.hpp>
+#include <motionlang/file/npz.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/amc.hpp>
 #include <motionlang/formats/bvh.hpp>

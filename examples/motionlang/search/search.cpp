@@ -5,6 +5,7 @@
 
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/search/vector_graph.hpp>
+#include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/search_page.hpp>
 
 #include "../commands.hpp"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <motionlang/features/actor_points.hpp>
+#include <motionlang/file/npy.hpp>
 #include <motionlang/formats/body_file.hpp>
 
 #include "actor_clips.hpp"

@@ -9,6 +9,7 @@
 #include <motionlang/datasets/amass_releases.hpp>
 #include <motionlang/datasets/annotations.hpp>
 #include <motionlang/datasets/babel.hpp>
+#include <motionlang/file/id_list.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/amc.hpp>
 #include <motionlang/formats/bvh.hpp>

@@ -10,7 +10,9 @@
 
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/rng.hpp>
+#include <motionlang/file/npy.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/text/mirror_caption.hpp>
 
 #include "../files/data_set_form.hpp"
 #include "../formatted.hpp"

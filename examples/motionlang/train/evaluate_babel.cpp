@@ -9,6 +9,7 @@
 #include <motionlang/datasets/body_part_table.hpp>
 #include <motionlang/datasets/humanml3d_texts.hpp>
 #include <motionlang/features/smplh_joints.hpp>
+#include <motionlang/file/id_list.hpp>
 #include <motionlang/formats/body_file.hpp>
 #include <motionlang/metrics/temos_score.hpp>
 #include <motionlang/weights/vae_run.hpp>

@@ -9,11 +9,9 @@
 /// Source  TEACH (Athanasiou et al., 3DV 2022), amass_files; specs teach.md 4.1, body-models.md 6
 #pragma once
 
-#include <algorithm>    // min
 #include <array>        // tables
 #include <string>       // paths
 #include <string_view>  // names
-#include <utility>      // move
 #include <vector>       // paths
 
 #include <motionlang/version.hpp>
@@ -29,12 +27,7 @@ inline constexpr std::array<AmassRate, 3> amass_rates{
     {{"BMLhandball", 240}, {"20160930_50032", 59}, {"20161014_50033", 59}}};
 
 /// fps: what the file says; the result where it is right.
-inline double corrected_amass_fps(std::string_view path, double fps) {
-  for (const AmassRate& known : amass_rates) {
-    if (path.find(known.path) != path.npos) return known.fps;
-  }
-  return fps;
-}
+double corrected_amass_fps(std::string_view path, double fps);
 
 /// Folders of data sets: as annotations of HumanML3D, BABEL and their like have them, and as they are released today.
 struct AmassRename {
@@ -50,30 +43,10 @@ inline constexpr std::array<AmassRename, 8> amass_renames{{{"BioMotionLab_NTroje
                                                            {"Transitions_mocap", "Transitions"}}};
 
 /// The path of a sequence, then those with the names before and today where they differ from it.
-inline std::vector<std::string> amass_paths(std::string_view path) {
-  auto renamed = [&](std::string_view AmassRename::*from, std::string_view AmassRename::*to) {
-    std::string out;
-    for (std::size_t at = 0; at <= path.size();) {
-      const std::size_t end = std::min(path.find('/', at), path.size());
-      std::string_view folder = path.substr(at, end - at);
-      for (const AmassRename& r : amass_renames) {
-        if (folder == r.*from) {
-          folder = r.*to;
-          break;
-        }
-      }
-      out += folder;
-      if (end < path.size()) out += '/';
-      at = end + 1;
-    }
-    return out;
-  };
-  std::vector<std::string> out{std::string(path)};
-  for (std::string other :
-       {renamed(&AmassRename::today, &AmassRename::before), renamed(&AmassRename::before, &AmassRename::today)}) {
-    if (other != path) out.push_back(std::move(other));
-  }
-  return out;
-}
+std::vector<std::string> amass_paths(std::string_view path);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/datasets/amass_releases.ipp>
+#endif

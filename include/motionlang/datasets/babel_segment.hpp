@@ -3,7 +3,6 @@
 /// simultaneous_segments.hpp. Read by datasets/babel.hpp.
 #pragma once
 
-#include <algorithm>    // find
 #include <array>        // excluded labels
 #include <string>       // texts
 #include <string_view>  // labels
@@ -25,16 +24,15 @@ struct BabelSegment {
 /// Labels that TEACH and SINC train nothing on.
 inline constexpr std::array<std::string_view, 7> babel_excluded_labels{"t-pose", "a-pose", "a pose",    "t pose",
                                                                        "tpose",  "apose",  "transition"};
-inline bool is_babel_excluded(std::string_view label) {
-  return std::find(babel_excluded_labels.begin(), babel_excluded_labels.end(), label) != babel_excluded_labels.end();
-}
+bool is_babel_excluded(std::string_view label);
 
 /// The segments that SINC takes, in their order: without empty ones and excluded labels. One without text stays here
 /// (it
 /// counts as simultaneous with others) and is nothing to train on. Source  spec sinc.md 5.1
-inline std::vector<BabelSegment> sinc_segments(std::vector<BabelSegment> segments) {
-  std::erase_if(segments, [](const BabelSegment& s) { return s.end <= s.start || is_babel_excluded(s.text); });
-  return segments;
-}
+std::vector<BabelSegment> sinc_segments(std::vector<BabelSegment> segments);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/datasets/babel_segment.ipp>
+#endif

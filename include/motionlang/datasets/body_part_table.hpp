@@ -7,21 +7,18 @@
 #pragma once
 
 #include <motionlang/compose/body_part_answers.hpp>
-#include <motionlang/file/json_members.hpp>
+#include <motionlang/file/file_path.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+class JsonMembers;
+
 /// Throws io_error 401, 403 (JsonMembers), config_error 107 if there is no such answer, 103 if it names no part.
-inline BodyPartTable read_body_part_table(const JsonMembers& file, Index answer = 2) {
-  BodyPartTable table;
-  for (const std::string& label : file.keys()) {
-    const nlohmann::json answers = file.load(label);
-    table.add(label, JsonView(answers, file.place(label))[answer].as<std::string>());
-  }
-  return table;
-}
-inline BodyPartTable open_body_part_table(const FilePath& path, Index answer = 2) {
-  return read_body_part_table(JsonMembers::open(path), answer);
-}
+BodyPartTable read_body_part_table(const JsonMembers& file, Index answer = 2);
+BodyPartTable open_body_part_table(const FilePath& path, Index answer = 2);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/datasets/body_part_table.ipp>
+#endif

@@ -12,8 +12,10 @@
 #pragma once
 
 #include <cstdint>      // sizes
+#include <span>         // frames
 #include <string>       // names
 #include <string_view>  // data sets
+#include <vector>       // joints
 
 #include <motionlang/features/amass_sequence.hpp>
 #include <motionlang/features/frame_sampling.hpp>
@@ -42,41 +44,13 @@ inline bool is_humanact12(std::string_view source_path) { return source_path.fin
 inline bool humanml3d_uses_male_body(std::string_view gender) { return gender == "male"; }
 
 /// Frames at 20 per second that are dropped before the index counts: people stand in a T-pose there.
-inline Index humanml3d_lead(std::string_view source_path) {
-  struct Lead {
-    std::string_view data_set;
-    Index frames;
-  };
-  constexpr Lead leads[] = {{"Eyes_Japan_Dataset", 60},
-                            {"MPI_HDM05", 60},
-                            {"TotalCapture", 20},
-                            {"MPI_Limits", 20},
-                            {"Transitions_mocap", 10}};
-  Index frames = 0;
-  for (const Lead& lead : leads) {
-    if (source_path.find(lead.data_set) != source_path.npos) frames += lead.frames;
-  }
-  return frames;
-}
+Index humanml3d_lead(std::string_view source_path);
 
 /// The frames of a sequence that a row of the index takes: every floor(fps / 20)-th, behind the lead, from start to
 /// end. An end behind the last frame is the last frame, as Python slices are. Empty if the sequence is too short.
 /// Throws config_error 101 for a rate below 20 frames per second and for frames that are negative (but for end -1).
-inline std::vector<Index> humanml3d_source_frames(const HumanMl3dSource& row, Index frames, double fps,
-                                                  const HumanMl3dSourceOptions& options = {}) {
-  std::vector<Index> picked = every_nth_frame(frames, fps, 20);
-  if (is_humanact12(row.source_path)) return picked;
-  if (row.start_frame < 0 || row.end_frame < -1) {
-    raise<config_error>(101, "humanml3d_source_frames: '", row.new_name, "' from frame ", row.start_frame, " to ",
-                        row.end_frame);
-  }
-  const Index available = std::max<Index>(0, std::ssize(picked) - humanml3d_lead(row.source_path));
-  const Index last = row.end_frame == -1 ? available - (options.keep_last_frame ? 0 : 1) : row.end_frame;
-  picked.erase(picked.begin(), picked.end() - available);
-  picked.resize(static_cast<std::size_t>(std::clamp<Index>(last, 0, available)));
-  picked.erase(picked.begin(), picked.begin() + std::min<Index>(row.start_frame, std::ssize(picked)));
-  return picked;
-}
+std::vector<Index> humanml3d_source_frames(const HumanMl3dSource& row, Index frames, double fps,
+                                           const HumanMl3dSourceOptions& options = {});
 
 /// The first 22 joints of the frames of a row, (frames, 22). `pose` takes frame numbers and gives their joints,
 /// (frames, J) with J >= 22: of AMASS Z up, of HumanAct12 as its files have them (give 20 as their fps).
@@ -140,3 +114,7 @@ std::vector<Vec3<typename B::scalar>> posed_joints(const BodyModel<B>& model, co
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/datasets/humanml3d_source.ipp>
+#endif

@@ -7,14 +7,13 @@
 /// Source  Guo et al. (CVPR 2022); spec humanml3d-features.md 8 and 10, exchange-formats.md 5.2
 #pragma once
 
-#include <cmath>    // isnan
-#include <utility>  // exchange
+#include <span>         // captions
+#include <string>       // texts
+#include <string_view>  // names
+#include <vector>       // captions
 
-#include <motionlang/core/standard_library.hpp>
 #include <motionlang/datasets/humanml3d_source.hpp>
-#include <motionlang/file/detail/bytes.hpp>
-#include <motionlang/file/id_list.hpp>
-#include <motionlang/text/mirror_caption.hpp>
+#include <motionlang/file/file_path.hpp>
 #include <motionlang/text/tagged_word.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -27,145 +26,29 @@ struct MotionCaption {
   bool operator==(const MotionCaption&) const = default;
 };
 
-namespace detail {
-
-/// A time in seconds, 0 for "nan". Throws io_error 403 with the place.
-inline double caption_time(std::string_view field, std::string_view name, Index line) {
-  field = trim(field);
-  double seconds = 0;
-  const auto [end, status] = detail::from_chars(field.data(), field.data() + field.size(), seconds);
-  if (status == std::errc{} && end == field.data() + field.size()) {
-    if (std::isnan(seconds)) return 0;
-    if (seconds >= 0 && std::isfinite(seconds)) return seconds;
-  }
-  raise<io_error>(403, name, ":", line, ": '", utf8_head(field, 40), "' is no time");
-}
-
-inline std::vector<TaggedWord> tagged_words(std::string_view field) {
-  std::vector<TaggedWord> words;
-  for (field = trim(field); !field.empty();) {
-    const std::string_view token = field.substr(0, std::min(field.find(' '), field.size()));
-    const std::size_t slash = token.rfind('/');
-    words.push_back(
-        {std::string(token.substr(0, slash)), std::string(slash == token.npos ? "" : token.substr(slash + 1))});
-    field = trim(field.substr(token.size()));
-  }
-  return words;
-}
-
-/// As Python prints it: "0.0", "2.5".
-inline std::string time_text(double seconds) {
-  const std::string text = concat_text(seconds);
-  return text.find_first_of(".e") == text.npos ? text + ".0" : text;
-}
-
-}  // namespace detail
-
 /// Fields are split off from the right, so a caption may contain '#'. Lines with fewer than four fields are skipped, as
-/// published. Throws io_error 403, with the line, for a time that is none.
-inline std::vector<MotionCaption> parse_captions(std::string_view text, std::string_view name = "captions") {
-  std::vector<MotionCaption> captions;
-  detail::for_each_line(text, [&](std::string_view line, Index number) {
-    std::string_view fields[3];  // end, start, words
-    for (std::string_view& field : fields) {
-      const std::size_t mark = line.rfind('#');
-      if (mark == line.npos) return;
-      field = line.substr(mark + 1);
-      line = line.substr(0, mark);
-    }
-    captions.push_back({std::string(detail::trim(line)), detail::tagged_words(fields[2]),
-                        detail::caption_time(fields[1], name, number), detail::caption_time(fields[0], name, number)});
-  });
-  return captions;
-}
+/// published. Throws io_error 403, with the line, for a time that is not valid.
+std::vector<MotionCaption> parse_captions(std::string_view text, std::string_view name = "captions");
 /// Throws io_error 401, 403.
-inline std::vector<MotionCaption> read_captions(const FilePath& path) {
-  return parse_captions(detail::as_text(MappedFile::open(path)->bytes()), path.string());
-}
+std::vector<MotionCaption> read_captions(const FilePath& path);
 
 /// `name` stands in messages.
 /// Laws    parse_captions(format_captions(x)) equals x
 /// Throws  timeline_error 510 for a caption or word that other readers would take apart: with '#', a line end, blanks
-///         at its ends or in a word, '/' in a tag; io_error 403 for a time that is none
-inline std::string format_captions(std::span<const MotionCaption> captions, std::string_view name = "captions") {
-  std::string out;
-  auto require = [&](bool holds, const std::string& text) {
-    if (!holds) raise<timeline_error>(510, name, ": '", text, "' cannot stand in a file of captions");
-  };
-  for (const MotionCaption& c : captions) {
-    require(c.text.find_first_of("#\r\n") == c.text.npos && detail::trim(c.text) == c.text, c.text);
-    out += c.text + '#';
-    for (std::size_t i = 0; i < c.words.size(); ++i) {
-      const auto& [word, tag] = c.words[i];
-      const bool plain = (word + tag).find_first_of("# \t\r\n\v\f") == word.npos;
-      require(
-          plain && !(word + tag).empty() && tag.find('/') == tag.npos && (!tag.empty() || word.find('/') == word.npos),
-          word + "/" + tag);
-      out += (i > 0 ? " " : "") + word + (tag.empty() ? "" : "/" + tag);
-    }
-    for (const double seconds : {c.start, c.end}) {
-      if (!(seconds >= 0 && std::isfinite(seconds)))
-        raise<io_error>(403, name, ": '", c.text, "': ", seconds, " is no time");
-      out += '#' + detail::time_text(seconds);
-    }
-    out += '\n';
-  }
-  return out;
-}
+///         at its ends or in a word, '/' in a tag; io_error 403 for a time that is not valid
+std::string format_captions(std::span<const MotionCaption> captions, std::string_view name = "captions");
 
 /// The caption of the mirrored clip: other sides in the text and in its words.
-inline MotionCaption mirrored(MotionCaption caption) {
-  caption.text = mirror_caption(caption.text);
-  std::vector<TaggedWord> words;
-  for (TaggedWord& w : std::exchange(caption.words, {})) {
-    const bool in_parts =
-        !words.empty() && w.word == "clockwise" && (words.back().word == "counter" || words.back().word == "anti");
-    if (in_parts) {
-      words.back() = std::move(w);  // "counter clockwise" becomes "clockwise"
-    } else {
-      words.push_back({mirror_caption(w.word), std::move(w.tag)});
-    }
-  }
-  caption.words = std::move(words);
-  return caption;
-}
+MotionCaption mirrored(MotionCaption caption);
 
 /// index.csv: a head line, then source_path,start_frame,end_frame,new_name.
 /// Throws io_error 403, with the line, for another number of fields and for a frame that is no integer of -1 or more.
-inline std::vector<HumanMl3dSource> parse_humanml3d_index(std::string_view text, std::string_view name = "index.csv") {
-  constexpr std::string_view head = "source_path,start_frame,end_frame,new_name";
-  std::vector<HumanMl3dSource> rows;
-  bool has_head = false;
-  detail::for_each_line(text, [&](std::string_view line, Index number) {
-    line = detail::trim(line);
-    if (line.empty()) return;
-    if (!std::exchange(has_head, true)) {
-      if (line != head) raise<io_error>(403, name, ":", number, ": expected '", head, "'");
-      return;
-    }
-    std::vector<std::string_view> fields;
-    for (std::size_t at = 0; at <= line.size();) {
-      const std::size_t end = std::min(line.find(',', at), line.size());
-      fields.push_back(detail::trim(line.substr(at, end - at)));
-      at = end + 1;
-    }
-    if (fields.size() != 4)
-      raise<io_error>(403, name, ":", number, ": ", counted(fields.size(), "field"), ", 4 are expected");
-    auto frame = [&](std::string_view field) {
-      Index value = 0;
-      const auto [end, status] = detail::from_chars(field.data(), field.data() + field.size(), value);
-      if (status != std::errc{} || end != field.data() + field.size() || value < -1)
-        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is no frame");
-      return value;
-    };
-    rows.push_back({std::string(fields[0]), frame(fields[1]), frame(fields[2]), std::string(fields[3])});
-  });
-  if (!has_head) raise<io_error>(403, name, ":1: expected '", head, "'");
-  return rows;
-}
+std::vector<HumanMl3dSource> parse_humanml3d_index(std::string_view text, std::string_view name = "index.csv");
 /// Throws io_error 401, 403.
-inline std::vector<HumanMl3dSource> read_humanml3d_index(const FilePath& path) {
-  return parse_humanml3d_index(detail::as_text(MappedFile::open(path)->bytes()), path.string());
-}
+std::vector<HumanMl3dSource> read_humanml3d_index(const FilePath& path);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/datasets/humanml3d_texts.ipp>
+#endif

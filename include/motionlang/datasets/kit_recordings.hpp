@@ -9,16 +9,13 @@
 ///         temos.md 9
 #pragma once
 
-#include <dirent.h>  // opendir
+#include <string>       // ids
+#include <string_view>  // texts
+#include <utility>      // move
+#include <vector>       // joints
 
-#include <algorithm>  // sort
-#include <cmath>      // isfinite
-
-#include <motionlang/core/standard_library.hpp>
-#include <motionlang/core/text_lines.hpp>
-#include <motionlang/file/detail/bytes.hpp>
-#include <motionlang/file/id_list.hpp>
-#include <motionlang/file/json.hpp>
+#include <motionlang/core/shape.hpp>
+#include <motionlang/file/file_path.hpp>
 #include <motionlang/geometry/vec.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -33,34 +30,9 @@ struct KitRecording {
   Index frames() const { return static_cast<Index>(joints.size() / joint_count); }
 };
 
-/// The positions in a text of _fke.csv. Throws io_error 403, with the line, for a line that has not 64 numbers (the
-/// first is an index and only looked at).
-inline std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::string_view name = "fke.csv") {
-  constexpr std::size_t columns = 1 + 3 * KitRecording::joint_count;
-  std::vector<Vec3<double>> joints;
-  Index lines = 0;
-  detail::for_each_line(text, [&](std::string_view line, Index number) {
-    line = detail::trim(line);
-    if (line.empty() || ++lines == 1) return;
-    double values[columns];
-    std::size_t n = 0;
-    for (std::size_t at = 0; at <= line.size(); ++n) {
-      const std::size_t end = std::min(line.find(',', at), line.size());
-      const std::string_view field = detail::trim(line.substr(at, end - at));
-      double value = 0;
-      const auto [last, status] = detail::from_chars(field.data(), field.data() + field.size(), value);
-      if (status != std::errc{} || last != field.data() + field.size() || !std::isfinite(value))
-        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is no number");
-      if (n < columns) values[n] = value;
-      at = end + 1;
-    }
-    if (n != columns)
-      raise<io_error>(403, name, ":", number, ": ", counted(n, "number"), ", ", columns, " are expected");
-    for (std::size_t i = 1; i < columns; i += 3) joints.push_back({values[i], values[i + 1], values[i + 2]});
-  });
-  if (lines == 0) raise<io_error>(402, name, ": the file is empty");
-  return joints;
-}
+/// The positions in a text of _fke.csv. Throws io_error 403, with the line, unless every line has 64 numbers. The
+/// first is an index, which is only checked.
+std::vector<Vec3<double>> parse_kit_joints(std::string_view text, std::string_view name = "fke.csv");
 
 /// A folder that is being read. Nothing is kept in memory: every call reads its files.
 class KitRecordings {
@@ -68,47 +40,20 @@ class KitRecordings {
   explicit KitRecordings(FilePath folder) : folder_(std::move(folder)) {}
 
   /// All ids with a _meta.json, sorted. Throws io_error 401.
-  std::vector<std::string> ids() const {
-    constexpr std::string_view ending = "_meta.json";
-    DIR* const folder = ::opendir(folder_.c_str());
-    if (folder == nullptr) raise<io_error>(401, "cannot read the folder ", folder_.string());
-    std::vector<std::string> out;
-    while (const dirent* entry = ::readdir(folder)) {
-      const std::string_view name = entry->d_name;
-      if (name.size() > ending.size() && name.ends_with(ending))
-        out.emplace_back(name.substr(0, name.size() - ending.size()));
-    }
-    ::closedir(folder);
-    std::sort(out.begin(), out.end());
-    return out;
-  }
+  std::vector<std::string> ids() const;
   /// The texts of a recording; none if its meta data say so: TEMOS skips such recordings.
   /// Throws io_error 401, 403 (malformed; a number of texts other than announced), config_error 107.
-  std::vector<std::string> annotations(const std::string& id) const {
-    const FilePath meta_path = file(id, "_meta.json"), texts_path = file(id, "_annotations.json");
-    const nlohmann::json meta = read_json(meta_path);
-    const auto count = JsonView(meta, meta_path.string())["nb_annotations"].as<Index>();
-    if (count == 0) return {};
-    const nlohmann::json texts = read_json(texts_path);
-    auto out = JsonView(texts, texts_path.string()).as<std::vector<std::string>>();
-    if (std::ssize(out) != count) {
-      raise<io_error>(403, texts_path.string(), ": ", counted(out.size(), "text"), ", ", meta_path.string(), " has ",
-                      count);
-    }
-    return out;
-  }
+  std::vector<std::string> annotations(const std::string& id) const;
   /// Throws as annotations and parse_kit_joints.
-  KitRecording load(const std::string& id) const {
-    const FilePath path = file(id, "_fke.csv");
-    return {id, annotations(id), parse_kit_joints(detail::as_text(MappedFile::open(path)->bytes()), path.string())};
-  }
+  KitRecording load(const std::string& id) const;
 
  private:
-  FilePath file(const std::string& id, std::string_view ending) const {
-    if (!detail::is_clip_id(id)) raise<io_error>(403, folder_.string(), ": '", id, "' is no id of a clip");
-    return concat_text(folder_.string(), "/", id, ending);
-  }
+  FilePath file(const std::string& id, std::string_view ending) const;
   FilePath folder_;
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/datasets/kit_recordings.ipp>
+#endif

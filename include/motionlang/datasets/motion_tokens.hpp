@@ -8,54 +8,29 @@
 ///         to a file that is there already; here it is replaced.
 #pragma once
 
-#include <array>     // digits
-#include <charconv>  // ids
-#include <cmath>     // floor
+#include <span>         // tokens
+#include <string>       // names
+#include <string_view>  // texts
+#include <vector>       // tokens
 
-#include <motionlang/core/numpy_random.hpp>
-#include <motionlang/core/standard_library.hpp>
 #include <motionlang/datasets/humanml3d_texts.hpp>
-#include <motionlang/text/glove.hpp>
-#include <motionlang/vae/motion_tokenizer.hpp>
+#include <motionlang/file/file_path.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+class GloVe;
+class NumpyRandom;
+struct MotionVocabulary;
 
 /// The tokens of a clip: one list for each pass, from other frames on.
 using TokenLines = std::vector<std::vector<Index>>;
 
 /// Throws io_error 403, with the line, for what is no id below `codes`.
-inline TokenLines parse_token_lines(std::string_view text, Index codes = 1024, std::string_view name = "tokens") {
-  TokenLines out;
-  detail::for_each_line(text, [&](std::string_view line, Index number) {
-    line = detail::trim(line);
-    if (line.empty()) return;
-    out.emplace_back();
-    while (!line.empty()) {
-      const std::string_view field = line.substr(0, line.find_first_of(" \t"));
-      Index id = -1;
-      const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), id);
-      if (status != std::errc{} || end != field.data() + field.size() || id < 0 || id >= codes)
-        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is no token of ",
-                        counted(codes, "code"));
-      out.back().push_back(id);
-      line = detail::trim(line.substr(field.size()));
-    }
-  });
-  return out;
-}
+TokenLines parse_token_lines(std::string_view text, Index codes = 1024, std::string_view name = "tokens");
 /// Throws io_error 401, 403.
-inline TokenLines read_token_lines(const FilePath& path, Index codes = 1024) {
-  return parse_token_lines(detail::as_text(MappedFile::open(path)->bytes()), codes, path.string());
-}
+TokenLines read_token_lines(const FilePath& path, Index codes = 1024);
 /// Laws  parse_token_lines(format_token_lines(x)) equals x without its empty lists
-inline std::string format_token_lines(const TokenLines& lines) {
-  std::string out;
-  for (const auto& line : lines) {
-    for (std::size_t i = 0; i < line.size(); ++i) out += (i > 0 ? " " : "") + std::to_string(line[i]);
-    if (!line.empty()) out += '\n';
-  }
-  return out;
-}
+std::string format_token_lines(const TokenLines& lines);
 
 /// A clip or a part of one with what is said about it.
 struct TokenEntry {
@@ -73,66 +48,22 @@ struct TokenEntryOptions {
 
 /// The entries of a clip, the whole one last, if it has a caption. Parts without tokens are left out (as published only
 /// those of no length).
-inline std::vector<TokenEntry> token_entries(const std::string& id, std::span<const MotionCaption> captions,
-                                             TokenLines lines, const TokenEntryOptions& options = {}) {
-  std::vector<TokenEntry> out;
-  TokenEntry whole{id, {}, {}};
-  for (const MotionCaption& c : captions) {
-    if (c.of_whole_clip()) {
-      whole.captions.push_back(c);
-      continue;
-    }
-    TokenEntry part{id, {}, {c}};
-    const auto token = [&](double seconds) { return std::floor(seconds * options.tokens_per_second); };
-    bool any = options.cut_again && !lines.empty() && token(c.start) < token(c.end);
-    for (const auto& line : lines) {
-      auto at = [&](double seconds) {
-        return line.begin() + static_cast<Index>(std::min(std::max(0.0, seconds * options.tokens_per_second),
-                                                          static_cast<double>(line.size())));
-      };
-      const auto first = at(c.start), last = std::max(first, at(c.end));
-      part.lines.emplace_back(first, last);
-      any = any || first != last;
-    }
-    if (options.cut_again) lines = part.lines;
-    if (!any) continue;
-    for (const double time : {c.start, c.end}) {
-      std::array<char, 400> digits{};  // the largest double has 309 before the point
-      char *const first = digits.data(), *const last = first + digits.size();
-      part.name.append("_").append(first, detail::to_chars(first, last, time, std::chars_format::fixed, 6).ptr);
-    }
-    out.push_back(std::move(part));
-  }
-  if (whole.captions.empty()) return out;
-  whole.lines = std::move(lines);
-  out.push_back(std::move(whole));
-  return out;
-}
+std::vector<TokenEntry> token_entries(const std::string& id, std::span<const MotionCaption> captions, TokenLines lines,
+                                      const TokenEntryOptions& options = {});
 
 /// One item in three loses a token, the first or the last: the model cannot count on where motions begin.
 enum class TokenDrop { none, first, last };
-inline TokenDrop token_drop(NumpyRandom& random) {
-  if (random.randint(0, 3) != 2) return TokenDrop::none;
-  return random.randint(0, 2) == 0 ? TokenDrop::last : TokenDrop::first;
-}
+TokenDrop token_drop(NumpyRandom& random);
 
 /// The mark of the beginning, tokens, the mark of the end. Throws shape_error 207 if a token is to be dropped and none
 /// is there.
-inline std::vector<Index> marked_tokens(std::span<const Index> tokens, const MotionVocabulary& vocabulary,
-                                        TokenDrop drop = TokenDrop::none) {
-  if (drop != TokenDrop::none && tokens.empty()) raise<shape_error>(207, "marked_tokens: no token to drop");
-  if (drop == TokenDrop::first) tokens = tokens.subspan(1);
-  if (drop == TokenDrop::last) tokens = tokens.first(tokens.size() - 1);
-  std::vector<Index> out{vocabulary.begin()};
-  out.insert(out.end(), tokens.begin(), tokens.end());
-  out.push_back(vocabulary.end());
-  return out;
-}
+std::vector<Index> marked_tokens(std::span<const Index> tokens, const MotionVocabulary& vocabulary,
+                                 TokenDrop drop = TokenDrop::none);
 /// The numbers of "sos", of at most `longest` words, and of "eos".
-inline std::vector<Index> marked_words(const GloVe& glove, std::span<const TaggedWord> words, Index longest = 20) {
-  std::vector<Index> out;
-  for (const TaggedWord& w : GloVe::framed(words, longest)) out.push_back(glove.id(w.word));
-  return out;
-}
+std::vector<Index> marked_words(const GloVe& glove, std::span<const TaggedWord> words, Index longest = 20);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/datasets/motion_tokens.ipp>
+#endif

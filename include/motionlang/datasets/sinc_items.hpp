@@ -49,27 +49,11 @@ concept UniformDraws = requires(G& g, std::uint32_t n) {
 /// All items, and which can be combined. Holds a table of parts by reference.
 class SincItems {
  public:
-  SincItems(std::vector<SincItem> items, const BodyPartTable& table) : items_(std::move(items)), table_(&table) {
-    for (std::size_t i = 0; i < items_.size(); ++i) {
-      const SincItem& item = items_[i];
-      if (item.labels.empty()) raise<config_error>(101, "SincItems: item ", i, " has no label");
-      if (is_single(item)) singles_[item.labels.front()].push_back(static_cast<Index>(i));
-      if (item.source != SincSource::simultaneous) not_simultaneous_.push_back(static_cast<Index>(i));
-    }
-  }
+  SincItems(std::vector<SincItem> items, const BodyPartTable& table);
 
   /// Single actions whose first label moves no part that the first label of item k moves: by label in the order of the
   /// table, then in their own. Throws config_error 103 for a label without parts.
-  std::vector<Index> partners(Index k) const {
-    const SincParts& own = table_->parts(at(k).labels.front());
-    std::vector<Index> out;
-    for (const std::string& label : table_->labels()) {
-      const auto found = singles_.find(label);
-      if (found == singles_.end() || !are_compatible(own, table_->parts(label))) continue;
-      out.insert(out.end(), found->second.begin(), found->second.end());
-    }
-    return out;
-  }
+  std::vector<Index> partners(Index k) const;
 
   /// Draws: whether a partner is wanted (for every item), the partner, in random mode twelve bits, the window.
   /// Throws config_error 101 for a number that is no item, 103 for a label without parts.
@@ -103,10 +87,7 @@ class SincItems {
   static Index below(G& rng, Index n) {
     return static_cast<Index>(rng.below(static_cast<std::uint32_t>(n)));
   }
-  const SincItem& at(Index k) const {
-    if (k < 0 || k >= std::ssize(items_)) raise<config_error>(101, "SincItems: no item ", k, " of ", items_.size());
-    return items_[static_cast<std::size_t>(k)];
-  }
+  const SincItem& at(Index k) const;
 
   std::vector<SincItem> items_;
   const BodyPartTable* table_;
@@ -115,3 +96,7 @@ class SincItems {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/datasets/sinc_items.ipp>
+#endif

@@ -5,7 +5,7 @@
 /// Source  TM2T (Guo et al., ECCV 2022), data/dataset.py, networks/trainers.py; spec tm2t.md 1, 2, 5.1
 #pragma once
 
-#include <algorithm>  // min, find_if
+#include <algorithm>  // min
 #include <span>       // lengths
 #include <vector>     // windows
 
@@ -44,25 +44,10 @@ struct ClipWindow {
 /// As published item 0 is the beginning of the first clip that is as long as a window, and item i > 0 is start i - c -
 /// 1 of the clip with c < i <= c + n, where c counts the windows before it: the last start of each clip is missing.
 /// Throws config_error 101 for a window below 1.
-inline std::vector<ClipWindow> tm2t_windows(std::span<const Index> lengths, Index window = 64) {
-  if (window < 1) raise<config_error>(101, "tm2t_windows: windows of ", window);
-  std::vector<ClipWindow> out;
-  const auto first = std::find_if(lengths.begin(), lengths.end(), [&](Index length) { return length >= window; });
-  out.push_back({first - lengths.begin(), 0});
-  for (Index clip = 0; clip < std::ssize(lengths); ++clip) {
-    for (Index start = 0; start < lengths[static_cast<std::size_t>(clip)] - window; ++start)
-      out.push_back({clip, start});
-  }
-  out.pop_back();
-  return out;
-}
+std::vector<ClipWindow> tm2t_windows(std::span<const Index> lengths, Index window = 64);
 
 /// The frames that become tokens: whole units, from a random start on. Throws config_error 101 if there is no unit.
-inline FrameSlice tm2t_token_frames(Index frames, PythonRandom& random, Index unit = 4) {
-  const Index length = unit > 0 ? frames / unit * unit : 0;
-  if (length < 1) raise<config_error>(101, "tm2t_token_frames: of ", frames, " frames in units of ", unit);
-  return {static_cast<Index>(random.randint(0, frames - length)), length};
-}
+FrameSlice tm2t_token_frames(Index frames, PythonRandom& random, Index unit = 4);
 
 /// Share of the batches in which the decoder of text-to-motion is fed with the true tokens: on a line from `first`, in
 /// epoch 0, to `last`, and then so.
@@ -77,3 +62,7 @@ struct TeacherForcing {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/datasets/tm2t_data.ipp>
+#endif

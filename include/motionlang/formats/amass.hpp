@@ -7,11 +7,10 @@
 /// `trans` is then the pelvis itself, and a viewer with a real body shows the same motion shifted by J_0.
 #pragma once
 
-#include <cmath>    // isfinite
-#include <numbers>  // pi
+#include <string>  // names
+#include <vector>  // shapes
 
 #include <motionlang/formats/amass_sequence.hpp>
-#include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -33,27 +32,7 @@ struct AmassClip {
 
 namespace detail {
 
-inline constexpr std::size_t amass_joints = 22;    // SMPL's without the hands: the first 66 numbers of a pose
-inline constexpr std::size_t amass_columns = 156;  // SMPL-H: and 2 x 45 numbers of fingers
-
-inline Quaternion<double> quarter_turn_about_x(double sign) {
-  return from_axis_angle(Vec3<double>{1, 0, 0}, sign * std::numbers::pi / 2);
-}
-
-/// Throws config_error 106 unless the skeleton begins with SMPL's body joints.
-inline void require_smpl(const Skeleton& skeleton) {
-  const Skeleton& smpl = smpl24_skeleton();
-  if (skeleton.size() < static_cast<int>(amass_joints)) {
-    raise<config_error>(106, "AMASS: the skeleton has ", counted(skeleton.size(), "joint"), ", SMPL's body has ",
-                        amass_joints);
-  }
-  for (int j = 0; j < static_cast<int>(amass_joints); ++j) {
-    if (skeleton.name(j) != smpl.name(j) || skeleton.parent(j) != smpl.parent(j)) {
-      raise<config_error>(106, "AMASS: joint ", j, " is '", skeleton.name(j), "' where SMPL has '", smpl.name(j),
-                          "': retarget the motion first");
-    }
-  }
-}
+inline constexpr std::size_t amass_joints = 22;  // SMPL's without the hands: the first 66 numbers of a pose
 
 }  // namespace detail
 
@@ -61,92 +40,29 @@ inline void require_smpl(const Skeleton& skeleton) {
 /// motion       on a skeleton whose first 22 joints are SMPL's; joints after them (the hands) are left out
 /// rest_pelvis  J_0 of the body that will be shown, in the model's own frame; see the head of this file
 /// Throws       config_error 106 for another skeleton, numeric_error 301 if a number is not finite, io_error 401
-inline void write_amass(const FilePath& path, const Motion& motion, const AmassBody& body = {},
-                        const Vec3<double>& rest_pelvis = {}) {
-  motion.validate();
-  detail::require_smpl(motion.skeleton);
-  detail::require_finite_betas(path.string(), body.betas);
-  std::vector<double> trans, poses;
-  const Quaternion<double> upright = detail::quarter_turn_about_x(1);
-  for (Index frame = 0; frame < motion.frames(); ++frame) {
-    const Vec3<double> t = y_up_to_z_up(motion.root_at(frame)) - rest_pelvis;
-    trans.insert(trans.end(), {t.x, t.y, t.z});
-    const auto local = motion.rotations(frame);
-    for (std::size_t j = 0; j < detail::amass_joints; ++j) {
-      const Vec3<double> v = to_axis_angle(normalized(j == 0 ? upright * local[0] : local[j])).v;
-      poses.insert(poses.end(), {v.x, v.y, v.z});
-    }
-    poses.resize(static_cast<std::size_t>(frame + 1) * detail::amass_columns, 0.0);
-  }
-  const Index frames = motion.frames();
-  const std::vector<NamedArray> arrays{
-      {"trans", NpyArray::of(std::span<const double>(trans), {frames, 3})},
-      {"gender", NpyArray::text(body.gender)},
-      {"mocap_framerate", NpyArray::scalar(motion.fps)},
-      {"mocap_frame_rate", NpyArray::scalar(motion.fps)},  // the spelling of SMPL-X tools
-      {"betas", NpyArray::of(std::span<const double>(body.betas), {static_cast<Index>(body.betas.size())})},
-      {"poses", NpyArray::of(std::span<const double>(poses), {frames, static_cast<Index>(detail::amass_columns)})}};
-  write_npz(path, arrays);
-}
+void write_amass(const FilePath& path, const Motion& motion, const AmassBody& body = {},
+                 const Vec3<double>& rest_pelvis = {});
 
 namespace detail {
 
 /// Joint `joint` of a sequence in one frame, as the file has it.
-inline Quaternion<double> amass_rotation(const AmassSequence& sequence, Index frame, Index joint) {
-  const double* const v = sequence.poses.data() + frame * sequence.columns + 3 * joint;
-  return to_quaternion(AxisAngle<double>{{v[0], v[1], v[2]}});
-}
+Quaternion<double> amass_rotation(const AmassSequence& sequence, Index frame, Index joint);
 
 }  // namespace detail
 
 /// The body joints of a sequence: SMPL (72 columns), SMPL-H (156) or SMPL-X (165); fingers and face are dropped, the
 /// two hand joints stay at rest. Bones are those of smpl24_skeleton(), whatever betas say. Throws numeric_error 301 if
 /// a value is not finite
-inline Motion amass_motion(const AmassSequence& sequence, std::string name, const Vec3<double>& rest_pelvis = {}) {
-  Motion motion{smpl24_skeleton(), sequence.fps, {}, {}, std::move(name)};
-  const Index joints = motion.skeleton.size();
-  motion.local.assign(static_cast<std::size_t>(sequence.frames * joints), Quaternion<double>::identity());
-  const Quaternion<double> lying = detail::quarter_turn_about_x(-1);
-  for (Index frame = 0; frame < sequence.frames; ++frame) {
-    const double* const t = sequence.trans.data() + 3 * frame;
-    motion.root.push_back(z_up_to_y_up(Vec3<double>{t[0], t[1], t[2]} + rest_pelvis));
-    const auto local = motion.rotations(frame);
-    for (std::size_t j = 0; j < detail::amass_joints; ++j) {
-      const auto q = detail::amass_rotation(sequence, frame, static_cast<Index>(j));
-      local[j] = j == 0 ? lying * q : q;
-    }
-  }
-  motion.validate();
-  return motion;
-}
+Motion amass_motion(const AmassSequence& sequence, std::string name, const Vec3<double>& rest_pelvis = {});
 
 /// Reads the body joints of an AMASS file. fps: as for read_amass_sequence. Throws as that does, and numeric_error 301
 /// if a value is not finite.
-inline AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}, double fps = 0) {
-  AmassSequence sequence = read_amass_sequence(path, fps);
-  AmassClip clip{amass_motion(sequence, path.stem(), rest_pelvis), {}};
-  clip.body.gender = std::move(sequence.gender);
-  if (!sequence.betas.empty()) clip.body.betas = std::move(sequence.betas);
-  return clip;
-}
+AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {}, double fps = 0);
 
 /// Joint positions as (frames, joints, 3) in float32, Z up: what STMC saves and its evaluation reads. Joints stand in
 /// the order of the skeleton; readers take 22 or 24 for SMPL's. Throws io_error 401, numeric_error 301 for a position
 /// that float32 cannot hold.
-inline void write_joints_npy(const FilePath& path, const Motion& motion) {
-  motion.validate();
-  std::vector<float> values;
-  for (const Vec3<double>& p : motion.positions()) {
-    const Vec3<float> v = vec_cast<float>(y_up_to_z_up(p));
-    if (!(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z))) {
-      const Index at = std::ssize(values) / 3, joints = motion.skeleton.size();
-      raise<numeric_error>(301, "write_joints_npy: joint ", at % joints, " of frame ", at / joints, " is at (", p.x,
-                           ", ", p.y, ", ", p.z, "), too far for float32");
-    }
-    values.insert(values.end(), {v.x, v.y, v.z});
-  }
-  write_npy(path, NpyArray::of(std::span<const float>(values), {motion.frames(), motion.skeleton.size(), 3}));
-}
+void write_joints_npy(const FilePath& path, const Motion& motion);
 
 /// Joint positions as write_joints_npy wrote them, turned to Y up: (frames, joints), joint fastest.
 struct JointPositions {
@@ -154,15 +70,10 @@ struct JointPositions {
   std::vector<Vec3<double>> positions;
 };
 /// Throws io_error 401 to 405, 407 if the array is not (frames, joints, 3).
-inline JointPositions read_joints_npy(const FilePath& path) {
-  const NpyArray array = read_npy(path);
-  if (array.shape.size() != 3 || array.shape[2] != 3) {
-    raise<io_error>(407, path.string(), ": not an array (frames, joints, 3)");
-  }
-  JointPositions out{array.shape[0], array.shape[1], {}};
-  const std::vector<double> v = array.to<double>();
-  for (std::size_t i = 0; i + 2 < v.size(); i += 3) out.positions.push_back(z_up_to_y_up({v[i], v[i + 1], v[i + 2]}));
-  return out;
-}
+JointPositions read_joints_npy(const FilePath& path);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/formats/amass.ipp>
+#endif

@@ -7,11 +7,10 @@
 /// stands where the parent bone ends, and its rotation turns the bone. In the rest pose all rotations are the identity.
 #pragma once
 
-#include <charconv>  // from_chars: numbers of frames
+#include <string_view>  // texts
 
-#include <motionlang/file/file.hpp>
-#include <motionlang/formats/detail/asf_parser.hpp>
-#include <motionlang/geometry/degree.hpp>
+#include <motionlang/file/file_path.hpp>
+#include <motionlang/formats/detail/asf_skeleton.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -21,137 +20,24 @@ struct AmcReadOptions {
 };
 
 /// Reads the text of an ASF file. Throws io_error 402 (too short), 403 (malformed), 405 (too many bones).
-inline AsfSkeleton parse_asf(std::string_view text, std::string_view name = "ASF text") {
-  return detail::AsfParser(text, name).parse();
-}
+AsfSkeleton parse_asf(std::string_view text, std::string_view name = "ASF text");
 /// Throws io_error 401 and as parse_asf.
-inline AsfSkeleton read_asf(const FilePath& path) { return parse_asf(read_file(path), path.string()); }
+AsfSkeleton read_asf(const FilePath& path);
 
 /// One joint for each bone, at its start; metres.
-inline Skeleton to_skeleton(const AsfSkeleton& asf) {
-  Skeleton skeleton;
-  for (const AsfBone& bone : asf.bones) {
-    const bool below_root = bone.parent > 0;  // the root itself has no extent: its children start where it stands
-    const Vec3<double> start = below_root ? asf.bones[static_cast<std::size_t>(bone.parent)].end : Vec3<double>{};
-    skeleton.names.push_back(bone.name);
-    skeleton.parents.push_back(bone.parent);
-    skeleton.offsets.push_back(asf.metres_per_unit * (bone.parent < 0 ? bone.end : start));
-  }
-  skeleton.validate();
-  return skeleton;
-}
-
-namespace detail {
-
-class AmcParser {
- public:
-  AmcParser(std::string_view text, std::string_view name, const AsfSkeleton& asf)
-      : scan_(text, name),
-        asf_(asf),
-        limit_(max_text_rotations(text.size())),
-        unit_(asf.degrees ? degree : 1),
-        named_(asf.bones.size()) {
-    motion_.name = name;
-    motion_.skeleton = to_skeleton(asf);
-  }
-
-  Motion parse(double fps) && {
-    motion_.fps = fps;
-    while (!scan_.at_end()) {
-      const std::string_view word = scan_.word("a bone");
-      if (word[0] == '#') {
-        scan_.rest_of_line();
-      } else if (word[0] == ':') {
-        header(word);
-      } else if (word.find_first_not_of("0123456789") == word.npos) {
-        if (!scan_.began_line())
-          scan_.fail(403, "'", TextScanner::shortened(word), "' is a value too many, or a frame that begins no line");
-        new_frame(word);
-      } else {
-        values(word);
-      }
-    }
-    if (motion_.root.empty()) scan_.fail(402, "no frame");
-    require_all_bones();
-    motion_.validate();
-    return std::move(motion_);
-  }
-
- private:
-  void header(std::string_view word) {
-    if (same_word(word, ":degrees")) unit_ = degree;
-    if (same_word(word, ":radians")) unit_ = 1;
-    scan_.rest_of_line();
-  }
-  /// Frames are numbered one after the other, from any number on.
-  void new_frame(std::string_view word) {
-    std::uint64_t number = 0;
-    const bool too_long = std::from_chars(word.data(), word.data() + word.size(), number).ec != std::errc{};
-    if (too_long) scan_.fail(403, "frame ", TextScanner::shortened(word), ", a number too large");
-    if (!motion_.root.empty() && number != number_ + 1) scan_.fail(403, "frame ", number, " after frame ", number_);
-    if (!motion_.root.empty()) require_all_bones();
-    number_ = number;
-    const std::size_t joints = asf_.bones.size();
-    if (motion_.local.size() + joints > limit_) {
-      scan_.fail(405, "more than ", motion_.frames(), " frames of ", counted(joints, "bone"));
-    }
-    motion_.root.push_back(motion_.skeleton.offset(0));
-    motion_.local.resize(motion_.local.size() + joints, Quaternion<double>::identity());
-  }
-  /// A bone that one frame names is named by all; those that none names rest.
-  void require_all_bones() const {
-    for (std::size_t b = 0; b < named_.size(); ++b) {
-      if (named_[b] != 0 && named_[b] != motion_.root.size())
-        scan_.fail(403, "frame ", number_, ", which ends here, has no numbers of '", asf_.bones[b].name,
-                   "', unlike those before it");
-    }
-  }
-  /// The numbers of one bone in the current frame.
-  void values(std::string_view name) {
-    const int number = asf_.find(name);
-    if (number < 0) scan_.fail(403, "the skeleton has no bone '", TextScanner::shortened(name), "'");
-    if (motion_.root.empty()) scan_.fail(403, "numbers of '", name, "' before the first frame");
-    const AsfBone& bone = asf_.bones[static_cast<std::size_t>(number)];
-    std::size_t& frames = named_[static_cast<std::size_t>(number)];
-    if (frames == motion_.root.size()) scan_.fail(403, "frame ", number_, " has numbers of '", name, "' twice");
-    if (frames == 0 && motion_.root.size() > 1)
-      scan_.fail(403, "frame ", number_, " has numbers of '", name, "', unlike those before it");
-    frames = motion_.root.size();
-    Vec3<double> translation{};
-    Quaternion<double> turn = Quaternion<double>::identity();
-    for (const AsfChannel& channel : bone.channels) {
-      const double v = scan_.number("a value of the motion");
-      if (channel.kind == AsfChannel::Kind::rotation) turn = about_axis(channel.axis, unit_ * v) * turn;
-      if (channel.kind == AsfChannel::Kind::translation) {
-        (channel.axis == 0 ? translation.x : channel.axis == 1 ? translation.y : translation.z) = v;
-      }
-    }
-    motion_.rotations(motion_.frames() - 1)[static_cast<std::size_t>(number)] = bone.axis * turn * inverse(bone.axis);
-    if (number == 0) motion_.root.back() = motion_.skeleton.offset(0) + asf_.metres_per_unit * translation;
-  }
-
-  TextScanner scan_;
-  const AsfSkeleton& asf_;
-  std::size_t limit_;               // of rotations
-  double unit_;                     // radians per unit of the angles
-  std::uint64_t number_ = 0;        // of the frame
-  std::vector<std::size_t> named_;  // frames that there were when a bone was named last
-  Motion motion_;
-};
-
-}  // namespace detail
+Skeleton to_skeleton(const AsfSkeleton& asf);
 
 /// Reads the text of an AMC file that belongs to the skeleton. Bones that no frame names rest; translations count for
 /// the root only. Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after
 /// the other, bones that a frame names twice or, unlike others, not at all), 405 (far more bones than numbers),
 /// config_error 101 (fps), numeric_error 301 (numbers so large that they overflow).
-inline Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options = {},
-                        std::string_view name = "AMC text") {
-  return detail::AmcParser(text, name, asf).parse(options.fps);
-}
+Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options = {},
+                 std::string_view name = "AMC text");
 /// Throws io_error 401 and as parse_amc.
-inline Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcReadOptions& options = {}) {
-  return parse_amc(read_file(path), asf, options, path.string());
-}
+Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcReadOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/formats/amc.ipp>
+#endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// The user's own SMPL, SMPL-H and SMPL-X files, .npz or .pkl, as body models. The form of a file is told by its
-/// content, the kind of body by its number of joints; a body of any other number of joints is read, too. No file of
-/// these is or may be part of this library.
+/// The user's own SMPL, SMPL-H and SMPL-X files, .npz or .pkl, as body models. The
+/// content of a file says which form it has, the number of joints says which kind of body it is. A body of any other
+/// number of joints is read, too. No file of these is or may be part of this library.
 ///
 ///     auto file = find_body_file("models", BodyKind::smplh);
 ///     auto body = read_body<EigenBackend<float>>(file, {.betas = 16});
@@ -10,15 +10,22 @@
 /// Coefficients are those of shape and then those of expression. Source: spec weights.md 8, body-models.md 2, 4, 7.
 #pragma once
 
-#include <unistd.h>  // access
+#include <algorithm>    // copy_n, max, min
+#include <array>        // faces
+#include <cmath>        // abs
+#include <memory>       // the file
+#include <optional>     // hands
+#include <span>         // faces
+#include <string>       // names of files
+#include <string_view>  // names of arrays
+#include <vector>       // numbers
 
-#include <variant>  // one of two forms
-
-#include <motionlang/file/npz.hpp>
-#include <motionlang/file/pickle_arrays.hpp>
+#include <motionlang/file/file_path.hpp>
 #include <motionlang/kinematics/body.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+struct NpyArray;
 
 struct BodyFileOptions {
   Index betas = 10;      // coefficients of shape, which the file must have
@@ -37,44 +44,20 @@ namespace detail {
 /// The named arrays of a file of either form.
 class BodyArrays {
  public:
-  explicit BodyArrays(const FilePath& path) : file_(path.string()), source_(open(path)) {}
+  explicit BodyArrays(const FilePath& path);
 
   const std::string& file() const { return file_; }
-  bool has(const char* name) const {
-    if (const auto* npz = std::get_if<NpzArchive>(&source_)) return npz->has(name);
-    return std::get<Pickle>(source_).root().find(name).has_value();
-  }
-  NpyArray read(const char* name) const {
-    if (const auto* npz = std::get_if<NpzArchive>(&source_)) return npz->read(name);
-    return to_array(std::get<Pickle>(source_).root()[name]);
-  }
+  bool has(const char* name) const;
+  NpyArray read(const char* name) const;
   /// An array of this shape; a size below 0 may be any. Throws io_error 407, numeric_error 301 if a number is not
-  /// finite.
+  /// finite. T: float, double or std::int64_t.
   template <class T>
-  std::vector<T> read(const char* name, std::vector<Index> wanted, std::vector<Index>* found = nullptr) const {
-    const NpyArray array = read(name);
-    bool fits = array.shape.size() == wanted.size();
-    for (std::size_t i = 0; fits && i < wanted.size(); ++i) fits = wanted[i] < 0 || array.shape[i] == wanted[i];
-    if (!fits)
-      raise<io_error>(407, file_, ": '", name, "' is ", detail::shape_text(array.shape), ", expected ",
-                      detail::shape_text(wanted));
-    if (found != nullptr) *found = array.shape;
-    std::vector<T> values = array.to<T>();
-    for (const T x : values) {
-      if (!std::isfinite(static_cast<double>(x))) raise<numeric_error>(301, file_, ": '", name, "' is not finite");
-    }
-    return values;
-  }
+  std::vector<T> read(const char* name, std::vector<Index> wanted, std::vector<Index>* found = nullptr) const;
 
  private:
-  static std::variant<NpzArchive, Pickle> open(const FilePath& path) {
-    auto file = MappedFile::open(path);
-    if (as_text(file->bytes()).starts_with("PK\x03\x04"))
-      return NpzArchive(ZipArchive(file->bytes(), path.string(), file));
-    return Pickle(file->bytes(), path.string(), {}, file);
-  }
+  struct Source;  // one of two forms
   std::string file_;
-  std::variant<NpzArchive, Pickle> source_;
+  std::shared_ptr<const Source> source_;
 };
 
 /// Columns first ... first + count - 1 of every row.
@@ -87,24 +70,7 @@ void copy_columns(const std::vector<T>& from, Index width, Index first, Index co
 }
 
 /// Row 0: parents, the root's as -1 of any width. Row 1: the joints' own numbers, which must be 0, 1, 2, ...
-inline std::vector<int> body_parents(const BodyArrays& arrays) {
-  std::vector<Index> shape;
-  const auto table = arrays.read<double>("kintree_table", {2, -1}, &shape);
-  const auto joints = static_cast<std::size_t>(shape[1]);
-  std::vector<int> parents;
-  for (std::size_t j = 0; j < joints; ++j) {
-    if (table[joints + j] != static_cast<double>(j)) {
-      raise<io_error>(403, arrays.file(), ": 'kintree_table' calls joint ", j, " ", table[joints + j]);
-    }
-    if (j > 0 && !(table[j] >= 0 && table[j] < static_cast<double>(j))) {
-      raise<io_error>(403, arrays.file(), ": 'kintree_table': joint ", j, " has parent ", table[j],
-                      ", which does not come before it");
-    }
-    parents.push_back(j == 0 ? -1 : static_cast<int>(table[j]));
-  }
-  if (joints == 0) raise<io_error>(403, arrays.file(), ": 'kintree_table' has no joints");
-  return parents;
-}
+std::vector<int> body_parents(const BodyArrays& arrays);
 
 template <class S>
 void check_weights(const BodyArrays& arrays, const std::vector<S>& weights, Index joints) {
@@ -118,21 +84,7 @@ void check_weights(const BodyArrays& arrays, const std::vector<S>& weights, Inde
   }
 }
 
-inline std::vector<std::array<Index, 3>> body_faces(const BodyArrays& arrays, Index vertices) {
-  std::vector<std::array<Index, 3>> faces;
-  const auto numbers = arrays.read<std::int64_t>("f", {-1, 3});
-  for (std::size_t i = 0; i < numbers.size(); i += 3) {
-    std::array<Index, 3> face{};
-    for (std::size_t c = 0; c < 3; ++c) {
-      face[c] = static_cast<Index>(numbers[i + c]);
-      if (face[c] < 0 || face[c] >= vertices) {
-        raise<io_error>(403, arrays.file(), ": face ", i / 3, " has vertex ", face[c], " of ", vertices);
-      }
-    }
-    faces.push_back(face);
-  }
-  return faces;
-}
+std::vector<std::array<Index, 3>> body_faces(const BodyArrays& arrays, Index vertices);
 
 template <Backend B>
 std::optional<HandPoses<B>> hand_poses(const BodyArrays& arrays, const char* components, const char* mean) {
@@ -145,37 +97,13 @@ std::optional<HandPoses<B>> hand_poses(const BodyArrays& arrays, const char* com
 
 /// Where the directions of expression begin: 300 shape and 100 expression directions in new files, 10 and 10 in old
 /// ones.
-inline Index first_expression(BodyKind kind, Index directions, Index told) {
-  if (kind != BodyKind::smplx) return directions;
-  if (told > 0) return std::min(told, directions);
-  return directions > 300 ? 300 : directions == 20 ? 10 : directions;
-}
+Index first_expression(BodyKind kind, Index directions, Index told);
 
 /// Points on triangles: one row of triangles, or several.
-inline std::vector<SurfacePoints> rows_of_points(const BodyArrays& arrays, const char* triangles, const char* weights,
-                                                 std::span<const std::array<Index, 3>> faces) {
-  std::vector<SurfacePoints> out;
-  if (!arrays.has(triangles)) return out;
-  std::vector<Index> shape = arrays.read(triangles).shape;
-  if (shape.empty() || shape.size() > 2)
-    raise<io_error>(407, arrays.file(), ": '", triangles, "' has ", counted(shape.size(), "axis", "axes"),
-                    ", expected 1 or 2");
-  const auto numbers = arrays.read<std::int64_t>(triangles, shape);
-  const auto columns = static_cast<std::size_t>(shape.back());
-  shape.push_back(3);
-  const auto shares = arrays.read<double>(weights, shape);
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (numbers[i] < 0 || numbers[i] >= std::ssize(faces)) {
-      raise<io_error>(403, arrays.file(), ": '", triangles, "' has triangle ", numbers[i], " of ", faces.size());
-    }
-    if (i % columns == 0) out.emplace_back();
-    out.back().corners.push_back(faces[static_cast<std::size_t>(numbers[i])]);
-    out.back().weights.push_back({shares[3 * i], shares[3 * i + 1], shares[3 * i + 2]});
-  }
-  return out;
-}
+std::vector<SurfacePoints> rows_of_points(const BodyArrays& arrays, const char* triangles, const char* weights,
+                                          std::span<const std::array<Index, 3>> faces);
 
-inline bool readable(const FilePath& path) { return ::access(path.c_str(), R_OK) == 0; }
+bool readable(const FilePath& path);
 
 }  // namespace detail
 
@@ -253,30 +181,10 @@ HandPoses<B> read_hand(const FilePath& path) {
 /// smplh/female/model.npz, smplx/SMPLX_NEUTRAL.npz, and the names of the downloads.
 /// Throws  io_error 401, which says where the file can be had, if there is none; config_error 101 for a body of kind
 ///         `other`
-inline FilePath find_body_file(const FilePath& root, BodyKind kind, BodyGender gender = BodyGender::neutral) {
-  if (kind == BodyKind::other) raise<config_error>(101, "find_body_file: a body of kind 'other' has no usual name");
-  struct Names {
-    const char *small, *large, *letter;
-  };
-  constexpr Names names[] = {{"neutral", "NEUTRAL", "neutral"}, {"male", "MALE", "m"}, {"female", "FEMALE", "f"}};
-  const Names& g = names[static_cast<std::size_t>(gender)];
-  constexpr const char* folders[] = {"smpl", "smplh", "smplx"};
-  constexpr const char* prefixes[] = {"SMPL_", "SMPLH_", "SMPLX_"};
-  const std::string folder = concat_text(root.string(), "/", folders[static_cast<std::size_t>(kind)], "/");
-  const std::string usual = concat_text(folder, prefixes[static_cast<std::size_t>(kind)], g.large);
-  std::vector<std::string> candidates{usual + ".npz", usual + ".pkl", concat_text(folder, g.small, "/model.npz"),
-                                      concat_text(folder, g.small, "/model.pkl")};
-  for (const char* model : {"basicmodel_", "basicModel_"}) {
-    for (const char* version : {"_lbs_10_207_0_v1.1.0.pkl", "_lbs_10_207_0_v1.0.0.pkl"}) {
-      if (kind == BodyKind::smpl) candidates.push_back(concat_text(folder, model, g.letter, version));
-    }
-  }
-  for (const std::string& c : candidates) {
-    if (detail::readable(c)) return c;
-  }
-  const BodyKindInfo& info = body_kinds[static_cast<std::size_t>(kind)];
-  raise<io_error>(401, "no ", info.name, " file such as ", usual, kind == BodyKind::smpl ? ".pkl" : ".npz",
-                  ": register at ", info.site, " to download it (free for research, no redistribution)");
-}
+FilePath find_body_file(const FilePath& root, BodyKind kind, BodyGender gender = BodyGender::neutral);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/formats/body_file.ipp>
+#endif

@@ -8,6 +8,8 @@
 /// A vertex in a GLB file follows at most four joints: the four largest weights, which is all that SMPL has.
 #pragma once
 
+#include <algorithm>  // min
+
 #include <motionlang/formats/detail/body_mesh.hpp>
 #include <motionlang/formats/glb_writer.hpp>
 #include <motionlang/formats/obj.hpp>
@@ -23,8 +25,8 @@ std::vector<std::byte> body_glb_bytes(const Body<B>& body, std::span<const Motio
   if (body.faces.empty()) raise<config_error>(101, "GLB: the body has no faces");
   std::vector<Motion> own;
   for (const Motion& m : motions) own.push_back(motion_on_body(body, m, betas));
-  return detail::skinned_glb(
-      own, [&](const Skeleton&) { return detail::body_mesh(body, betas); }, "body", options);
+  detail::require_glb_motions(own);
+  return detail::skinned_glb(own, detail::body_mesh(body, betas), "body", options);
 }
 /// Throws io_error 401, and what body_glb_bytes throws.
 template <Backend B>

@@ -3,15 +3,14 @@
 /// they mean as a `Motion` is in bvh.hpp.
 #pragma once
 
-#include <cmath>    // isfinite
-#include <cstdint>  // BvhChannel
-#include <vector>   // nodes, values
+#include <cstdint>      // BvhChannel
+#include <span>         // frames
+#include <string>       // names
+#include <string_view>  // texts
+#include <vector>       // nodes, values
 
 #include <motionlang/core/shape.hpp>
-#include <motionlang/core/standard_library.hpp>
-#include <motionlang/file/detail/bytes.hpp>
-#include <motionlang/file/detail/text_scanner.hpp>
-#include <motionlang/file/file.hpp>
+#include <motionlang/file/file_path.hpp>
 #include <motionlang/geometry/vec.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -49,206 +48,23 @@ struct Bvh {
   }
 };
 
-namespace detail {
-
-class BvhParser {
- public:
-  BvhParser(std::string_view text, std::string_view name) : scan_(text, name) { bvh_.name = name; }
-
-  Bvh parse() && {
-    scan_.expect("hierarchy");
-    do {
-      root();
-    } while (same_word(scan_.peek(), "root"));
-    scan_.expect("motion");
-    motion();
-    return std::move(bvh_);
-  }
-
- private:
-  /// One tree, without recursion: `open` holds the node of every brace that is not yet closed.
-  void root() {
-    scan_.expect("root");
-    std::vector<int> open{node(-1, false)};
-    while (!open.empty()) {
-      const int current = open.back();
-      BvhNode& here = bvh_.nodes[static_cast<std::size_t>(current)];
-      const std::string_view word = scan_.word("'}'");
-      if (word == "}") {
-        if (!has_offset_.back()) scan_.fail(403, "'", here.name, "' has no OFFSET");
-        open.pop_back();
-        has_offset_.pop_back();
-      } else if (same_word(word, "offset")) {
-        here.offset = {scan_.number("an offset"), scan_.number("an offset"), scan_.number("an offset")};
-        has_offset_.back() = true;
-      } else if (same_word(word, "channels") && !here.end_site) {
-        channels(here);
-      } else if (same_word(word, "joint") && !here.end_site) {
-        open.push_back(node(current, false));
-      } else if (same_word(word, "end") && !here.end_site) {
-        open.push_back(node(current, true));
-      } else {
-        scan_.fail(403, "'", TextScanner::shortened(word), "' does not belong into '", here.name, "'");
-      }
-    }
-  }
-  /// Name and opening brace; the number of the new node.
-  int node(int parent, bool end_site) {
-    std::string name;
-    for (std::string_view w = scan_.word("'{'"); w != "{"; w = scan_.word("'{'")) {
-      if (w == "}") scan_.fail(403, "expected '{', found '}'");
-      if (!name.empty()) name += '_';
-      name += w;
-    }
-    if (name.empty()) scan_.fail(403, "a joint without a name");
-    if (bvh_.nodes.size() == max_text_joints) scan_.fail(405, "more than ", max_text_joints, " joints");
-    bvh_.nodes.push_back({.name = std::move(name), .parent = parent, .end_site = end_site});
-    has_offset_.push_back(false);
-    return static_cast<int>(bvh_.nodes.size()) - 1;
-  }
-  void channels(BvhNode& joint) {
-    const auto count = scan_.count<std::size_t>("the number of channels");
-    for (std::size_t i = 0; i < count; ++i) {
-      joint.channels.push_back(channel());
-      if (std::count(joint.channels.begin(), joint.channels.end(), joint.channels.back()) > 1)
-        scan_.fail(403, "joint '", TextScanner::shortened(joint.name), "' has a channel twice");
-    }
-  }
-  BvhChannel channel() {
-    const std::string_view word = scan_.word("a channel");
-    const int axis = lower(word[0]) - 'x';
-    const bool rotation = same_word(word.substr(1), "rotation");
-    if (axis < 0 || axis > 2 || (!rotation && !same_word(word.substr(1), "position"))) {
-      scan_.fail(403, "'", TextScanner::shortened(word), "' is not a channel");
-    }
-    return static_cast<BvhChannel>(axis + (rotation ? 3 : 0));
-  }
-
-  void motion() {
-    label("frames");
-    bvh_.frames = scan_.count<Index>("the number of frames");
-    scan_.expect("frame");
-    label("time");
-    bvh_.frame_time = scan_.number("the frame time");
-    if (!(bvh_.frame_time > 0)) scan_.fail(403, "the frame time is ", bvh_.frame_time, " seconds");
-    const auto frames = static_cast<std::size_t>(bvh_.frames), columns = static_cast<std::size_t>(bvh_.channels());
-    if (frames != 0 && columns == 0) scan_.fail(403, counted(frames, "frame"), ", but no channels");
-    // each number takes at least two bytes, one of them a blank (which the last may lack)
-    if (frames != 0 && (scan_.bytes_left() + 1) / 2 / columns < frames) {
-      scan_.fail(402, "the text is too short for ", counted(frames, "frame"), " of ", counted(columns, "channel"),
-                 ", which it declares");
-    }
-    bvh_.values.resize(frames * columns);
-    for (double& v : bvh_.values) v = scan_.number("a value of the motion");
-    if (!scan_.at_end()) {
-      const std::string_view extra = scan_.word("the end");
-      scan_.fail(403, "'", TextScanner::shortened(extra), "' follows the ", counted(frames, "declared frame"), " of ",
-                 counted(columns, "channel"));
-    }
-  }
-  /// "Frames:", "FRAMES :", "frames".
-  void label(std::string_view lower_case) {
-    if (!scan_.skip_prefix(lower_case)) scan_.expect(lower_case);
-    scan_.skip_prefix(":");
-  }
-
-  TextScanner scan_;
-  Bvh bvh_;
-  std::vector<bool> has_offset_;  // of the nodes that are open
-};
-
-}  // namespace detail
-
 /// Reads the text of a BVH file. Accepts any order and number of channels, positions on every joint, keywords in any
 /// case, any line ends, frames broken over lines, names with blanks, names after "End Site", several ROOTs, and joints
 /// without channels. Throws io_error 402 (too short), 403 (malformed; also when numbers are left over), 405 (too many
 /// joints); messages give file, line and column.
-inline Bvh parse_bvh(std::string_view text, std::string_view name = "BVH text") {
-  return detail::BvhParser(text, name).parse();
-}
+Bvh parse_bvh(std::string_view text, std::string_view name = "BVH text");
 /// Throws io_error 401 and as parse_bvh.
-inline Bvh read_bvh(const FilePath& path) {
-  return parse_bvh(detail::as_text(MappedFile::open(path)->bytes()), path.string());
-}
-
-namespace detail {
-
-/// Fixed notation, no exponent; never "-0.000000".
-inline void append_fixed(std::string& out, double value, int decimals) {
-  char digits[400];  // the largest double has 309 digits before the point
-  const auto end = detail::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed, decimals).ptr;
-  const std::string_view text(digits, static_cast<std::size_t>(end - digits));
-  const bool zero = text.find_first_not_of("-0.") == text.npos;
-  out += zero && text[0] == '-' ? text.substr(1) : text;
-}
-inline void append_fixed(std::string& out, const Vec3<double>& v) {
-  for (const double value : {v.x, v.y, v.z}) {
-    out += ' ';
-    append_fixed(out, value, 6);
-  }
-}
-
-inline void append_node(std::string& out, const BvhNode& node, int depth) {
-  const std::string indent(static_cast<std::size_t>(depth), '\t');
-  out += indent + (node.end_site ? "End " : depth == 0 ? "ROOT " : "JOINT ") + node.name + '\n';
-  out += indent + "{\n" + indent + "\tOFFSET";
-  append_fixed(out, node.offset);
-  out += '\n';
-  if (node.end_site) return;
-  out += indent + "\tCHANNELS " + std::to_string(node.channels.size());
-  for (const BvhChannel c : node.channels) {
-    out += ' ';
-    out += static_cast<char>('X' + axis_of(c));
-    out += is_rotation(c) ? "rotation" : "position";
-  }
-  out += '\n';
-}
-
-}  // namespace detail
+Bvh read_bvh(const FilePath& path);
 
 /// The text of a file that strict, line-based readers (Blender's) accept too: one keyword a line, one frame a line, LF,
 /// fixed notation with six decimals, nothing after the last frame. The frame time has up to nine decimals.
 /// Throws numeric_error 301 for a number that is not finite, 302 for a frame time that would be written as 0.
-inline std::string format_bvh(const Bvh& file) {
-  const auto require_finite = [&](double number, const auto&... what) {
-    if (!std::isfinite(number)) raise<numeric_error>(301, "BVH: motion '", file.name, "': ", what..., " is ", number);
-  };
-  require_finite(file.frame_time, "the frame time");
-  if (!(file.frame_time >= 1e-9))
-    raise<numeric_error>(302, "BVH: motion '", file.name, "': the frame time is ", file.frame_time,
-                         " s, expected 1e-09 or more");
-  std::string out = "HIERARCHY\n";
-  std::vector<int> open;  // nodes whose brace is not closed
-  auto close = [&] {
-    open.pop_back();
-    out += std::string(open.size(), '\t') + "}\n";
-  };
-  for (std::size_t n = 0; n < file.nodes.size(); ++n) {
-    const BvhNode& node = file.nodes[n];
-    while (!open.empty() && open.back() != node.parent) close();
-    for (const double x : {node.offset.x, node.offset.y, node.offset.z})
-      require_finite(x, "a number of the offset of '", node.name, "'");
-    detail::append_node(out, node, static_cast<int>(open.size()));
-    open.push_back(static_cast<int>(n));
-  }
-  while (!open.empty()) close();
-  out += "MOTION\nFrames: " + std::to_string(file.frames) + "\nFrame Time: ";
-  std::string time;
-  detail::append_fixed(time, file.frame_time, 9);
-  while (time.back() == '0' && time.size() - time.find('.') > 7) time.pop_back();
-  out += time + '\n';
-  const Index columns = file.channels();
-  for (Index f = 0; f < file.frames; ++f) {
-    for (Index c = 0; c < columns; ++c) {
-      const double value = file.values[static_cast<std::size_t>(f * columns + c)];
-      require_finite(value, "number ", c, " of frame ", f);
-      detail::append_fixed(out, value, 6);
-      out += c + 1 < columns ? ' ' : '\n';
-    }
-  }
-  return out;
-}
+std::string format_bvh(const Bvh& file);
 /// Throws io_error 401, and what format_bvh throws.
-inline void write_bvh(const FilePath& path, const Bvh& file) { write_file(path, format_bvh(file)); }
+void write_bvh(const FilePath& path, const Bvh& file);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/formats/bvh_text.ipp>
+#endif

@@ -3,12 +3,12 @@
 /// metres, seconds, facing +Z: the library's own conventions.
 #pragma once
 
-#include <algorithm>  // all_of
-#include <cmath>      // isfinite
-#include <numeric>    // iota
+#include <cstddef>  // byte
+#include <cstdint>  // weights
+#include <span>     // motions
+#include <vector>   // bytes
 
-#include <motionlang/formats/detail/figure_mesh.hpp>
-#include <motionlang/formats/detail/glb_container.hpp>
+#include <motionlang/file/file_path.hpp>
 #include <motionlang/formats/detail/skinned_mesh.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
@@ -21,214 +21,14 @@ struct GlbWriteOptions {
 
 namespace detail {
 
-/// Builds the document and the binary chunk side by side. Every accessor has a view of its own, aligned to four bytes.
-class GlbBuilder {
- public:
-  nlohmann::ordered_json document{{"asset", {{"version", "2.0"}, {"generator", "motionlang " MOTIONLANG_VERSION}}},
-                                  {"scene", 0},
-                                  {"scenes", nlohmann::ordered_json::array()},
-                                  {"nodes", nlohmann::ordered_json::array()},
-                                  {"meshes", nlohmann::ordered_json::array()},
-                                  {"materials", nlohmann::ordered_json::array()},
-                                  {"skins", nlohmann::ordered_json::array()},
-                                  {"animations", nlohmann::ordered_json::array()},
-                                  {"accessors", nlohmann::ordered_json::array()},
-                                  {"bufferViews", nlohmann::ordered_json::array()}};
+/// Throws  config_error 101 without any motion or frame, 102 if skeletons differ; what Motion::validate throws
+void require_glb_motions(std::span<const Motion> motions);
 
-  GlbBuilder() = default;
-  /// Goes on with a file that is there: its document, whose only buffer in the file is the first, and its binary data.
-  GlbBuilder(nlohmann::ordered_json file, std::span<const std::byte> binary)
-      : document(std::move(file)), binary_(binary.begin(), binary.end()) {}
-
-  enum Target { none = 0, attributes = 34962, indices = 34963 };
-  template <class T>
-  static constexpr int component_type = std::same_as<T, float>           ? 5126
-                                        : std::same_as<T, std::uint32_t> ? 5125
-                                        : std::same_as<T, std::uint16_t> ? 5123
-                                                                         : 5121;
-
-  /// Stores values and gives the number of their accessor. `with_range`: the smallest and largest of every component.
-  /// Throws numeric_error 301 at a number that single precision cannot hold.
-  template <class T>
-  std::size_t add(std::span<const T> values, const char* type, Target target, bool with_range = false) {
-    const std::size_t components = std::string_view(type) == "SCALAR" ? 1
-                                   : std::string_view(type) == "VEC3" ? 3
-                                   : std::string_view(type) == "VEC4" ? 4
-                                                                      : 16;
-    if constexpr (std::same_as<T, float>) {
-      if (!std::all_of(values.begin(), values.end(), [](float x) { return std::isfinite(x); }))
-        raise<numeric_error>(301, "GLB: a number is too large for single precision");
-    }
-    binary_.resize((binary_.size() + 3) / 4 * 4);
-    nlohmann::ordered_json view{{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", values.size_bytes()}};
-    if (target != none) view["target"] = static_cast<int>(target);
-    append_bytes(binary_, std::as_bytes(values));
-    nlohmann::ordered_json accessor{{"bufferView", document["bufferViews"].size()},
-                                    {"componentType", component_type<T>},
-                                    {"count", values.size() / components},
-                                    {"type", type}};
-    for (std::size_t c = 0; with_range && c < components; ++c) {
-      T low = values[c], high = values[c];
-      for (std::size_t i = c; i < values.size(); i += components) {
-        low = std::min(low, values[i]);
-        high = std::max(high, values[i]);
-      }
-      accessor["min"].push_back(low);
-      accessor["max"].push_back(high);
-    }
-    document["bufferViews"].push_back(std::move(view));
-    document["accessors"].push_back(std::move(accessor));
-    return document["accessors"].size() - 1;
-  }
-  std::size_t add(std::span<const Vec3<float>> values, Target target, bool with_range = false) {
-    static_assert(sizeof(Vec3<float>) == 3 * sizeof(float));
-    std::vector<float> flat;
-    for (const Vec3<float>& v : values) flat.insert(flat.end(), {v.x, v.y, v.z});
-    return add(std::span<const float>(flat), "VEC3", target, with_range);
-  }
-
-  /// Takes the binary data from byte `size` on away.
-  void cut(std::size_t size) { binary_.resize(std::min(size, binary_.size())); }
-
-  std::vector<std::byte> finish() {
-    if (document["buffers"].empty()) document["buffers"].push_back(nlohmann::ordered_json::object());
-    document["buffers"][0]["byteLength"] = binary_.size();
-    constexpr auto repair = nlohmann::ordered_json::error_handler_t::replace;  // names that are not UTF-8
-    return glb_file(document.dump(-1, ' ', false, repair), std::move(binary_));
-  }
-
- private:
-  std::vector<std::byte> binary_;
-};
-
-inline nlohmann::ordered_json to_json(const Vec3<double>& v) { return nlohmann::ordered_json::array({v.x, v.y, v.z}); }
-
-/// Node j is joint j; rest rotations are the identity.
-inline void add_joints(GlbBuilder& glb, const Skeleton& skeleton) {
-  for (int j = 0; j < skeleton.size(); ++j) {
-    nlohmann::ordered_json node{{"name", skeleton.name(j)}, {"translation", to_json(skeleton.offset(j))}};
-    for (const int child : skeleton.children(j)) node["children"].push_back(child);
-    glb.document["nodes"].push_back(std::move(node));
-  }
-}
-
-/// The figure of a skeleton: every vertex moves with one joint.
-inline SkinnedMesh<std::uint8_t> figure_skin(const Skeleton& skeleton) {
-  FigureMesh mesh = make_mesh(make_figure(skeleton), skeleton);
-  SkinnedMesh<std::uint8_t> out{std::move(mesh.positions), std::move(mesh.normals), {}, {}, std::move(mesh.triangles)};
-  for (const std::uint16_t j : mesh.joints) {
-    out.joints.insert(out.joints.end(), {j, 0, 0, 0});
-    out.weights.insert(out.weights.end(), {255, 0, 0, 0});
-  }
-  return out;
-}
-
-/// A mesh bound to the joints, in a node of its own at the root of the scene.
-template <class W>
-void add_mesh(GlbBuilder& glb, const Skeleton& skeleton, const SkinnedMesh<W>& mesh, const char* name,
-              const GlbWriteOptions& options) {
-  const std::size_t weights_accessor = glb.add(std::span<const W>(mesh.weights), "VEC4", GlbBuilder::attributes);
-  glb.document["accessors"][weights_accessor]["normalized"] = true;
-  const nlohmann::ordered_json primitive{
-      {"attributes",
-       {{"POSITION", glb.add(mesh.positions, GlbBuilder::attributes, true)},
-        {"NORMAL", glb.add(mesh.normals, GlbBuilder::attributes)},
-        {"JOINTS_0", glb.add(std::span<const std::uint16_t>(mesh.joints), "VEC4", GlbBuilder::attributes)},
-        {"WEIGHTS_0", weights_accessor}}},
-      {"indices", glb.add(std::span<const std::uint32_t>(mesh.triangles), "SCALAR", GlbBuilder::indices)},
-      {"material", 0}};
-
-  std::vector<float> inverse_bind;
-  for (const Vec3<double>& p : skeleton.rest_positions()) {  // column by column: the translation by -p
-    const Vec3<float> t = vec_cast<float>(-p);
-    inverse_bind.insert(inverse_bind.end(), {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, t.x, t.y, t.z, 1});
-  }
-  nlohmann::ordered_json skin{
-      {"inverseBindMatrices", glb.add(std::span<const float>(inverse_bind), "MAT4", GlbBuilder::none)},
-      {"skeleton", 0}};
-  for (int j = 0; j < skeleton.size(); ++j) skin["joints"].push_back(j);
-
-  nlohmann::ordered_json& document = glb.document;
-  document["materials"].push_back(
-      {{"name", "body"},
-       {"pbrMetallicRoughness",
-        {{"baseColorFactor",
-          nlohmann::ordered_json::array({options.colour.x, options.colour.y, options.colour.z, 1.0})},
-         {"metallicFactor", 0.0},
-         {"roughnessFactor", options.roughness}}}});
-  document["meshes"].push_back({{"name", name}, {"primitives", nlohmann::ordered_json::array({primitive})}});
-  document["skins"].push_back(std::move(skin));
-  document["nodes"].push_back({{"name", name}, {"mesh", 0}, {"skin", 0}});
-  document["scenes"].push_back({{"nodes", nlohmann::ordered_json::array({0, skeleton.size()})}});
-}
-
-/// Rotation of one joint over time as x, y, z, w: unit quaternions, each on the side of the one before.
-inline std::vector<float> rotation_track(const Motion& motion, std::size_t joint) {
-  std::vector<float> out;
-  Quaternion<double> before = Quaternion<double>::identity();
-  for (Index frame = 0; frame < motion.frames(); ++frame) {
-    Quaternion<double> q = normalized(motion.rotations(frame)[joint]);
-    if (dot(before, q) < 0) q = -q;
-    before = q;
-    for (const double x : {q.x, q.y, q.z, q.w}) out.push_back(static_cast<float>(x));
-  }
-  return out;
-}
-
-/// nodes   that of every joint, -1 for a joint that gets no channel; rotations are relative to the node's parent
-/// Throws  config_error 101 if two frames fall on the same time in single precision
-inline void add_animation(GlbBuilder& glb, const Motion& motion, std::span<const int> nodes) {
-  std::vector<float> times;
-  for (Index frame = 0; frame < motion.frames(); ++frame) {
-    times.push_back(static_cast<float>(static_cast<double>(frame) / motion.fps));
-    if (frame > 0 && !(times.back() > times[times.size() - 2])) {
-      raise<config_error>(101, "GLB: frames ", frame - 1, " and ", frame, " of '", motion.name,
-                          "' have the same time at ", motion.fps, " frames per second");
-    }
-  }
-  const std::size_t input = glb.add(std::span<const float>(times), "SCALAR", GlbBuilder::none, true);
-  nlohmann::ordered_json animation{{"name", motion.name.empty() ? "motion" : motion.name},
-                                   {"channels", nlohmann::ordered_json::array()},
-                                   {"samplers", nlohmann::ordered_json::array()}};
-  auto add_channel = [&](int node, const char* path, std::size_t output) {
-    animation["channels"].push_back(
-        {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", path}}}});
-    animation["samplers"].push_back({{"input", input}, {"interpolation", "LINEAR"}, {"output", output}});
-  };
-  std::vector<Vec3<float>> root;
-  for (const Vec3<double>& p : motion.root) root.push_back(vec_cast<float>(p));
-  add_channel(nodes[0], "translation", glb.add(root, GlbBuilder::none));
-  for (std::size_t j = 0; j < nodes.size(); ++j) {
-    if (nodes[j] < 0) continue;
-    const std::vector<float> track = rotation_track(motion, j);
-    add_channel(nodes[j], "rotation", glb.add(std::span<const float>(track), "VEC4", GlbBuilder::none));
-  }
-  glb.document["animations"].push_back(std::move(animation));
-}
-
-/// mesh_of(skeleton) gives the mesh that the motions' skeleton moves.
-template <class F>
-std::vector<std::byte> skinned_glb(std::span<const Motion> motions, F mesh_of, const char* name,
-                                   const GlbWriteOptions& options) {
-  if (motions.empty()) raise<config_error>(101, "GLB: no motion to write");
-  const Skeleton& skeleton = motions.front().skeleton;
-  GlbBuilder glb;
-  for (const Motion& motion : motions) {
-    motion.validate();
-    if (motion.frames() == 0) raise<config_error>(101, "GLB: motion '", motion.name, "' has no frames");
-    if (motion.skeleton != skeleton) {
-      raise<config_error>(102, "GLB: motions '", motions.front().name, "' and '", motion.name,
-                          "' have different skeletons");
-    }
-  }
-  if (skeleton.size() > 65535) raise<config_error>(101, "GLB: ", counted(skeleton.size(), "joint"));
-  add_joints(glb, skeleton);
-  add_mesh(glb, skeleton, mesh_of(skeleton), name, options);
-  std::vector<int> nodes(skeleton.parents.size());
-  std::iota(nodes.begin(), nodes.end(), 0);
-  for (const Motion& motion : motions) add_animation(glb, motion, nodes);
-  return glb.finish();
-}
+/// The motions, of which require_glb_motions approves, with the mesh that their skeleton moves.
+std::vector<std::byte> skinned_glb(std::span<const Motion> motions, const SkinnedMesh<std::uint8_t>& mesh,
+                                   const char* name, const GlbWriteOptions& options);
+std::vector<std::byte> skinned_glb(std::span<const Motion> motions, const SkinnedMesh<std::uint16_t>& mesh,
+                                   const char* name, const GlbWriteOptions& options);
 
 }  // namespace detail
 
@@ -236,16 +36,14 @@ std::vector<std::byte> skinned_glb(std::span<const Motion> motions, F mesh_of, c
 /// of the figure: body_glb.hpp.
 /// Throws  config_error 101 without any motion or frame, or for an impossible frame rate; 102 if skeletons differ; what
 ///         Motion::validate throws
-inline std::vector<std::byte> glb_bytes(std::span<const Motion> motions, const GlbWriteOptions& options = {}) {
-  return detail::skinned_glb(motions, detail::figure_skin, "figure", options);
-}
+std::vector<std::byte> glb_bytes(std::span<const Motion> motions, const GlbWriteOptions& options = {});
 
 /// Throws io_error 401, and what glb_bytes throws.
-inline void write_glb(const FilePath& path, std::span<const Motion> motions, const GlbWriteOptions& options = {}) {
-  write_file(path, glb_bytes(motions, options));
-}
-inline void write_glb(const FilePath& path, const Motion& motion, const GlbWriteOptions& options = {}) {
-  write_glb(path, std::span(&motion, 1), options);
-}
+void write_glb(const FilePath& path, std::span<const Motion> motions, const GlbWriteOptions& options = {});
+void write_glb(const FilePath& path, const Motion& motion, const GlbWriteOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/formats/glb_writer.ipp>
+#endif

@@ -10,107 +10,23 @@
 /// Source  Tevet et al., "Human Motion Diffusion Model" (ICLR 2023); GuyTevet/motion-diffusion-model sample/generate.py
 #pragma once
 
-#include <algorithm>  // min
+#include <vector>  // motions
 
-#include <motionlang/file/pickle_arrays.hpp>
 #include <motionlang/formats/motion_npy.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-namespace detail {
-
-/// A dictionary or another object that numpy.save was given: an array of objects without sizes.
-inline bool is_single_object(const NpyHeader& header) { return header.descr == "|O" && header.shape.empty(); }
-
-inline bool is_mdm_shape(std::span<const Index> shape) {
-  return shape.size() == 4 && shape[2] == 3 && is_joint_count(shape[1]);
-}
-
-/// lengths  frames of each motion; none: all of them. One beyond the frames cuts nothing, as in MDM's own pictures
-inline std::vector<Motion> mdm_motions(const NpyArray& array, std::span<const std::int64_t> lengths,
-                                       MotionArrayOptions options, const std::string& name) {
-  const auto& shape = array.shape;
-  if (!is_mdm_shape(shape) || array.count() == 0 || array.is_text())
-    raise<io_error>(407, name, ": motions ", shape_text(shape), " of type ", array.type(),
-                    ", expected numbers (motions, 21, 22 or 24 joints, 3, frames)");
-  if (options.up == UpAxis::found) options.up = UpAxis::y;
-  const Index rows = 3 * shape[1], frames = shape[3];
-  const std::vector<double> values = array.to<double>();
-  std::vector<Motion> out;
-  for (Index i = 0; i < shape[0]; ++i) {
-    const Index length = lengths.empty() ? frames : std::min<Index>(lengths[static_cast<std::size_t>(i)], frames);
-    if (length < 1) raise<io_error>(407, name, ": motion ", i, " has ", length, " of ", counted(frames, "frame"));
-    std::vector<double> positions;  // (length, joints, 3)
-    for (Index f = 0; f < length; ++f) {
-      for (Index row = 0; row < rows; ++row)
-        positions.push_back(values[static_cast<std::size_t>((i * rows + row) * frames + f)]);
-    }
-    out.push_back(motion_from_array(NpyArray::of(std::span<const double>(positions), {length, shape[1], 3}), options,
-                                    concat_text(name, ": motion ", i)));
-    out.back().name = std::to_string(i);
-  }
-  return out;
-}
-
-/// The text of a motion, or its texts where they change on the way, cut behind a whole character.
-inline std::string mdm_name(const PickleValue& text) {
-  constexpr std::size_t longest = 160;
-  std::string all;
-  if (text.is(PickleKind::list)) {
-    for (std::size_t i = 0; i < text.size() && all.size() <= longest; ++i)
-      all += concat_text(i == 0 ? "" : ", ", text[i].text().substr(0, longest + 1));
-  } else {
-    all = text.text().substr(0, longest + 1);
-  }
-  std::size_t end = 0;
-  for (std::size_t next = 0; next < all.size(); end = next <= longest ? next : end) decode_utf8(all, next);
-  return all.substr(0, end);
-}
-
-inline std::vector<Motion> mdm_motions(const PickleValue& object, const MotionArrayOptions& options) {
-  if (!is_numpy_array(object) || object.state()[4].size() != 1) object.fail(407, "not one object");
-  const PickleValue results = object.state()[4][0];  // version, shape, element type, order, elements
-  const PickleValue texts = results["text"];
-  const NpyArray array = to_array(results["motion"]);
-  const auto lengths = to_array(results["lengths"]).to<std::int64_t>();
-  const Index motions = array.shape.empty() ? 0 : array.shape[0];
-  if (std::ssize(lengths) != motions || static_cast<Index>(texts.size()) != motions)
-    results.fail(407, counted(motions, "motion"), ", ", counted(lengths.size(), "length"), " and ",
-                 counted(texts.size(), "text"));
-  std::vector<Motion> out = mdm_motions(array, lengths, options, object.file());
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    if (std::string text = mdm_name(texts[i]); !text.empty()) out[i].name = std::move(text);
-  }
-  return out;
-}
-
-}  // namespace detail
-
 /// Whether a file of NumPy holds motions of MDM, by its header, which does not say what an object is.
 /// Throws  io_error 401 to 405
-inline bool may_be_mdm_motions(const FilePath& path) {
-  const auto file = MappedFile::open(path);
-  const auto header = detail::npy_parts(file->bytes(), path.string()).header;
-  return detail::is_single_object(header) || detail::is_mdm_shape(header.shape);
-}
+bool may_be_mdm_motions(const FilePath& path);
 
 /// All motions of a file: MDM's, or the only one of the others (motion_npy.hpp), which gets no name.
 /// Throws  io_error 401 to 405, 406 if the object lacks an entry, 407 if something has another shape or type, and as
 ///         motion_from_array
-inline std::vector<Motion> read_motions_npy(const FilePath& path, const MotionArrayOptions& options = {}) {
-  const auto file = MappedFile::open(path);
-  const detail::NpyParts npy = detail::npy_parts(file->bytes(), path.string());
-  if (detail::is_single_object(npy.header)) {
-    const std::uint64_t start = file->bytes().size() - npy.raw.size();
-    const Pickle pickle(file->bytes(), path.string(), {}, nullptr, start);
-    if (const auto behind = file->bytes().size() - pickle.end(); behind > 0)
-      raise<io_error>(403, path.string(), ": ", counted(behind, "byte"), " behind the object, which ends at byte ",
-                      pickle.end());
-    return detail::mdm_motions(pickle.root(), options);
-  }
-  const NpyArray array = parse_npy(file->bytes(), path.string());
-  if (array.shape.size() == 4) return detail::mdm_motions(array, {}, options, path.string());
-  return {motion_from_array(array, options, path.string())};
-}
+std::vector<Motion> read_motions_npy(const FilePath& path, const MotionArrayOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/formats/mdm_results.ipp>
+#endif

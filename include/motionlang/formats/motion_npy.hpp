@@ -12,13 +12,14 @@
 /// Source  specs humanml3d-features.md 1.2 and 10, temos.md 4.3
 #pragma once
 
-#include <algorithm>  // find_if
-#include <cmath>      // isfinite
+#include <string_view>  // names
 
-#include <motionlang/features/motion_features.hpp>
-#include <motionlang/file/npy.hpp>
+#include <motionlang/file/file_path.hpp>
+#include <motionlang/kinematics/motion.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+struct NpyArray;
 
 enum class UpAxis { found, y, z };
 
@@ -29,56 +30,20 @@ struct MotionArrayOptions {
 
 namespace detail {
 
-inline bool is_joint_count(Index joints) { return joints == 24 || joints == 22 || joints == mmm_joints; }
-
-inline Motion motion_from_positions(std::vector<Vec3<double>> joints, Index count, const MotionArrayOptions& options) {
-  const Vec3<double> height = mean_height(joints, static_cast<std::size_t>(count));
-  const bool z_up = options.up == UpAxis::z || (options.up == UpAxis::found && std::abs(height.z) > std::abs(height.y));
-  if (z_up) joints = turned_up(std::move(joints), false);
-  if (count != mmm_joints)
-    return motion_from_joints(smpl24_skeleton(), joints, count, options.fps > 0 ? options.fps : 20);
-  if (z_up) {  // these were not reflected
-    for (Vec3<double>& p : joints) p.x = -p.x;
-  }
-  return motion_from_joints(kit21_skeleton(), mmm_in_metres(std::move(joints)), options.fps > 0 ? options.fps : 12.5);
-}
-
-inline Motion motion_from_rows(std::span<const double> rows, Index width, double fps, std::string_view name) {
-  for (const MotionFeatures& f : all_motion_features) {
-    if (f.width == width) return motion_of_rows(f, rows, fps);
-  }
-  raise<io_error>(407, name, ": rows of ", counted(width, "number"), " are no features of motion that are known");
-}
+bool is_joint_count(Index joints);
 
 }  // namespace detail
 
-/// Throws io_error 407 if the array is none of these; shape_error 205, numeric_error 301 for values that are not
-/// finite; config_error 101 for a rate that is none.
-inline Motion motion_from_array(const NpyArray& array, const MotionArrayOptions& options = {},
-                                std::string_view name = "array") {
-  if (options.fps != 0 && !(options.fps > 0 && std::isfinite(options.fps)))
-    raise<config_error>(101, name, ": ", options.fps, " frames per second");
-  const auto& shape = array.shape;
-  const bool rows = shape.size() == 2;
-  const bool joints = shape.size() == 3 && shape[2] == 3 && detail::is_joint_count(shape[1]);
-  if ((!rows && !joints) || array.is_text()) {
-    raise<io_error>(407, name, ": neither (frames, numbers) nor (frames, 21, 22 or 24 joints, 3)");
-  }
-  const std::vector<double> v = array.to<double>();
-  const auto odd = std::find_if(v.begin(), v.end(), [](double x) { return !std::isfinite(x); });
-  if (odd != v.end()) {
-    const Index numbers = std::ssize(v) / shape[0], at = odd - v.begin();
-    raise<numeric_error>(301, name, ": number ", at % numbers, " of frame ", at / numbers, " is not finite");
-  }
-  if (rows) return detail::motion_from_rows(v, shape[1], options.fps, name);
-  std::vector<Vec3<double>> positions;
-  for (std::size_t i = 0; i + 2 < v.size(); i += 3) positions.push_back({v[i], v[i + 1], v[i + 2]});
-  return detail::motion_from_positions(std::move(positions), shape[1], options);
-}
+/// Throws io_error 407 if the array has none of these shapes; shape_error 205, numeric_error 301 for values that are
+/// not finite; config_error 101 unless the rate is 0 or positive and finite.
+Motion motion_from_array(const NpyArray& array, const MotionArrayOptions& options = {},
+                         std::string_view name = "array");
 
 /// Throws io_error 401 to 405 besides.
-inline Motion read_motion_npy(const FilePath& path, const MotionArrayOptions& options = {}) {
-  return motion_from_array(read_npy(path), options, path.string());
-}
+Motion read_motion_npy(const FilePath& path, const MotionArrayOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/formats/motion_npy.ipp>
+#endif

@@ -11,7 +11,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// vertices (V, 3), one after the other; faces: three vertices each, counted from 0.
-/// Throws shape_error 205 if vertices are not triples or a face has a vertex that is none, numeric_error 301
+/// Throws shape_error 205 if vertices are not triples or a face names a vertex that does not exist, numeric_error 301
 template <class S>
 std::string obj_text(std::span<const S> vertices, std::span<const std::array<Index, 3>> faces) {
   if (vertices.size() % 3 != 0)

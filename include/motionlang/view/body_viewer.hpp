@@ -3,6 +3,7 @@
 /// shows). The page contains the surface at rest: whoever may not pass the body on may not pass the page on.
 #pragma once
 
+#include <motionlang/file/file.hpp>
 #include <motionlang/formats/detail/body_mesh.hpp>
 #include <motionlang/view/viewer.hpp>
 
@@ -16,17 +17,9 @@ std::string body_viewer_html(const Body<B>& body, std::span<const ViewerMotion> 
   if (body.faces.empty()) raise<config_error>(101, "viewer: the body has no faces");
   const Skeleton skeleton = body_skeleton(body, betas);  // refuses betas that the body has not
   const auto mesh = detail::body_mesh(body, betas);
-  const auto packed = [](const auto& values) { return detail::to_base64(std::as_bytes(std::span(values))); };
-  nlohmann::ordered_json offsets = nlohmann::ordered_json::array();
-  for (const Vec3<double>& o : skeleton.offsets) offsets.push_back(detail::rounded(o));
-  const nlohmann::ordered_json json{{"positions", packed(mesh.positions)}, {"joints", packed(mesh.joints)},
-                                    {"weights", packed(mesh.weights)},     {"triangles", packed(mesh.triangles)},
-                                    {"offsets", std::move(offsets)},       {"parents", skeleton.parents}};
   std::vector<ViewerMotion> own;
   for (const ViewerMotion& m : motions) own.push_back({motion_on_body(body, m.motion, betas), m.tracks, m.note});
-  std::vector<detail::ViewerEntry> entries;
-  for (const ViewerMotion& m : own) entries.push_back({m.motion, m.tracks, m.note});
-  return detail::viewer_page(entries, options, json);
+  return detail::body_viewer_page(own, mesh, skeleton, options);
 }
 /// Throws io_error 401, and what body_viewer_html throws.
 template <Backend B>

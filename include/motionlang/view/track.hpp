@@ -2,12 +2,11 @@
 /// A row of a timeline as pictures show it: a text, when it holds, and for which parts of the body.
 #pragma once
 
-#include <cmath>   // isfinite
 #include <span>    // tracks
 #include <string>  // text
 #include <vector>  // parts
 
-#include <motionlang/core/error.hpp>
+#include <motionlang/version.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -19,13 +18,12 @@ struct Track {
 
 namespace detail {
 
-inline void require_finite_times(const char* who, std::span<const Track> tracks) {
-  for (const Track& t : tracks) {
-    if (!std::isfinite(t.start + t.end))
-      raise<config_error>(101, who, ": track '", t.text, "' from ", t.start, " s to ", t.end, " s");
-  }
-}
+void require_finite_times(const char* who, std::span<const Track> tracks);
 
 }  // namespace detail
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/view/track.ipp>
+#endif

@@ -4,6 +4,7 @@
 #include <sstream>  // prints sets of parts
 
 #include <motionlang/datasets/body_part_table.hpp>
+#include <motionlang/file/json_members.hpp>
 
 #include "../../support/check_error.hpp"
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include <motionlang/datasets/annotations.hpp>
+#include <motionlang/file/id_list.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/temporary_folder.hpp"
@@ -92,7 +93,7 @@ TEST_CASE("annotations: what was written is read again, in the published layout"
   CHECK(ml::annotations_json({}) == "{}");
 
   motions[1].id = "00002";
-  CHECK_ERROR(ml::annotations_json(motions), "[motionlang.io.403] annotations: 00002: the id stands twice");
+  CHECK_ERROR(ml::annotations_json(motions), "[motionlang.io.403] annotations: 00002: the id is repeated");
   motions[1].id = "\xFF";
   CHECK_ERROR(ml::annotations_json(motions), "[motionlang.io.403]");
   motions[1] = motions[0];

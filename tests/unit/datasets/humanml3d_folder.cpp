@@ -8,6 +8,8 @@
 
 #include <motionlang/datasets/humanml3d_folder.hpp>
 #include <motionlang/features/statistics.hpp>
+#include <motionlang/file/id_list.hpp>
+#include <motionlang/file/npy.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/temporary_folder.hpp"

@@ -1,5 +1,8 @@
 // Motion tokens in files, entries of parts of clips, marks around tokens and words.
+#include <motionlang/core/numpy_random.hpp>
 #include <motionlang/datasets/motion_tokens.hpp>
+#include <motionlang/text/glove.hpp>
+#include <motionlang/vae/motion_tokenizer.hpp>
 
 #include "../../support/check_error.hpp"
 

@@ -111,5 +111,5 @@ TEST_CASE("betas: as many as both have; what is refused") {
   ml::Body<B> other;
   other.model = synthetic::body<B>();
   CHECK_ERROR(ml::amass_on_body(sequence, "a", other),
-              "[motionlang.config.106] amass_on_body: a body of 4 joints is none of SMPL");
+              "[motionlang.config.106] amass_on_body: a body of 4 joints is not one of SMPL");
 }

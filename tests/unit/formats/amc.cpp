@@ -4,7 +4,9 @@
 #include <numbers>
 #include <string>
 
+#include <motionlang/file/file.hpp>
 #include <motionlang/formats/amc.hpp>
+#include <motionlang/geometry/degree.hpp>
 #include <motionlang/geometry/euler.hpp>
 #include <motionlang/geometry/so3.hpp>
 

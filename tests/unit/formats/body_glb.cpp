@@ -1,5 +1,6 @@
 // The user's body in motion: names of joints, hands, the mesh in GLB files, one OBJ file for each frame.
 #include <motionlang/backend/reference.hpp>
+#include <motionlang/file/json.hpp>
 #include <motionlang/formats/body_glb.hpp>
 #include <motionlang/formats/figure_body.hpp>
 #include <motionlang/formats/glb_reader.hpp>

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include <motionlang/file/detail/inflate.hpp>
+#include <motionlang/formats/detail/figure_mesh.hpp>
+#include <motionlang/formats/detail/gltf_document.hpp>
 #include <motionlang/formats/glb.hpp>
 
 #include "../../support/synthetic_motion.hpp"

@@ -1,6 +1,8 @@
 // Clips from arrays of features and of joint positions.
 #include <doctest/doctest.h>
 
+#include <motionlang/features/motion_features.hpp>
+#include <motionlang/file/npy.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/motion_npy.hpp>
 #include <motionlang/kinematics/retarget.hpp>

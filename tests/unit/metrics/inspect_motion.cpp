@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/inspection_page.hpp>
 
 #include "../../support/check_error.hpp"

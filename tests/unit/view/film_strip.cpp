@@ -5,6 +5,9 @@
 #include <string>
 #include <vector>
 
+#include <motionlang/formats/figure.hpp>
+#include <motionlang/view/detail/markup.hpp>
+#include <motionlang/view/detail/stroke_font.hpp>
 #include <motionlang/view/film_strip.hpp>
 
 #include "../../support/markup.hpp"

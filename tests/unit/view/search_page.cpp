@@ -1,6 +1,7 @@
 // The page of a search: what is on it, and that nothing in a name becomes markup.
 #include <doctest/doctest.h>
 
+#include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/search_page.hpp>
 
 #include "../../support/synthetic_motion.hpp"

@@ -5,6 +5,9 @@
 #include <string>
 #include <vector>
 
+#include <motionlang/file/detail/bytes.hpp>
+#include <motionlang/file/json.hpp>
+#include <motionlang/view/detail/viewer_page.hpp>
 #include <motionlang/view/viewer.hpp>
 
 #include "../../support/markup.hpp"

@@ -6,7 +6,7 @@
 #include <initializer_list>  // names
 #include <set>               // numbers of accessors and views
 
-#include <motionlang/formats/glb_writer.hpp>
+#include <motionlang/formats/detail/glb_builder.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 

@@ -11,25 +11,12 @@
 #include <set>               // names of bones
 
 #include <motionlang/formats/detail/glb_container.hpp>
+#include <motionlang/formats/detail/gltf_node.hpp>
 #include <motionlang/geometry/so3.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
-
-/// Translation, rotation and scale of a node relative to its parent.
-struct GltfTransform {
-  Vec3<double> translation{};
-  Quaternion<double> rotation = Quaternion<double>::identity();
-  Vec3<double> scale{1, 1, 1};
-};
-
-struct GltfNode {
-  std::string name;  // of a bone of VRM's humanoid that of the bone: "leftUpperLeg"
-  int parent = -1;
-  std::vector<int> children{};
-  GltfTransform rest;
-};
 
 /// Throws io_error 404 if the data of an object of the file are packed by one of these extensions.
 inline void refuse_packed(const JsonView& object, std::initializer_list<const char*> extensions) {

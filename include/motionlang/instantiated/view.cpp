@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: MIT
+// Bodies of the headers in view/, compiled once for motionlang::instantiated.
+#include <motionlang/view/detail/markup.ipp>
+#include <motionlang/view/detail/stroke_font.ipp>
+#include <motionlang/view/film_strip.ipp>
+#include <motionlang/view/inspection_page.ipp>
+#include <motionlang/view/search_page.ipp>
+#include <motionlang/view/track.ipp>
+#include <motionlang/view/viewer.ipp>

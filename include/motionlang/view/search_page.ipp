@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// Bodies of search_page.hpp.
+#pragma once
+
+#include <algorithm>  // clamp
+
+#include <motionlang/view/detail/markup.hpp>
+#include <motionlang/view/search_page.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string search_html(std::span<const FoundMotion> found, std::string_view query,
+                                        std::string_view summary) {
+  using detail::escape_markup, detail::fixed;
+  std::string out = concat_text(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
+      "'unsafe-inline'\">\n<title>",
+      escape_markup(query), "</title>\n<style>body{font:15px/1.45 system-ui,-apple-system,'Segoe UI',sans-serif;",
+      "color:#20242c;max-width:1330px;margin:2em auto;padding:0 1em}h1{font-size:1.5em;margin-bottom:.1em}",
+      "h2{font-size:1.05em;margin:0;overflow-wrap:anywhere}section{margin:1.8em "
+      "0}header{display:flex;gap:1em;align-items:baseline}",
+      ".score{font-variant-numeric:tabular-nums;font-weight:600;min-width:3.2em}",
+      ".bar{display:inline-block;height:.6em;border-radius:.3em;background:#2b6cb0;margin-right:.6em}",
+      ".about{color:#5b6472;margin:.1em 0 .5em}.problem{color:#a3380e}",
+      "svg{max-width:100%;height:auto;border:1px solid #e1e5ea;border-radius:6px}</style>\n</head>\n<body>\n<h1>",
+      escape_markup(query), "</h1>\n<p class=\"about\">", escape_markup(summary), "</p>\n");
+  int place = 0;
+  for (const FoundMotion& f : found) {
+    std::string about = concat_text(fixed(f.start, 2), " to ", fixed(f.end, 2), " s");
+    if (!f.clip.name.empty()) about += " of " + f.clip.name;
+    for (const std::string& c : f.clip.captions) about += " · “" + c + "”";
+    if (!f.clip.license.empty()) about += " · " + f.clip.license;
+    out += concat_text(
+        "<section>\n<header><span class=\"score\">", fixed(f.score, 3), "</span><h2>", ++place, ". ",
+        escape_markup(f.clip.path), "</h2></header>\n<p class=\"about\"><span class=\"bar\" style=\"width:",
+        fixed(12 * std::clamp(f.score, 0.0, 1.0), 2), "em\"></span>", escape_markup(about), "</p>\n", f.strip);
+    if (!f.problem.empty()) out += concat_text("<p class=\"problem\">", escape_markup(f.problem), "</p>\n");
+    out += "</section>\n";
+  }
+  if (found.empty()) out += "<p>Nothing was found.</p>\n";
+  return out + "</body>\n</html>\n";
+}
+
+MOTIONLANG_NAMESPACE_END
