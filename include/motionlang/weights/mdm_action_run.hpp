@@ -28,18 +28,11 @@ struct MdmActionRun {
 };
 
 namespace detail {
-inline bool is_unconstrained_mdm(const RunFolder& run) {
-  const FileValue *now = run.option("unconstrained"), *before = run.option("cond_mode");
-  return now != nullptr ? to_string(*now) == "true" : before != nullptr && to_string(*before) == "no_cond";
-}
+bool is_unconstrained_mdm(const RunFolder& run);
 }  // namespace detail
 
 /// Whether a run folder is MDM's and of actions, or unconstrained.
-inline bool is_mdm_action_run(const RunFolder& run) {
-  return run.system == "mdm" && !run.weights.empty() &&
-         (detail::is_unconstrained_mdm(run) ||
-          detail::prefix_of(detail::run_weights(run), "embed_action.action_embedding").has_value());
-}
+bool is_mdm_action_run(const RunFolder& run);
 
 template <Backend B>
 MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
@@ -71,3 +64,7 @@ MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/weights/mdm_action_run.ipp>
+#endif

@@ -30,10 +30,7 @@ struct PackedParts {
   std::vector<std::filesystem::path> text_encoder{};
 };
 
-inline bool is_of_a_model(const std::string& name) {
-  return !begins_with_any(name, {"rotation2xyz.", "rot2xyz.", "clip_model.", "_losses.", "losses.", "metrics.",
-                                 "eval_model.", "opt_", "motion_normalizer."});
-}
+bool is_of_a_model(const std::string& name);
 
 template <Backend B>
 void add_lightning(PackedParts<B>& out, const RunFolder& run, const PackOptions& options) {
@@ -114,3 +111,7 @@ void pack_run(const RunFolder& run, const FilePath& path, const PackOptions& opt
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/weights/pack_run.ipp>
+#endif
