@@ -22,7 +22,7 @@ endforeach()
 set(rules "^xtensor/"                       "^backend/xtensor.ipp$"
           "^(Eigen|unsupported)/"           "^backend/eigen.ipp$"
           "^nlohmann/json.hpp$"             "^file/json.hpp$"
-          "^hnswlib/"                       "^search/vector_graph.hpp$"
+          "^hnswlib/"                       "^search/vector_graph.ipp$"
           "^(xtl|xtensor-blas|doctest)/"    "^$"
           "^motionlang/(motionlang|stmc)\\.hpp$" "^$")
 
