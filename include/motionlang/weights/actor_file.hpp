@@ -11,8 +11,8 @@
 ///          none, 60 consecutive frames, vertices
 /// Ignored  tables of positions (*.pe), SMPL
 /// Throws   io_error 404 for variants that are not known, 406, 407 if names or shapes do not match; config_error 102
-///          where options and tensors differ, 101, 103, 107 for options that mean nothing; numeric_error 301 for a
-///          number that is none
+///          where options and tensors differ, 101, 103, 107 for options that mean nothing; numeric_error 301 for NaN
+///          or infinity
 /// Source   spec actor.md 2.8, 3.1, 3.2, 6.3, 7.2, 7.3
 #pragma once
 
@@ -26,6 +26,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 ActorConfig actor_config(const RunReader& r);
+GruClassifierConfig gru_classifier_config(const TensorSet& file);
+StGcnConfig stgcn_config(const TensorSet& file);
 
 }  // namespace detail
 
@@ -61,15 +63,10 @@ Actor<B> load_actor(const TensorSet& file, const RunFolder& run = {}) {
 /// The tensors are in the file's entry "model", which open_weights finds.
 template <Backend B>
 GruClassifier<B> load_gru_classifier(const TensorSet& file) {
-  const RunFolder no_options{};
-  const detail::RunReader t(no_options, file, "");
+  const GruClassifierConfig config = detail::gru_classifier_config(file);
   const auto room = detail::room_of(file);
   NoInit zeros;
-  GruClassifier<B> model({.input_size = t.size("recurrent.weight_ih_l0", 1),
-                          .hidden_size = t.size("recurrent.weight_hh_l0", 1),
-                          .num_layers = t.count("recurrent.weight_ih_l", "", {}),
-                          .num_classes = t.size("linear2.weight", 0)},
-                         zeros);
+  GruClassifier<B> model(config, zeros);
   load_module(model, file);
   return model;
 }
@@ -77,30 +74,10 @@ GruClassifier<B> load_gru_classifier(const TensorSet& file) {
 /// The graph is that of the file. A block that has a convolution past it halves the frames, as published.
 template <Backend B>
 StGcn<B> load_stgcn(const TensorSet& file) {
-  const RunFolder no_options{};
-  const detail::RunReader t(no_options, file, "");
-  auto shape = [&](const std::string& name, int rank) {
-    const TensorView& view = file.tensor(name);
-    if (view.shape.rank() != rank) raise<io_error>(407, file.name(), ": tensor '", name, "' is ", view.shape);
-    return view.shape;
-  };
-  const FileShape edges = shape("A", 3);
-  const Index joints = edges[1], numbers = shape("data_bn.weight", 1)[0];
-  if (edges[0] < 1 || edges[2] != joints) raise<io_error>(407, file.name(), ": tensor 'A' is ", edges);
-  StGcnConfig c{.in_channels = numbers / std::max<Index>(joints, 1),
-                .num_classes = shape("fcn.weight", 4)[0],
-                .channels = {},
-                .strides = {}};
-  c.parents.assign(static_cast<std::size_t>(joints), -1);
-  const std::string block = "st_gcn_networks.";
-  for (Index i = 0; t.has(concat_text(block, i, ".tcn.2.weight")); ++i) {
-    const std::string name = concat_text(block, i);
-    c.channels.push_back(shape(name + ".tcn.2.weight", 4)[0]);
-    c.strides.push_back(t.has(name + ".residual.0.weight") ? 2 : 1);
-  }
+  const StGcnConfig config = detail::stgcn_config(file);
   const auto room = detail::room_of(file);
   NoInit zeros;
-  StGcn<B> model(c, zeros);
+  StGcn<B> model(config, zeros);
   load_module(model, file);
   return model;
 }

@@ -90,6 +90,40 @@ MOTIONLANG_BODY ActorConfig actor_config(const RunReader& r) {
   return c;
 }
 
+MOTIONLANG_BODY GruClassifierConfig gru_classifier_config(const TensorSet& file) {
+  const RunFolder no_options{};
+  const RunReader t(no_options, file, "");
+  return {.input_size = t.size("recurrent.weight_ih_l0", 1),
+          .hidden_size = t.size("recurrent.weight_hh_l0", 1),
+          .num_layers = t.count("recurrent.weight_ih_l", "", {}),
+          .num_classes = t.size("linear2.weight", 0)};
+}
+
+MOTIONLANG_BODY StGcnConfig stgcn_config(const TensorSet& file) {
+  const RunFolder no_options{};
+  const RunReader t(no_options, file, "");
+  auto shape = [&](const std::string& name, int rank) {
+    const TensorView& view = file.tensor(name);
+    if (view.shape.rank() != rank) raise<io_error>(407, file.name(), ": tensor '", name, "' is ", view.shape);
+    return view.shape;
+  };
+  const FileShape edges = shape("A", 3);
+  const Index joints = edges[1], numbers = shape("data_bn.weight", 1)[0];
+  if (edges[0] < 1 || edges[2] != joints) raise<io_error>(407, file.name(), ": tensor 'A' is ", edges);
+  StGcnConfig c{.in_channels = numbers / std::max<Index>(joints, 1),
+                .num_classes = shape("fcn.weight", 4)[0],
+                .channels = {},
+                .strides = {}};
+  c.parents.assign(static_cast<std::size_t>(joints), -1);
+  const std::string block = "st_gcn_networks.";
+  for (Index i = 0; t.has(concat_text(block, i, ".tcn.2.weight")); ++i) {
+    const std::string name = concat_text(block, i);
+    c.channels.push_back(shape(name + ".tcn.2.weight", 4)[0]);
+    c.strides.push_back(t.has(name + ".residual.0.weight") ? 2 : 1);
+  }
+  return c;
+}
+
 }  // namespace detail
 
 MOTIONLANG_BODY Index actor_longest(const RunFolder& run, const TensorSet& weights, const ActorConfig& config) {

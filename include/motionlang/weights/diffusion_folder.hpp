@@ -29,6 +29,10 @@ std::vector<std::filesystem::path> text_encoder_files(const std::filesystem::pat
 /// Whether a tensor of the checkpoint belongs to the model: of what is beside it only CLIP's text tower.
 bool is_packed(const std::string& name, const DiffusionRun& run);
 
+/// Everything but the statistics. tensors: those of the statistics
+void write_diffusion_folder(const FilePath& path, const RunFolder& run, const TensorSet& weights,
+                            const DiffusionRun& about, std::vector<TensorView> tensors, const PackOptions& options);
+
 }  // namespace detail
 
 /// Throws what load_diffusion_run and write_model_folder throw.
@@ -42,26 +46,7 @@ void pack_diffusion_run(const RunFolder& given, const FilePath& path, const Pack
   TensorStore statistics;
   statistics.add_module(motion, "motion_normalizer.");
   if (text) statistics.add_module(*text, "text_normalizer.");
-  std::vector<TensorView> tensors = statistics.views();
-  for (const TensorView& t : weights.tensors()) {
-    if (detail::is_packed(t.name, about)) tensors.push_back(t);
-  }
-  std::vector<std::filesystem::path> files;
-  const std::string encoder = options.sources.text_encoder.string();
-  if (options.text_encoder && about.system == "motiondiffuse" && encoder.empty())
-    files = {detail::clip_vocabulary_of(run.folder)};
-  else if (options.text_encoder)
-    files = detail::text_encoder_files(encoder.empty() ? detail::find_text_encoder(run.folder, about.text_encoder)
-                                                       : std::filesystem::path(encoder));
-  ModelFolder model;
-  model.system = about.system;
-  model.license = options.license;
-  model.provenance = options.provenance;
-  model.features = about.features;
-  model.text_encoder = about.text_encoder;
-  model.fps = about.fps;
-  model.config = detail::diffusion_options(about);
-  write_model_folder(path, model, tensors, files);
+  detail::write_diffusion_folder(path, run, weights, about, statistics.views(), options);
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -80,6 +80,30 @@ MOTIONLANG_BODY bool is_packed(const std::string& name, const DiffusionRun& run)
          !begins_with_any(name, {"motion_normalizer.", "text_normalizer."});
 }
 
+MOTIONLANG_BODY void write_diffusion_folder(const FilePath& path, const RunFolder& run, const TensorSet& weights,
+                                            const DiffusionRun& about, std::vector<TensorView> tensors,
+                                            const PackOptions& options) {
+  for (const TensorView& t : weights.tensors()) {
+    if (is_packed(t.name, about)) tensors.push_back(t);
+  }
+  std::vector<std::filesystem::path> files;
+  const std::string encoder = options.sources.text_encoder.string();
+  if (options.text_encoder && about.system == "motiondiffuse" && encoder.empty())
+    files = {clip_vocabulary_of(run.folder)};
+  else if (options.text_encoder)
+    files = text_encoder_files(encoder.empty() ? find_text_encoder(run.folder, about.text_encoder)
+                                               : std::filesystem::path(encoder));
+  ModelFolder model;
+  model.system = about.system;
+  model.license = options.license;
+  model.provenance = options.provenance;
+  model.features = about.features;
+  model.text_encoder = about.text_encoder;
+  model.fps = about.fps;
+  model.config = diffusion_options(about);
+  write_model_folder(path, model, tensors, files);
+}
+
 }  // namespace detail
 
 MOTIONLANG_NAMESPACE_END

@@ -120,27 +120,22 @@ std::optional<Normalizer<B>> text_normalizer(const RunFolder& run, const TensorS
                               "the texts: text_stats/mean.pt and std.pt are missing");
 }
 
+/// Throws io_error 404 for models whose texts are not supported.
+TextEncoderOptions wanted_text_encoder(const RunFolder& run, const DiffusionRun& about);
+/// Throws config_error 102 if the text encoder at `named` is another network than the model needs.
+void require_text_encoder(const RunFolder& run, const DiffusionRun& about, const std::string& named, bool clip);
+
 template <Backend B>
 AnyTextEncoder<B> encoder_of(const RunFolder& run, const TensorSet& weights, const DiffusionRun& about,
                              const DiffusionRunOptions& options) {
-  if (about.text_encoder == "none")
-    raise<io_error>(404, run.folder.string(),
-                    ": a model without texts: actions and unconditional motions are not supported");
-  if (about.text_encoder == "bert" && !about.mdm.text_sequence)
-    raise<io_error>(404, run.folder.string(), ": texts of DistilBERT without a decoder (trans_dec)");
+  const TextEncoderOptions wanted = wanted_text_encoder(run, about);
   const bool motiondiffuse = about.system == "motiondiffuse";
-  const TextEncoderOptions wanted = about.text_encoder == "bert" ? TextEncoderOptions{}
-                                    : motiondiffuse              ? clip_states()
-                                    : about.system == "mdm"      ? clip_sentences(22)
-                                                                 : clip_sentences();
   const std::string named = options.text_encoder.string();
   if (named.empty() && motiondiffuse && weights.find("clip.token_embedding.weight") != nullptr)
     return load_clip_encoder<B>(weights, clip_vocabulary_of(run.folder).parent_path(), wanted);
   auto encoder = load_text_encoder<B>(
       named.empty() ? FilePath(find_text_encoder(run.folder, about.text_encoder)) : options.text_encoder, wanted);
-  if (const bool clip = encoder.network.is_clip(); clip != (about.text_encoder == "clip"))
-    raise<config_error>(102, run.folder.string(), ": needs ", about.text_encoder == "clip" ? "CLIP" : "DistilBERT",
-                        " as its text encoder, ", named, " is ", clip ? "CLIP" : "of the BERT family");
+  require_text_encoder(run, about, named, encoder.network.is_clip());
   return encoder;
 }
 

@@ -168,6 +168,26 @@ MOTIONLANG_BODY RunFolder published_run(const RunFolder& run) {
   return out;
 }
 
+MOTIONLANG_BODY TextEncoderOptions wanted_text_encoder(const RunFolder& run, const DiffusionRun& about) {
+  if (about.text_encoder == "none")
+    raise<io_error>(404, run.folder.string(),
+                    ": a model without texts: actions and unconditional motions are not supported");
+  if (about.text_encoder == "bert" && !about.mdm.text_sequence)
+    raise<io_error>(404, run.folder.string(), ": texts of DistilBERT without a decoder (trans_dec)");
+  const bool motiondiffuse = about.system == "motiondiffuse";
+  return about.text_encoder == "bert" ? TextEncoderOptions{}
+         : motiondiffuse              ? clip_states()
+         : about.system == "mdm"      ? clip_sentences(22)
+                                      : clip_sentences();
+}
+
+MOTIONLANG_BODY void require_text_encoder(const RunFolder& run, const DiffusionRun& about, const std::string& named,
+                                          bool clip) {
+  if (clip != (about.text_encoder == "clip"))
+    raise<config_error>(102, run.folder.string(), ": needs ", about.text_encoder == "clip" ? "CLIP" : "DistilBERT",
+                        " as its text encoder, ", named, " is ", clip ? "CLIP" : "of the BERT family");
+}
+
 }  // namespace detail
 
 MOTIONLANG_BODY DiffusionRun diffusion_run(const RunFolder& run, const TensorSet& weights) {

@@ -29,7 +29,7 @@ struct ModelFolder {
   std::string system, license, provenance, features, text_encoder;
   double fps = 20;
   nlohmann::ordered_json config = nlohmann::ordered_json::object();
-  // members of config.json that are none of the above
+  // other members of config.json
   nlohmann::ordered_json others = nlohmann::ordered_json::object();
 };
 
@@ -42,7 +42,7 @@ inline constexpr const char *model_format = "motionlang", *model_config_file = "
 
 /// What a config.json says. `name` stands in messages.
 /// Throws  io_error 403 if it is malformed, 404 for a newer version; config_error 103 for another format, 107 for a
-///         member that is missing or of another kind, 101 for a frame rate that is none, always with both values
+///         member that is missing or of another kind, 101 for an impossible frame rate, always with both values
 ModelFolder parse_model_config(std::string_view text, const std::string& name);
 
 /// Throws io_error 401 if there is no config.json, and as parse_model_config.

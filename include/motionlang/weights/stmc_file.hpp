@@ -50,6 +50,8 @@ Index metadata_size(const Metadata& metadata, const std::string& key, Index larg
                     Index smallest = 1);
 
 WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file);
+/// What users say about a model or a record. Throws config_error 102 for a key that is there already.
+void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose, const std::string& file);
 
 }  // namespace detail
 
@@ -104,11 +106,7 @@ void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig
   TensorStore store;
   store.add_module(model, "", dtype);
   auto metadata = stmc_metadata(config, model.text_encoder.tokenizer);
-  for (const auto& [key, value] : about) {
-    if (!metadata.emplace(key, value).second)
-      raise<config_error>(102, path.string(), ": metadata '", key,
-                          "' belongs to the model, not to what is told about it");
-  }
+  detail::add_metadata(metadata, about, "model", path.string());
   write_safetensors(path, store.views(), metadata);
 }
 

@@ -63,6 +63,14 @@ MOTIONLANG_BODY WordPiece metadata_vocabulary(const Metadata& metadata, const st
   return WordPiece(std::move(pieces), file + ": metadata 'text.vocabulary'");
 }
 
+MOTIONLANG_BODY void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose,
+                                  const std::string& file) {
+  for (const auto& [key, value] : about) {
+    if (!metadata.emplace(key, value).second)
+      raise<config_error>(102, file, ": metadata '", key, "' belongs to the ", whose, " and cannot be given");
+  }
+}
+
 }  // namespace detail
 
 MOTIONLANG_BODY std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c, const WordPiece& tokenizer) {

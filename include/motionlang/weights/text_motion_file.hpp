@@ -8,7 +8,7 @@
 /// Heads    do not show in shapes: from the options of the run, else 4, which is what both papers' models have. TEMOS'
 ///          options ask for 6 under a misspelled name, which its code passes over
 /// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses and metrics, statistics
-/// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for a number that is none;
+/// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for NaN and infinity;
 ///          config_error 101 if the heads do not divide the width, 102 where options and tensors differ, or the file is
 ///          too small for a network of its sizes
 /// Source   spec temos.md 2, 3.1; tmr.md 3

@@ -174,7 +174,7 @@ inline Index config_size(const JsonView& config, const std::string& key, Index l
 inline Activation config_activation(const JsonView& config, const std::string& key) {
   const auto name = config[key].as<std::string>();
   if (name != "relu" && name != "gelu" && name != "gelu_new" && name != "quick_gelu")
-    raise<config_error>(103, config.path(), ": ", key, " '", name, "' is none of relu, gelu, gelu_new, quick_gelu");
+    raise<config_error>(103, config.path(), ": ", key, " '", name, "' is not one of relu, gelu, gelu_new, quick_gelu");
   return parse_activation(name);
 }
 

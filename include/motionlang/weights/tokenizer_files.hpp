@@ -12,7 +12,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// One piece on each line; its id is the number of the line, from 0.
-/// Throws io_error 403, with the line, for a piece that is empty, stands twice or is not UTF-8
+/// Throws io_error 403, with the line, for a piece that is empty, duplicated or not UTF-8
 std::vector<std::string> parse_vocabulary(std::string_view text, std::string_view name = "vocab.txt");
 /// Throws io_error 401 and as parse_vocabulary.
 std::vector<std::string> read_vocabulary(const FilePath& path);
@@ -27,7 +27,7 @@ std::pair<std::string, std::string> parse_merge(std::string_view line, std::stri
 /// Two symbols with a blank between on each line, in the order of their rank, up to the first empty line. A line that
 /// begins with "#version", or in a text of OpenAI's with "\"bpe_simple_vocab", is a comment.
 /// most    further lines are not read
-/// Throws  io_error 403, with the line, for a line of another form or a pair that stands twice
+/// Throws  io_error 403, with the line, for a line of another form or a duplicated pair
 BytePairMerges parse_merges(std::string_view text, std::string_view name = "merges.txt",
                             std::size_t most = static_cast<std::size_t>(-1));
 /// Throws io_error 401 and as parse_merges and gunzip.

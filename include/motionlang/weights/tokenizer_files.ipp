@@ -16,7 +16,7 @@ MOTIONLANG_BODY std::vector<std::string> parse_vocabulary(std::string_view text,
   detail::for_each_line(text, [&](std::string_view piece, Index line) {
     const char* wrong = piece.empty() ? "an empty line" : !is_utf8(piece) ? "not UTF-8" : nullptr;
     if (wrong != nullptr) raise<io_error>(403, name, ":", line, ": ", std::string_view(wrong));
-    if (!seen.insert(piece).second) raise<io_error>(403, name, ":", line, ": piece '", piece, "' stands twice");
+    if (!seen.insert(piece).second) raise<io_error>(403, name, ":", line, ": piece '", piece, "' is duplicated");
     pieces.emplace_back(piece);
   });
   return pieces;
@@ -43,7 +43,7 @@ MOTIONLANG_BODY BytePairMerges parse_merges(std::string_view text, std::string_v
     ended = ended || line.empty() || merges.size() == most;
     if (ended || line.starts_with("#version") || (number == 1 && line.starts_with("\"bpe_simple_vocab"))) return;
     merges.push_back(detail::parse_merge(line, name, number));
-    if (!seen.insert(line).second) raise<io_error>(403, name, ":", number, ": '", line, "' stands twice");
+    if (!seen.insert(line).second) raise<io_error>(403, name, ":", number, ": '", line, "' is duplicated");
   });
   return merges;
 }

@@ -91,7 +91,7 @@ inline bool file_exists(const FilePath& path) { return ::access(path.c_str(), R_
 
 /// The tokenizer in the folder of a model: its tokenizer.json, else vocab.txt (BERT, MPNet) or vocab.json and
 /// merges.txt (CLIP), as its tokenizer_config.json says. model_max_length is not applied, as the published systems do
-/// not. Throws io_error 401 if there is none of these files, and as their readers
+/// not. Throws io_error 401 if all of these files are missing, and as their readers
 AnyTokenizer read_tokenizer(const FilePath& folder, const TokenizerLimits& limits = {});
 
 MOTIONLANG_NAMESPACE_END

@@ -50,7 +50,7 @@ MOTIONLANG_BODY std::vector<std::string> pieces_by_id(const JsonView& vocabulary
   }
   for (const AddedToken& t : added) put(t.content, t.id);
   if (const auto hole = std::find(taken.begin(), taken.end(), false); hole != taken.end())
-    raise<io_error>(403, vocabulary.path(), ": no piece has id ", hole - taken.begin(), ", others stand twice");
+    raise<io_error>(403, vocabulary.path(), ": no piece has id ", hole - taken.begin(), ", others are duplicated");
   return pieces;
 }
 

@@ -52,29 +52,28 @@ class RunReader {
 
 RunReader reader_of(const RunFolder& run, const TensorSet& weights, std::string_view name);
 
-/// Mean and std behind the first of the prefixes that has both.
+/// Mean and std behind the first of the prefixes that has both; null if none has.
+struct Statistics {
+  const TensorView *mean = nullptr, *std = nullptr;
+};
+/// Throws io_error 407 for another width.
+Statistics find_statistics(const TensorSet& file, Index width, std::initializer_list<const char*> prefixes);
 template <Backend B>
 std::optional<Normalizer<B>> find_normalizer(const TensorSet& file, Index width,
                                              std::initializer_list<const char*> prefixes) {
-  for (const std::string prefix : prefixes) {
-    const TensorView *mean = file.find(prefix + "mean"), *std = file.find(prefix + "std");
-    if (mean == nullptr || std == nullptr) continue;
-    Normalizer<B> out = Normalizer<B>::identity(width);
-    for (const TensorView* t : {mean, std}) {
-      if (t->shape.count() != width)
-        raise<io_error>(407, file.name(), ": tensor '", t->name, "' is ", t->shape, ", the model has ",
-                        counted(width, "feature"));
-    }
-    using S = typename B::scalar;
-    out.mean = Tensor<B, 1>::from(values_of<S>(*mean), {width});
-    out.std = Tensor<B, 1>::from(values_of<S>(*std), {width});
-    return out;
-  }
-  return std::nullopt;
+  const Statistics found = find_statistics(file, width, prefixes);
+  if (found.mean == nullptr) return std::nullopt;
+  using S = typename B::scalar;
+  Normalizer<B> out = Normalizer<B>::identity(width);
+  out.mean = Tensor<B, 1>::from(values_of<S>(*found.mean), {width});
+  out.std = Tensor<B, 1>::from(values_of<S>(*found.std), {width});
+  return out;
 }
 
 /// The files of statistics of a folder.
 WeightFile statistics_of(const RunFolder& run);
+
+[[noreturn]] void raise_no_statistics(const RunFolder& folder, std::string_view missing);
 
 /// Mean and std of a folder. `missing` ends the message "no statistics of ...". Throws io_error 401, 407.
 template <Backend B>
@@ -83,7 +82,7 @@ Normalizer<B> folder_normalizer(const RunFolder& folder, Index width, std::initi
   if (!folder.parts.empty()) {
     if (auto found = find_normalizer<B>(statistics_of(folder), width, prefixes)) return *std::move(found);
   }
-  raise<io_error>(401, folder.folder.string(), ": no statistics of ", missing);
+  raise_no_statistics(folder, missing);
 }
 /// Those of the motions: of the folder `elsewhere` if one is named, else in weights that are packed, else of the run.
 template <Backend B>

@@ -120,6 +120,25 @@ MOTIONLANG_BODY WeightFile statistics_of(const RunFolder& run) {
   return WeightFile::from_run(only);
 }
 
+MOTIONLANG_BODY Statistics find_statistics(const TensorSet& file, Index width,
+                                           std::initializer_list<const char*> prefixes) {
+  for (const std::string prefix : prefixes) {
+    const TensorView *mean = file.find(prefix + "mean"), *std = file.find(prefix + "std");
+    if (mean == nullptr || std == nullptr) continue;
+    for (const TensorView* t : {mean, std}) {
+      if (t->shape.count() != width)
+        raise<io_error>(407, file.name(), ": tensor '", t->name, "' is ", t->shape, ", the model has ",
+                        counted(width, "feature"));
+    }
+    return {mean, std};
+  }
+  return {};
+}
+
+MOTIONLANG_BODY void raise_no_statistics(const RunFolder& folder, std::string_view missing) {
+  raise<io_error>(401, folder.folder.string(), ": no statistics of ", missing);
+}
+
 }  // namespace detail
 
 MOTIONLANG_NAMESPACE_END
