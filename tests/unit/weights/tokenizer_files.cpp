@@ -1,5 +1,8 @@
 // Files of tokenizers: vocab.txt, merges.txt, gzip, tokenizer.json, tokenizer_config.json, vocab.json, and folders of
 // them.
+#include <motionlang/file/file.hpp>
+#include <motionlang/file/gzip.hpp>
+#include <motionlang/file/json.hpp>
 #include <motionlang/weights/tokenizer_json.hpp>
 
 #include "../../support/check_error.hpp"
