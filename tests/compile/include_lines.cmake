@@ -23,7 +23,7 @@ endforeach()
 set(rules "^xtensor/"                       "^backend/xtensor.ipp$"
           "^(Eigen|unsupported)/"           "^backend/eigen.ipp$"
           "^nlohmann/json.hpp$"             "^file/json.(hpp|ipp)$"
-          "^hnswlib/"                       "^search/vector_graph.(hpp|ipp)$"
+          "^hnswlib/"                       "^search/vector_graph.ipp$"
           "^(xtl|xtensor-blas|doctest)/"    "^$"
           "^motionlang/(motionlang|stmc)\\.hpp$" "^$")
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include <motionlang/backend/reference.hpp>
+#include <motionlang/file/json.hpp>
 #include <motionlang/weights/embedding_cache.hpp>
 
 #include "check.hpp"

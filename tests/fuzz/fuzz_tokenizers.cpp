@@ -4,6 +4,8 @@
 // refused with an error of the library; any text gets ids of the vocabulary.
 #include <cstdint>
 
+#include <motionlang/file/gzip.hpp>
+#include <motionlang/file/json.hpp>
 #include <motionlang/weights/text_network_file.hpp>
 #include <motionlang/weights/tokenizer_json.hpp>
 

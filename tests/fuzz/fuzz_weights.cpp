@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include <motionlang/file/torch_file.hpp>
+#include <motionlang/file/zip.hpp>
 #include <motionlang/weights/weight_file.hpp>
 
 #include "check.hpp"

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/file/npy.hpp>
 #include <motionlang/weights/diffusion_run.hpp>
 
 #include "torch_archive.hpp"

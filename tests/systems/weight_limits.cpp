@@ -9,6 +9,7 @@
 #include <fstream>
 #include <new>
 
+#include <motionlang/file/pickle.hpp>
 #include <motionlang/weights/weight_file.hpp>
 
 #include "../support/joblib_dump.hpp"

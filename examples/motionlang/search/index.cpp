@@ -7,6 +7,7 @@
 #include <set>
 
 #include <motionlang/core/text_lines.hpp>
+#include <motionlang/file/detail/content_hash.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/search/motion_search.hpp>
 #include <motionlang/search/vector_graph.hpp>

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <map>
 
+#include <motionlang/file/json.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/search/vector_graph.hpp>
 #include <motionlang/view/film_strip.hpp>

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstdint>  // times of files
-#include <limits>   // the largest frame
 #include <memory>   // owner of mapped rows
 #include <string>   // paths
 
@@ -81,34 +80,11 @@ class MotionIndex {
   };
 
   /// Without clips. Throws config_error 101 for sizes and rates that are none.
-  explicit MotionIndex(IndexModel model) : model_(std::move(model)) {
-    const auto positive = [](Index n) { return n > 0; };
-    if (model_.width < 1 || !(model_.fps > 0 && std::isfinite(model_.fps)) ||
-        !std::all_of(model_.windows.begin(), model_.windows.end(), positive) ||
-        (!model_.windows.empty() && model_.stride < 1))
-      raise<config_error>(101, "MotionIndex: vectors of ", counted(model_.width, "number"), ", ", model_.fps,
-                          " frames per second, ", counted(model_.windows.size(), "window"), ", stride ", model_.stride);
-  }
+  explicit MotionIndex(IndexModel model);
   /// From tables that a file has; rows of length 1. Throws io_error 403 if they do not fit each other, numeric_error
   /// 302.
   MotionIndex(std::string_view where, IndexModel model, std::vector<IndexedClip> clips, std::vector<Moment> moments,
-              VectorTable clip_rows, VectorTable moment_rows, VectorTable caption_rows)
-      : MotionIndex(std::move(model)) {
-    clips_ = std::move(clips), moments_ = std::move(moments);
-    clip_rows_ = std::move(clip_rows), moment_rows_ = std::move(moment_rows), caption_rows_ = std::move(caption_rows);
-    for (std::size_t i = 0; i < clips_.size(); ++i)
-      caption_clips_.insert(caption_clips_.end(), clips_[i].captions.size(), static_cast<Index>(i));
-    require_rows(where, "clips", clips_.size(), clip_rows_);
-    require_rows(where, "moments", moments_.size(), moment_rows_);
-    require_rows(where, "captions", caption_clips_.size(), caption_rows_);
-    Index last = 0;
-    for (const Moment& m : moments_) {
-      if (m.clip < last || m.clip >= count() || !is_moment(m.frames))
-        raise<io_error>(403, where, ": a moment of ", counted(m.frames.length, "frame"), " at ", m.frames.first,
-                        " of clip ", m.clip, " among ", count());
-      last = m.clip;
-    }
-  }
+              VectorTable clip_rows, VectorTable moment_rows, VectorTable caption_rows);
 
   const IndexModel& model() const { return model_; }
   Index count() const { return std::ssize(clips_); }
@@ -123,32 +99,10 @@ class MotionIndex {
   std::span<const float> caption_rows() const { return caption_rows_.rows(); }
 
   /// Throws config_error 102 if vectors of that model would not be comparable.
-  void require_model(std::string_view id, std::string_view path) const {
-    if (id != model_.id)
-      raise<config_error>(102, "this index was made with the model '", model_.path, "' (", model_.id,
-                          "), whose vectors cannot be compared with those of '", path, "' (", id, ")");
-  }
+  void require_model(std::string_view id, std::string_view path) const;
   /// Behind the others. Throws shape_error 205 if the vectors do not fit or a moment is none, numeric_error 301, 302
   /// (unit_rows); then nothing has changed.
-  void add(EncodedClip c) {
-    const auto rows = [&](const std::vector<float>& values, std::size_t wanted) {
-      if (values.size() != wanted * static_cast<std::size_t>(model_.width))
-        raise<shape_error>(205, "MotionIndex: '", c.clip.path, "': ", counted(values.size(), "number"), " for ",
-                           counted(wanted, "vector"), " of ", model_.width);
-      return unit_rows(values, model_.width);
-    };
-    for (const FrameSlice& m : c.moments) {
-      if (!is_moment(m))
-        raise<shape_error>(205, "MotionIndex: '", c.clip.path, "': a moment of ", counted(m.length, "frame"), " at ",
-                           m.first);
-    }
-    const auto clip = rows(c.vector, 1), moments = rows(c.moment_vectors, c.moments.size()),
-               captions = rows(c.caption_vectors, c.clip.captions.size());
-    clip_rows_.append(clip), moment_rows_.append(moments), caption_rows_.append(captions);
-    for (const FrameSlice& m : c.moments) moments_.push_back({count(), m});
-    caption_clips_.insert(caption_clips_.end(), c.clip.captions.size(), count());
-    clips_.push_back(std::move(c.clip));
-  }
+  void add(EncodedClip c);
   /// Takes the clips away for which f(clip) holds, with their moments and captions. Returns how many.
   template <class F>
   Index remove_if(F f) {
@@ -177,37 +131,19 @@ class MotionIndex {
     return removed;
   }
   /// A file has another path now.
-  void rename(const std::string& from, const std::string& to) {
-    for (IndexedClip& c : clips_) {
-      if (c.path == from) c.path = to;
-    }
-  }
+  void rename(const std::string& from, const std::string& to);
   /// All clips of a file have this license.
-  void set_license(const std::string& path, const std::string& license) {
-    for (IndexedClip& c : clips_) {
-      if (c.path == path) c.license = license;
-    }
-  }
+  void set_license(const std::string& path, const std::string& license);
   /// The model is found elsewhere now.
-  void move_model(std::string path, std::string text_encoder) {
-    model_.path = std::move(path), model_.text_encoder = std::move(text_encoder);
-  }
+  void move_model(std::string path, std::string text_encoder);
 
  private:
   /// Whether it has frames, and an end that an Index can hold.
   static bool is_moment(const FrameSlice& m) {
     return m.first >= 0 && m.length >= 1 && m.first <= std::numeric_limits<Index>::max() - m.length;
   }
-  std::span<const float> row(const VectorTable& table, std::size_t i) const {
-    const auto width = static_cast<std::size_t>(model_.width);
-    return table.rows().subspan(i * width, width);
-  }
-  void require_rows(std::string_view where, std::string_view what, std::size_t count, const VectorTable& table) const {
-    if (table.rows().size() != count * static_cast<std::size_t>(model_.width))
-      raise<io_error>(403, where, ": ", count, " ", what, ", but ", counted(table.rows().size(), "number"),
-                      " for vectors of ", model_.width);
-    require_unit_rows(where, table.rows(), model_.width);
-  }
+  std::span<const float> row(const VectorTable& table, std::size_t i) const;
+  void require_rows(std::string_view where, std::string_view what, std::size_t count, const VectorTable& table) const;
 
   IndexModel model_;
   std::vector<IndexedClip> clips_;
@@ -217,3 +153,7 @@ class MotionIndex {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/search/motion_index.ipp>
+#endif

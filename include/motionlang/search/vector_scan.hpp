@@ -18,7 +18,6 @@
 #include <cstdint>  // bfloat16
 #include <memory>   // owner of the rows
 
-#include <motionlang/core/large_memory.hpp>
 #include <motionlang/search/nearest.hpp>
 #include <motionlang/search/unit_rows.hpp>
 
@@ -58,24 +57,11 @@ class VectorScan : public VectorSearch {
   /// owner  keeps them alive; without one they have to outlive the object
   /// Throws shape_error 205, config_error 101, numeric_error 302 (require_unit_rows)
   VectorScan(std::span<const float> rows, Index width, std::shared_ptr<const void> owner = {},
-             ScanStorage storage = ScanStorage::float32)
-      : owner_(std::move(owner)) {
-    require_unit_rows("VectorScan", rows, width);
-    scan_ = {rows, {}, static_cast<Index>(rows.size()) / width, width};
-    if (storage == ScanStorage::float32) return;
-    const auto halves = large_table<std::uint16_t>(rows.size());
-    scan_.half_error = detail::RowScan<float>::to_halves(rows, width, halves.get());
-    scan_.halves = {halves.get(), rows.size()};
-    halves_ = halves;
-  }
+             ScanStorage storage = ScanStorage::float32);
 
   Index count() const override { return scan_.count; }
   Index width() const override { return scan_.width; }
-  std::vector<std::vector<Neighbour>> search(std::span<const float> queries, Index k) const override {
-    if (k < 0) raise<config_error>(101, "VectorScan: the ", k, " nearest");
-    detail::whole_rows("VectorScan: queries", queries.size(), width());
-    return scan_.nearest(unit_rows(queries, width()), std::min(k, count()));
-  }
+  std::vector<std::vector<Neighbour>> search(std::span<const float> queries, Index k) const override;
 
  private:
   detail::RowScan<float> scan_;
@@ -88,4 +74,5 @@ MOTIONLANG_NAMESPACE_END
 extern template struct motionlang::detail::RowScan<float>;
 #else
 #include <motionlang/search/detail/row_scan.ipp>
+#include <motionlang/search/vector_scan.ipp>
 #endif

@@ -28,46 +28,36 @@ struct MdmActionRun {
 };
 
 namespace detail {
-inline bool is_unconstrained_mdm(const RunFolder& run) {
-  const FileValue *now = run.option("unconstrained"), *before = run.option("cond_mode");
-  return now != nullptr ? to_string(*now) == "true" : before != nullptr && to_string(*before) == "no_cond";
-}
+inline constexpr ActorFeatureOptions mdm_action_features{
+    .rotations = PoseRepresentation::rot6d, .translation = true, .global = true};
+/// Throws io_error 404 if it is not a model of actions.
+DiffusionRun mdm_action_sizes(const RunFolder& run, const TensorSet& weights, const RunReader& r);
 }  // namespace detail
 
 /// Whether a run folder is MDM's and of actions, or unconstrained.
-inline bool is_mdm_action_run(const RunFolder& run) {
-  return run.system == "mdm" && !run.weights.empty() &&
-         (detail::is_unconstrained_mdm(run) ||
-          detail::prefix_of(detail::run_weights(run), "embed_action.action_embedding").has_value());
-}
+bool is_mdm_action_run(const RunFolder& run);
 
 template <Backend B>
 MdmActionRun<B> load_mdm_action_run(const RunFolder& run) {
   const WeightFile weights = detail::run_weights(run);
   const detail::RunReader r = detail::reader_of(run, weights);
-  DiffusionRun about;
-  about.system = "mdm";
-  detail::read_mdm(about, r);
-  MdmConfig& c = about.mdm;
-  const ActorFeatureOptions features{.rotations = PoseRepresentation::rot6d, .translation = true, .global = true};
-  if (const Index wanted = 25 * size(features.rotations); c.nfeats != wanted)
-    raise<io_error>(404, weights.name(), ": motions of ", counted(c.nfeats, "number"),
-                    " a frame; models of actions have ", wanted);
+  const DiffusionRun about = detail::mdm_action_sizes(run, weights, r);
+  const MdmConfig& c = about.mdm;
   const bool unconstrained = c.condition == MdmCondition::none;
-  if (c.condition == MdmCondition::text || unconstrained != detail::is_unconstrained_mdm(run))
-    raise<io_error>(404, weights.name(), ": not a model of actions");
-  if (unconstrained) c.num_actions = 1;
-  c.crop_frames = r.number({"num_frames"}, 60, 10'000);
   const auto room = detail::room_of(weights);
   NoInit zeros;
   MdmActionRun<B> out{
       .model = {.denoiser = MdmDenoiser<B>(c, zeros),
                 .diffusion = about.diffusion(),
                 .guidance = r.real("cond_mask_prob", 0.1) == 0 ? 1.0 : 2.5},
-      .features = features,
+      .features = detail::mdm_action_features,
       .labels = unconstrained ? std::vector<std::string>{"any"} : action_labels(r.text("dataset", ""), c.num_actions)};
   detail::load_denoiser(out.model.denoiser, weights, r.prefix());
   return out;
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/weights/mdm_action_run.ipp>
+#endif

@@ -30,7 +30,7 @@ std::string tensor_key(const std::string& prefix, const std::string& path) {
 }
 
 namespace detail {
-/// By the bits of the exponent, which are all set in NaN and infinity: compilers make such a loop wide.
+/// Looks at the bits of the exponent, which are all set in NaN and infinity, because compilers vectorise such a loop.
 template <Scalar S>
 bool all_finite(std::span<const S> numbers) {
   using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;

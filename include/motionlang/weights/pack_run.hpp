@@ -22,18 +22,18 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 /// What goes into the folder.
-template <Backend B>
-struct PackedParts {
+struct PackedFiles {
   ModelFolder model{};
   std::vector<WeightFile> weights{};  // with different names
-  std::optional<Normalizer<B>> statistics{};
   std::vector<std::filesystem::path> text_encoder{};
 };
-
-inline bool is_of_a_model(const std::string& name) {
-  return !begins_with_any(name, {"rotation2xyz.", "rot2xyz.", "clip_model.", "_losses.", "losses.", "metrics.",
-                                 "eval_model.", "opt_", "motion_normalizer."});
-}
+template <Backend B>
+struct PackedParts : PackedFiles {
+  std::optional<Normalizer<B>> statistics{};
+};
+/// tensors: those of the statistics
+void write_packed(const FilePath& path, const RunFolder& run, PackedFiles& parts, std::vector<TensorView> tensors,
+                  const PackOptions& options);
 
 template <Backend B>
 void add_lightning(PackedParts<B>& out, const RunFolder& run, const PackOptions& options) {
@@ -94,23 +94,13 @@ void pack_run(const RunFolder& run, const FilePath& path, const PackOptions& opt
   } else {
     return pack_diffusion_run<B>(run, path, options);
   }
-  parts.model.license = options.license;
-  parts.model.provenance = options.provenance;
-  parts.model.others["published"] = true;
-  for (const FileValue& v : run.options) {  // "model/latent_dim": the reader makes the same path of it
-    const auto* text = std::get_if<std::string>(&v.value);
-    if (is_utf8(v.path) && (text == nullptr || is_utf8(*text)))
-      std::visit([&](const auto& x) { parts.model.config[v.path] = x; }, v.value);
-  }
   TensorStore statistics;
   if (parts.statistics) statistics.add_module(*parts.statistics, "motion_normalizer.");
-  std::vector<TensorView> tensors = statistics.views();
-  for (const WeightFile& file : parts.weights) {
-    for (const TensorView& t : file.tensors()) {
-      if (detail::is_of_a_model(t.name)) tensors.push_back(t);
-    }
-  }
-  write_model_folder(path, parts.model, tensors, parts.text_encoder);
+  detail::write_packed(path, run, parts, statistics.views(), options);
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/weights/pack_run.ipp>
+#endif

@@ -28,7 +28,6 @@
 #include <filesystem>  // folders
 #include <map>         // parts
 
-#include <motionlang/core/sort.hpp>
 #include <motionlang/file/options_file.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -49,191 +48,22 @@ struct RunFolder {
 namespace detail {
 
 /// Numbers in names count as numbers: epoch=99 before epoch=100.
-inline bool before_by_number(std::string_view a, std::string_view b) {
-  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-  const auto number = [&](std::string_view& text) {  // without zeros in front; takes it off
-    std::size_t end = 0;
-    while (end < text.size() && digit(text[end])) ++end;
-    const std::string_view whole = text.substr(0, end);
-    text.remove_prefix(end);
-    return whole.substr(std::min(whole.find_first_not_of('0'), whole.size()));
-  };
-  while (!a.empty() && !b.empty()) {
-    if (digit(a[0]) && digit(b[0])) {
-      const std::string_view x = number(a), y = number(b);
-      if (x.size() != y.size()) return x.size() < y.size();
-      if (x != y) return x < y;
-    } else {
-      if (a[0] != b[0]) return a[0] < b[0];
-      a.remove_prefix(1), b.remove_prefix(1);
-    }
-  }
-  return a.size() < b.size();
-}
+bool before_by_number(std::string_view a, std::string_view b);
 
 /// What is in a folder, in the order of `before_by_number`; nothing if it is none.
-inline std::vector<std::filesystem::path> listed(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> out;
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) out.push_back(entry.path());
-  detail::sort(
-      out, [](const auto& a, const auto& b) { return before_by_number(a.filename().string(), b.filename().string()); });
-  return out;
-}
-/// The file of a folder that comes first in `names`, else the last one whose name begins and ends so; empty if there is
-/// none.
-inline std::filesystem::path best_file(const std::filesystem::path& folder, std::initializer_list<const char*> names,
-                                       std::string_view begin, std::string_view end) {
-  std::error_code ignored;
-  for (const char* name : names) {
-    if (std::filesystem::is_regular_file(folder / name, ignored)) return folder / name;
-  }
-  std::filesystem::path best;
-  for (const auto& p : listed(folder)) {
-    const std::string name = p.filename().string();
-    if (name.starts_with(begin) && name.ends_with(end) && std::filesystem::is_regular_file(p, ignored)) best = p;
-  }
-  return best;
-}
-/// The first that is not empty.
-inline std::filesystem::path first_found(std::initializer_list<std::filesystem::path> paths) {
-  for (const auto& p : paths) {
-    if (!p.empty()) return p;
-  }
-  return {};
-}
-
-inline bool has_option_below(const RunFolder& run, std::string_view beginning) {
-  return std::any_of(run.options.begin(), run.options.end(),
-                     [&](const FileValue& v) { return v.path.starts_with(beginning); });
-}
-
-/// The system from the options, "" if they say nothing.
-inline std::string system_of_options(const RunFolder& run) {
-  const std::string file = run.options_file.filename().string();
-  if (file == "args.json") return "mdm";
-  if (file == "opt.yaml") return "actor";
-  if (file == "config.yaml") return "temos";
-  if (file == "opt.txt") return run.option("diffusion_steps") != nullptr ? "motiondiffuse" : "tm2t";
-  if (const FileValue* format = run.option("format"); format != nullptr && to_string(*format) == "motionlang")
-    return "motionlang";
-  if (has_option_below(run, "diffusion/")) return "stmc";
-  if (has_option_below(run, "model/motion_encoder/")) return "tmr";
-  return run.option("model_type") != nullptr ? "hugging face" : "";
-}
+std::vector<std::filesystem::path> listed(const std::filesystem::path& folder);
 
 /// The options behind "config/", which in a folder of ours are those of the system.
-inline std::vector<FileValue> options_of_config(const RunFolder& run) {
-  constexpr std::string_view below = "config/";
-  std::vector<FileValue> out;
-  for (const FileValue& v : run.options) {
-    if (v.path.starts_with(below)) out.push_back({v.path.substr(below.size()), v.value});
-  }
-  return out;
-}
-/// Of a packed run the run.
-inline void unpack(RunFolder& run) {
-  const FileValue *published = run.option("published"), *system = run.option("system");
-  if (run.system != "motionlang" || system == nullptr) return;
-  if ((published == nullptr || to_string(*published) != "true") && to_string(*system) != "tm2t") return;
-  run.system = to_string(*system);
-  if (run.system == "teach" || run.system == "sinc") run.system = "temos";  // whose folders look alike
-  run.options = options_of_config(run);
-  run.packed = true;
-}
-
-/// Files of statistics under the names "mean" and "std", behind that of their folder.
-inline void add_statistics(RunFolder& run) {
-  const auto add = [&](const std::filesystem::path& folder, const std::string& prefix) {
-    for (const auto& p : listed(folder)) {
-      const std::string name = p.filename().string();
-      for (const char* what : {"mean", "std"}) {
-        const std::string capital = std::string(1, static_cast<char>(what[0] - 'a' + 'A')) + (what + 1);
-        for (const std::string& stem :
-             {std::string(what), capital, concat_text("jfeats_", what), concat_text("rfeats_", what)}) {
-          if (name == stem + ".pt" || name == stem + ".npy") run.parts.emplace(prefix + what, p);
-        }
-      }
-    }
-  };
-  add(run.folder, "");
-  for (const auto& p : listed(run.folder)) {
-    const std::string name = p.filename().string();
-    if (name == "stats" || name == "meta" || name.ends_with("_stats")) add(p, name + ".");
-  }
-}
-
-inline void find_weights(RunFolder& run) {
-  namespace fs = std::filesystem;
-  const fs::path& folder = run.folder;
-  const auto lightning = [&](const fs::path& sub) {
-    return best_file(folder / sub, {"last.ckpt"}, "latest-epoch=", ".ckpt");
-  };
-  const fs::path whole =
-      best_file(folder, {"weights.safetensors", "model.safetensors"}, "model", ".safetensors.index.json");
-  const fs::path checkpoint = best_file(folder, {}, "checkpoint_", ".pth.tar");
-  const fs::path model = best_file(folder, {}, "model0", ".pt");
-  fs::path split;  // a folder of one file for each module
-  for (const auto& p : listed(folder)) {
-    if (p.filename().string().ends_with("_weights") && split.filename() != "last_weights") split = p;
-  }
-  if (run.system.empty() && !checkpoint.empty()) run.system = "actor";
-  if (run.system.empty() && !split.empty()) run.system = "tmr";
-  if (run.system.empty() && !model.empty() && whole.empty()) run.system = "mdm";
-
-  if (run.packed)
-    run.weights = whole;
-  else if (run.system == "stmc" || run.system == "temos")
-    run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
-  else if (run.system == "mdm")
-    run.weights = first_found({model, best_file(folder, {}, "model", ".pt")});
-  else if (run.system == "actor")
-    run.weights = first_found({checkpoint, best_file(folder, {}, "retraincheckpoint_", ".pth.tar")});
-  else if (run.system == "motiondiffuse")
-    run.weights = first_found({best_file(folder / "model", {"latest.tar"}, "ckpt_", ".tar"),
-                               best_file(folder, {"latest.tar"}, "ckpt_", ".tar")});
-  else if (run.system == "tm2t")
-    run.weights = first_found({best_file(folder / "model", {"finest.tar", "latest.tar"}, "E", ".tar"),
-                               best_file(folder, {"finest.tar", "latest.tar"}, "E", ".tar")});
-  else if (run.system != "tmr" || !whole.empty())
-    run.weights = first_found({whole, best_file(folder, {"pytorch_model.bin"}, "pytorch_model", ".bin.index.json")});
-
-  const auto add_parts = [&](const fs::path& of) {
-    for (const auto& p : listed(of)) {
-      if (p.extension() == ".pt") run.parts.emplace(p.stem().string(), p);
-    }
-  };
-  if (run.weights.empty() && !split.empty()) {
-    add_parts(split);
-  } else if (run.weights.empty() && run.system == "tmr") {
-    run.weights = first_found({lightning("logs/checkpoints"), lightning("checkpoints")});
-  }
-  add_statistics(run);
-  if (run.weights.empty() && split.empty()) add_parts(folder);  // of a system that nobody knows: every file is a part
-}
+std::vector<FileValue> options_of_config(const RunFolder& run);
 
 }  // namespace detail
 
 /// Looks at a folder. What is missing stays empty: it is an error of whoever needs it.
 /// Throws  io_error 401 if it cannot be listed, and what read_options throws
-inline RunFolder find_run(const FilePath& path) {
-  namespace fs = std::filesystem;
-  RunFolder run{.folder = path.string(), .system = {}, .options_file = {}, .options = {}, .weights = {}, .parts = {}};
-  std::error_code problem;
-  fs::directory_iterator(run.folder, problem);
-  if (problem) raise<io_error>(401, "cannot list ", path.string(), ": ", problem.message());
-  std::error_code ignored;
-  for (const char* name : {"config.json", "args.json", "opt.yaml", "opt.txt", ".hydra/config.yaml"}) {
-    if (run.options_file.empty() && fs::is_regular_file(run.folder / name, ignored))
-      run.options_file = run.folder / name;
-  }
-  if (!run.options_file.empty()) {
-    run.options = read_options(run.options_file);
-    run.system = detail::system_of_options(run);
-    detail::unpack(run);
-  }
-  detail::find_weights(run);
-  return run;
-}
+RunFolder find_run(const FilePath& path);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/weights/run_folder.ipp>
+#endif

@@ -44,146 +44,22 @@ N metadata_number(const Metadata& metadata, const std::string& key, const std::s
   if (found == metadata.end()) raise<config_error>(107, file, ": metadata '", key, "' is missing");
   return number_in_metadata<N>(found->second, key, file);
 }
-inline std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise) {
-  const auto found = metadata.find(key);
-  return found == metadata.end() ? otherwise : found->second;
-}
+std::string metadata_text(const Metadata& metadata, const std::string& key, const std::string& otherwise);
 /// A size that a file may ask for: a hostile one must not make us allocate.
-inline Index metadata_size(const Metadata& metadata, const std::string& key, Index largest, const std::string& file,
-                           Index smallest = 1) {
-  const auto n = metadata_number<Index>(metadata, key, file);
-  if (n < smallest || n > largest)
-    raise<config_error>(101, file, ": metadata '", key, "' = ", n, " is not in ", smallest, " ... ", largest);
-  return n;
-}
-inline double metadata_real(const Metadata& metadata, const std::string& key, double least, double largest,
-                            const std::string& file) {
-  const auto x = metadata_number<double>(metadata, key, file);
-  if (!(x >= least && x <= largest))
-    raise<config_error>(101, file, ": metadata '", key, "' = ", x, " is not in ", least, " ... ", largest);
-  return x;
-}
+Index metadata_size(const Metadata& metadata, const std::string& key, Index largest, const std::string& file,
+                    Index smallest = 1);
 
-/// "ddpm 20"; the number is left out for all steps.
-inline std::string sampling_text(const StmcModelConfig& c) {
-  const std::string_view sampler = to_string(c.sampler);
-  return c.sampling_steps == 0 ? std::string(sampler) : concat_text(sampler, ' ', c.sampling_steps);
-}
-inline void check_sampling_steps(const StmcModelConfig& c, const std::string& where) {
-  if (c.sampling_steps < 0 || c.sampling_steps > c.diffusion_steps)
-    raise<config_error>(101, where, ": ", counted(c.sampling_steps, "step"), " of sampling, the process has ",
-                        c.diffusion_steps);
-}
-inline void read_sampling(const Metadata& metadata, StmcModelConfig& c, const std::string& file) {
-  const std::string wanted = metadata_text(metadata, "sampling", sampling_text({}));
-  const std::size_t space = std::min(wanted.find(' '), wanted.size());
-  c.sampler = parse_sampler(std::string_view(wanted).substr(0, space), file + ": metadata 'sampling':");
-  if (space == wanted.size()) return;
-  c.sampling_steps = number_in_metadata<Index>(std::string_view(wanted).substr(space + 1), "sampling", file);
-  check_sampling_steps(c, file);
-}
-
-inline WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file) {
-  const auto found = metadata.find("text.vocabulary");
-  if (found == metadata.end()) raise<config_error>(107, file, ": metadata 'text.vocabulary' is missing");
-  std::vector<std::string> pieces;
-  for (std::size_t at = 0; at <= found->second.size();) {
-    const std::size_t end = std::min(found->second.find('\n', at), found->second.size());
-    pieces.push_back(found->second.substr(at, end - at));
-    at = end + 1;
-  }
-  return WordPiece(std::move(pieces), file + ": metadata 'text.vocabulary'");
-}
+WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file);
+/// What users say about a model or a record. Throws config_error 102 for a key that is there already.
+void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose, const std::string& file);
 
 }  // namespace detail
 
 /// The sizes as metadata. `vocabulary` of the tokenizer. Throws config_error 101 for more steps of sampling than there
 /// are.
-inline std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c, const WordPiece& tokenizer) {
-  detail::check_sampling_steps(c, "stmc_metadata");
-  std::string vocabulary;
-  for (const std::string& piece : tokenizer.vocabulary()) vocabulary += (vocabulary.empty() ? "" : "\n") + piece;
-  auto text = [](auto n) { return concat_text(n); };
-  return {
-      {"model", "stmc"},
-      {"format", "1"},
-      {"features", "smplrifke"},
-      {"fps", text(c.fps)},
-      {"denoiser.nfeats", text(c.denoiser.nfeats)},
-      {"denoiser.latent_dim", text(c.denoiser.latent_dim)},
-      {"denoiser.ff_size", text(c.denoiser.ff_size)},
-      {"denoiser.num_layers", text(c.denoiser.num_layers)},
-      {"denoiser.num_heads", text(c.denoiser.num_heads)},
-      {"denoiser.nb_registers", text(c.denoiser.nb_registers)},
-      {"denoiser.activation", std::string(to_string(c.denoiser.activation))},
-      {"denoiser.max_len", text(c.denoiser.max_len)},
-      {"text.width", text(c.text.width)},
-      {"text.heads", text(c.text.heads)},
-      {"text.d_ff", text(c.text.d_ff)},
-      {"text.layers", text(c.text.layers)},
-      {"text.out", text(c.text.out)},
-      {"text.longest", text(c.text.longest)},
-      {"text.vocabulary", vocabulary},
-      {"diffusion.schedule", "cosine"},
-      {"diffusion.steps", text(c.diffusion_steps)},
-      {"diffusion.noise_scale", c.noise_scale == NoiseScale::posterior_std ? "posterior_std" : "posterior_variance"},
-      {"sampling", detail::sampling_text(c)},
-      {"guidance", text(c.guidance)}};
-}
+std::map<std::string, std::string> stmc_metadata(const StmcModelConfig& c, const WordPiece& tokenizer);
 /// The sizes that a file declares. Throws config_error 101, 103, 107.
-inline StmcModelConfig stmc_config(const SafetensorsFile& file) {
-  const auto& m = file.metadata();
-  const std::string& name = file.name();
-  if (detail::metadata_text(m, "model", "") != "stmc" || detail::metadata_text(m, "format", "") != "1") {
-    raise<config_error>(103, name, ": not an STMC model of format 1 (metadata 'model' and 'format')");
-  }
-  if (detail::metadata_text(m, "features", "") != "smplrifke" ||
-      detail::metadata_text(m, "diffusion.schedule", "") != "cosine") {
-    raise<config_error>(103, name, ": features '", detail::metadata_text(m, "features", ""), "' or schedule '",
-                        detail::metadata_text(m, "diffusion.schedule", ""), "' is unknown");
-  }
-  const std::string scale = detail::metadata_text(m, "diffusion.noise_scale", "posterior_std");
-  if (scale != "posterior_std" && scale != "posterior_variance")
-    raise<config_error>(103, name, ": diffusion.noise_scale '", scale,
-                        "' is neither posterior_std nor posterior_variance");
-  auto size = [&](const std::string& key, Index largest) { return detail::metadata_size(m, key, largest, name); };
-  auto size_or = [&](const std::string& key, Index largest, Index otherwise) {
-    return m.contains(key) ? size(key, largest) : otherwise;
-  };
-  auto heads = [&](const std::string& key, Index width) {
-    const Index n = size(key, 256);
-    if (width % n != 0 || width % 2 != 0)
-      raise<config_error>(101, name, ": ", key, " = ", n, " does not divide the even width ", width);
-    return n;
-  };
-  StmcModelConfig c;
-  c.denoiser.nfeats = size("denoiser.nfeats", 4096);
-  if (const Index features = smplrifke_layout().size; c.denoiser.nfeats != features)
-    raise<config_error>(101, name, ": denoiser.nfeats is ", c.denoiser.nfeats, ", smplrifke has ",
-                        counted(features, "feature"));
-  c.denoiser.latent_dim = size("denoiser.latent_dim", 8192);
-  c.denoiser.ff_size = size("denoiser.ff_size", 32768);
-  c.denoiser.num_layers = size("denoiser.num_layers", 256);
-  c.denoiser.num_heads = heads("denoiser.num_heads", c.denoiser.latent_dim);
-  c.denoiser.nb_registers = detail::metadata_size(m, "denoiser.nb_registers", 256, name, 0);
-  c.text.width = size("text.width", 8192);
-  c.text.heads = heads("text.heads", c.text.width);
-  c.text.d_ff = size("text.d_ff", 32768);
-  c.text.layers = size("text.layers", 256);
-  c.text.out = c.denoiser.tx_dim = size("text.out", 8192);
-  const std::string activation = detail::metadata_text(m, "denoiser.activation", "gelu");
-  if (activation != "gelu" && activation != "relu")
-    raise<config_error>(103, name, ": denoiser.activation '", activation, "' is neither gelu nor relu");
-  c.denoiser.activation = parse_activation(activation);
-  c.denoiser.max_len = size_or("denoiser.max_len", 8192, c.denoiser.max_len);
-  c.text.longest = size_or("text.longest", 8192, c.text.longest);
-  c.diffusion_steps = size("diffusion.steps", c.denoiser.max_len);  // a row of the table of positions tells the step
-  c.fps = detail::metadata_real(m, "fps", 1, 1000, name);
-  c.guidance = detail::metadata_real(m, "guidance", 0, 1000, name);
-  c.noise_scale = scale == "posterior_std" ? NoiseScale::posterior_std : NoiseScale::posterior_variance;
-  detail::read_sampling(m, c, name);
-  return c;
-}
+StmcModelConfig stmc_config(const SafetensorsFile& file);
 
 /// A model of the given sizes. `rng` draws the parameters; NoInit leaves them zero.
 template <Backend B>
@@ -204,27 +80,7 @@ Stmc<B> make_stmc(const StmcModelConfig& c, WordPiece tokenizer, Rng auto rng) {
 
 /// Compares the tensors that decide how large a model is with its sizes, before memory is taken for what the metadata
 /// claim. Throws io_error 406, 407.
-inline void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary) {
-  auto expect = [&](const std::string& name, const Shape& shape) {
-    if (const FileShape& found = file.tensor(name).shape; found != shape)
-      raise<io_error>(407, file.name(), ": tensor '", name, "' is ", found, ", the metadata say ", shape);
-  };
-  auto transformer = [&](const std::string& prefix, Index layers, Index width, Index d_ff) {
-    for (Index i = 0; i < layers; ++i) {
-      const std::string layer = concat_text(prefix, ".layers.", i);
-      expect(layer + ".self_attn.in_proj_weight", {3 * width, width});
-      expect(layer + ".linear1.weight", {d_ff, width});
-    }
-  };
-  const MdmSmplConfig& d = c.denoiser;
-  if (d.nb_registers > 0) expect("denoiser.registers", {d.nb_registers, d.latent_dim});
-  expect("denoiser.skel_embedding.weight", {d.latent_dim, d.nfeats});
-  expect("denoiser.tx_embedding.0.weight", {2 * d.latent_dim, d.tx_dim});
-  transformer("denoiser.seqTransEncoder", d.num_layers, d.latent_dim, d.ff_size);
-  expect("text_encoder.embedding.weight", {vocabulary, c.text.width});
-  expect("text_encoder.projection.weight", {c.text.out, c.text.width});
-  transformer("text_encoder.encoder", c.text.layers, c.text.width, c.text.d_ff);
-}
+void check_sizes(const SafetensorsFile& file, const StmcModelConfig& c, Index vocabulary);
 
 /// Reads a model and makes it ready for inference. Throws io_error 401 ... 407, config_error 101, 103, 107,
 /// numeric_error 301.
@@ -250,12 +106,12 @@ void save_stmc(const FilePath& path, const Stmc<B>& model, const StmcModelConfig
   TensorStore store;
   store.add_module(model, "", dtype);
   auto metadata = stmc_metadata(config, model.text_encoder.tokenizer);
-  for (const auto& [key, value] : about) {
-    if (!metadata.emplace(key, value).second)
-      raise<config_error>(102, path.string(), ": metadata '", key,
-                          "' belongs to the model, not to what is told about it");
-  }
+  detail::add_metadata(metadata, about, "model", path.string());
   write_safetensors(path, store.views(), metadata);
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/weights/stmc_file.ipp>
+#endif

@@ -51,10 +51,7 @@ struct TextEncoderOptions {
 };
 /// One vector of CLIP for each text: MDM-SMPL; MDM has its texts cut to 22 ids. Texts are cleaned as by OpenAI, whose
 /// CLIP these systems were trained with, wherever the vocabulary comes from.
-inline TextEncoderOptions clip_sentences(Index longest = 77) {
-  return {.text = {.pooling = Pooling::end},
-          .limits = {.longest = longest, .truncate = true, .cleaning = ClipCleaning::original}};
-}
+TextEncoderOptions clip_sentences(Index longest = 77);
 /// All 77 rows of CLIP: MotionDiffuse. Cleaned likewise.
 inline TextEncoderOptions clip_states() {
   return {.text = {.width = 77}, .limits = {.longest = 77, .truncate = true, .cleaning = ClipCleaning::original}};
@@ -64,33 +61,28 @@ namespace detail {
 
 inline constexpr const char* clip_vocabularies[] = {"bpe_simple_vocab_16e6.txt.gz", "bpe_simple_vocab_16e6.txt"};
 
-inline AnyTokenizer tokenizer_of(const std::filesystem::path& folder, const TokenizerLimits& limits, bool clip) {
-  for (const char* name : {"tokenizer.json", "vocab.txt", "vocab.json"}) {
-    if (file_exists(folder / name)) return read_tokenizer(folder, limits);
-  }
-  ClipTokenizerOptions options;
-  options.longest = limits.longest.value_or(options.longest);
-  options.truncate = limits.truncate.value_or(options.truncate);
-  for (const char* name : clip_vocabularies) {
-    if (clip && file_exists(folder / name)) return read_clip_tokenizer(folder / name, options);
-  }
-  raise<io_error>(401, folder.string(), ": no tokenizer of the text encoder: put ",
-                  clip ? "bpe_simple_vocab_16e6.txt.gz (of github.com/openai/CLIP), or tokenizer.json, "
-                       : "tokenizer.json, or vocab.txt, ",
-                  "there");
-}
+AnyTokenizer tokenizer_of(const std::filesystem::path& folder, const TokenizerLimits& limits, bool clip);
+
+/// The weights of a folder, and the sizes in its config.json.
+struct TextNetworkFiles {
+  WeightFile weights;
+  std::variant<ClipTextConfig, BertConfig> config;
+  std::string type;  // distilbert, bert or mpnet, where it is not CLIP
+};
+/// file  its config.json. Throws config_error 103 for another model_type
+TextNetworkFiles text_network_files(const FilePath& file, const FilePath& folder);
 
 template <Backend B>
-AnyTextNetwork<B> text_network(const JsonView& config, const TensorSet& weights) {
-  const auto type = config["model_type"].as<std::string>();
-  if (type == "clip" || type == "clip_text_model") return {load_clip_text<B>(config, weights)};
-  if (type == "distilbert") return {load_text_network<DistilBert<B>>(config, weights)};
-  if (type == "bert") return {load_text_network<Bert<B>>(config, weights)};
-  if (type == "mpnet") return {load_text_network<Mpnet<B>>(config, weights)};
-  raise<config_error>(103, config.path(), ": model_type '", type, "' is none of clip, distilbert, bert, mpnet");
+AnyTextNetwork<B> text_network(const TextNetworkFiles& files) {
+  if (const auto* clip = std::get_if<ClipTextConfig>(&files.config)) return {load_clip_text<B>(*clip, files.weights)};
+  const auto& config = std::get<BertConfig>(files.config);
+  if (files.type == "distilbert") return {load_text_network<DistilBert<B>>(config, files.weights)};
+  if (files.type == "bert") return {load_text_network<Bert<B>>(config, files.weights)};
+  return {load_text_network<Mpnet<B>>(config, files.weights)};
 }
 
 /// The highest id that a tokenizer gives has to have a row.
+void check_vocabulary(const AnyTokenizer& tokenizer, Index rows, const std::string& where);
 template <Backend B>
 void check_vocabulary(const AnyTokenizer& tokenizer, const AnyTextNetwork<B>& network, const std::string& where) {
   const Index rows = std::visit(
@@ -101,9 +93,7 @@ void check_vocabulary(const AnyTokenizer& tokenizer, const AnyTextNetwork<B>& ne
           return n.words.weight.size(0);
       },
       network.network);
-  if (tokenizer.size() > rows)
-    raise<config_error>(102, where, ": a tokenizer of ", counted(tokenizer.size(), "piece"), ", the network knows ",
-                        rows);
+  check_vocabulary(tokenizer, rows, where);
 }
 
 }  // namespace detail
@@ -129,11 +119,14 @@ AnyTextEncoder<B> load_text_encoder(const FilePath& path, const TextEncoderOptio
   const auto folder = is_folder ? given : given.parent_path();
   const auto file = folder / "config.json";
   if (!is_folder || !detail::file_exists(file)) return load_clip_encoder<B>(open_weights(path), folder, options);
-  const auto document = read_json(file);
-  AnyTextNetwork<B> network = detail::text_network<B>(JsonView(document, file.string()), open_weights(path));
+  AnyTextNetwork<B> network = detail::text_network<B>(detail::text_network_files(file, path));
   AnyTokenizer tokenizer = detail::tokenizer_of(folder, options.limits, network.is_clip());
   detail::check_vocabulary(tokenizer, network, given.string());
   return {std::move(tokenizer), std::move(network), options.text};
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/weights/text_encoder_folder.ipp>
+#endif

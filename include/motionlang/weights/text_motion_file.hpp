@@ -8,7 +8,7 @@
 /// Heads    do not show in shapes: from the options of the run, else 4, which is what both papers' models have. TEMOS'
 ///          options ask for 6 under a misspelled name, which its code passes over
 /// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses and metrics, statistics
-/// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for a number that is none;
+/// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for NaN and infinity;
 ///          config_error 101 if the heads do not divide the width, 102 where options and tensors differ, or the file is
 ///          too small for a network of its sizes
 /// Source   spec temos.md 2, 3.1; tmr.md 3
@@ -36,35 +36,12 @@ Config temos_sizes(const RunReader& r) {
   c.activation = parse_activation(r.one_of("model/activation", "gelu", {"gelu", "relu"}));
   return c;
 }
-inline TemosConfig temos_config(const RunReader& r) {
-  auto network = [&](const std::string& module, const char* transformer) {
-    if (r.has(module + ".gru.weight_ih_l0")) return TemosNetwork::gru;
-    return r.has(module + transformer) ? TemosNetwork::transformer : TemosNetwork::none;
-  };
-  auto c = temos_sizes<TemosConfig>(r);
-  c.vae = r.has("textencoder.mu_token");
-  c.motion_encoder = network("motionencoder", ".skel_embedding.weight");
-  c.motion_decoder = network("motiondecoder", ".final_layer.weight");
-  return c;
-}
+TemosConfig temos_config(const RunReader& r);
 
-inline TmrConfig tmr_config(const RunReader& r) {
-  const std::string stack = "motion_encoder.seqTransEncoder.layers.";
-  return {.motion_nfeats = r.size("motion_encoder.projection.weight", 1, {"model/motion_encoder/nfeats"}),
-          .text_nfeats = r.size("text_encoder.projection.weight", 1, {"model/text_encoder/nfeats"}),
-          .latent_dim = r.size("motion_encoder.projection.weight", 0, {"model/motion_encoder/latent_dim"}),
-          .ff_size = r.size(stack + "0.linear1.weight", 0, {"model/motion_encoder/ff_size"}),
-          .num_layers = r.count(stack, ".linear1.weight", {"model/motion_encoder/num_layers"}),
-          .num_heads = r.number({"model/motion_encoder/num_heads"}, 4, 1024),
-          .activation = parse_activation(r.one_of("model/motion_encoder/activation", "gelu", {"gelu", "relu"})),
-          .vae = r.size("motion_encoder.tokens", 0) == 2};
-}
+TmrConfig tmr_config(const RunReader& r);
 
 /// Tensors of a checkpoint that are not the model's.
-inline bool beside_temos(const std::string& name) {
-  return name.ends_with("sequence_pos_encoding.pe") ||
-         begins_with_any(name, {"textencoder.text_model.", "_losses.", "metrics.", "losses.", "motion_normalizer."});
-}
+bool beside_temos(const std::string& name);
 
 }  // namespace detail
 
@@ -91,3 +68,7 @@ Tmr<B> load_tmr(const TensorSet& file, const RunFolder& run = {}) {
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/weights/text_motion_file.ipp>
+#endif

@@ -5,67 +5,33 @@
 /// Source  spec text-encoders.md 7, 9, 10
 #pragma once
 
-#include <unordered_set>  // repeated pieces
-
-#include <motionlang/core/text_lines.hpp>
-#include <motionlang/file/gzip.hpp>
+#include <motionlang/file/file_path.hpp>
 #include <motionlang/text/bert_tokenizer.hpp>
 #include <motionlang/text/clip_tokenizer.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// One piece on each line; its id is the number of the line, from 0.
-/// Throws io_error 403, with the line, for a piece that is empty, stands twice or is not UTF-8
-inline std::vector<std::string> parse_vocabulary(std::string_view text, std::string_view name = "vocab.txt") {
-  std::vector<std::string> pieces;
-  std::unordered_set<std::string_view> seen;
-  detail::for_each_line(text, [&](std::string_view piece, Index line) {
-    const char* wrong = piece.empty() ? "an empty line" : !is_utf8(piece) ? "not UTF-8" : nullptr;
-    if (wrong != nullptr) raise<io_error>(403, name, ":", line, ": ", std::string_view(wrong));
-    if (!seen.insert(piece).second) raise<io_error>(403, name, ":", line, ": piece '", piece, "' stands twice");
-    pieces.emplace_back(piece);
-  });
-  return pieces;
-}
+/// Throws io_error 403, with the line, for a piece that is empty, duplicated or not UTF-8
+std::vector<std::string> parse_vocabulary(std::string_view text, std::string_view name = "vocab.txt");
 /// Throws io_error 401 and as parse_vocabulary.
-inline std::vector<std::string> read_vocabulary(const FilePath& path) {
-  return parse_vocabulary(read_text(path), path.string());
-}
+std::vector<std::string> read_vocabulary(const FilePath& path);
 
 namespace detail {
 
 /// "a b". Throws io_error 403 with the place.
-inline std::pair<std::string, std::string> parse_merge(std::string_view line, std::string_view name, Index number) {
-  const std::size_t blank = line.find(' ');
-  const bool two = blank != line.npos && blank > 0 && blank + 1 < line.size() && line.find(' ', blank + 1) == line.npos;
-  if (!two || !is_utf8(line))
-    raise<io_error>(403, name, ":", number, ": '", utf8_head(line, 40), "' is not two symbols with one blank between");
-  return {std::string(line.substr(0, blank)), std::string(line.substr(blank + 1))};
-}
+std::pair<std::string, std::string> parse_merge(std::string_view line, std::string_view name, Index number);
 
 }  // namespace detail
 
 /// Two symbols with a blank between on each line, in the order of their rank, up to the first empty line. A line that
 /// begins with "#version", or in a text of OpenAI's with "\"bpe_simple_vocab", is a comment.
 /// most    further lines are not read
-/// Throws  io_error 403, with the line, for a line of another form or a pair that stands twice
-inline BytePairMerges parse_merges(std::string_view text, std::string_view name = "merges.txt",
-                                   std::size_t most = static_cast<std::size_t>(-1)) {
-  BytePairMerges merges;
-  std::unordered_set<std::string_view> seen;
-  bool ended = false;
-  detail::for_each_line(text, [&](std::string_view line, Index number) {
-    ended = ended || line.empty() || merges.size() == most;
-    if (ended || line.starts_with("#version") || (number == 1 && line.starts_with("\"bpe_simple_vocab"))) return;
-    merges.push_back(detail::parse_merge(line, name, number));
-    if (!seen.insert(line).second) raise<io_error>(403, name, ":", number, ": '", line, "' stands twice");
-  });
-  return merges;
-}
+/// Throws  io_error 403, with the line, for a line of another form or a duplicated pair
+BytePairMerges parse_merges(std::string_view text, std::string_view name = "merges.txt",
+                            std::size_t most = static_cast<std::size_t>(-1));
 /// Throws io_error 401 and as parse_merges and gunzip.
-inline BytePairMerges read_merges(const FilePath& path, std::size_t most = static_cast<std::size_t>(-1)) {
-  return parse_merges(read_text(path), path.string(), most);
-}
+BytePairMerges read_merges(const FilePath& path, std::size_t most = static_cast<std::size_t>(-1));
 
 /// Merges of bpe_simple_vocab_16e6.txt that CLIP takes; the file has 262,144.
 inline constexpr std::size_t clip_merges = 48894;
@@ -81,3 +47,7 @@ inline BertTokenizer read_bert_tokenizer(const FilePath& path, BertTokenizerOpti
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/weights/tokenizer_files.ipp>
+#endif

@@ -59,28 +59,10 @@ struct TemosRunOptions {
 
 namespace detail {
 
-inline void require_checkpoint(const RunFolder& run, const char* system, const char* wanted) {
-  if (run.system != system)
-    raise<io_error>(404, run.folder.string(), ": ",
-                    run.system.empty() ? "of no system that is known" : "of " + run.system, ", expected ", system);
-  if (run.weights.empty()) raise<io_error>(401, run.folder.string(), ": no ", wanted);
-}
+void require_checkpoint(const RunFolder& run, const char* system, const char* wanted);
 
 /// Where its tokenizer is, or the whole text encoder. Throws io_error 401.
-inline std::filesystem::path temos_text_folder(const RunFolder& run, const TemosRunOptions& options) {
-  std::filesystem::path folder = options.text_encoder.string();
-  for (const auto& near : {run.folder, folder_around(run.folder)}) {
-    for (const char* name : {"", "text_encoder", "distilbert-base-uncased"}) {
-      const bool found = file_exists(near / name / "tokenizer.json") || file_exists(near / name / "vocab.txt");
-      if (folder.empty() && found) folder = near / name;
-    }
-  }
-  if (folder.empty())
-    raise<io_error>(401, run.folder.string(),
-                    ": no tokenizer of DistilBERT: put vocab.txt or tokenizer.json of "
-                    "distilbert-base-uncased there, or name its folder");
-  return folder;
-}
+std::filesystem::path temos_text_folder(const RunFolder& run, const TemosRunOptions& options);
 
 /// DistilBERT of the checkpoint with a tokenizer from elsewhere, or the whole encoder from elsewhere.
 template <Backend B>
@@ -125,10 +107,7 @@ ActorRun<B> load_actor_run(const FilePath& folder) {
 }
 
 /// "temos", "teach" or "sinc", by the token that stands between texts.
-inline std::string lightning_system(const TensorSet& weights) {
-  if (weights.find("textencoder.seperation_token") != nullptr) return "teach";  // as published
-  return weights.find("textencoder.separation_token") != nullptr ? "sinc" : "temos";
-}
+std::string lightning_system(const TensorSet& weights);
 
 namespace detail {
 
@@ -158,13 +137,7 @@ TextMotionRun<B, Model> text_motion_run(const RunFolder& run, const TensorSet& w
   prepare_loaded(out.model);
   return out;
 }
-inline WeightFile lightning_weights(const RunFolder& run, const char* system) {
-  require_checkpoint(run, "temos", "checkpoints/last.ckpt");
-  WeightFile weights = open_weights(run.weights);
-  if (const std::string found = lightning_system(weights); found != system)
-    raise<io_error>(404, weights.name(), ": a checkpoint of ", found, ", expected ", system);
-  return weights;
-}
+WeightFile lightning_weights(const RunFolder& run, const char* system);
 
 }  // namespace detail
 
@@ -189,3 +162,7 @@ TemosRun<B> load_temos_run(const FilePath& folder, const TemosRunOptions& option
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/weights/vae_run.ipp>
+#endif

@@ -5,6 +5,7 @@
 #include <set>
 
 #include <motionlang/core/rng.hpp>
+#include <motionlang/metrics/retrieval.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/indexed_motions.hpp"

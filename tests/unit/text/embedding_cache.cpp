@@ -2,6 +2,9 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/reference.hpp>
+#include <motionlang/file/file.hpp>
+#include <motionlang/file/json.hpp>
+#include <motionlang/file/npy.hpp>
 #include <motionlang/weights/embedding_cache.hpp>
 
 #include "../../support/check_error.hpp"

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/reference.hpp>
+#include <motionlang/file/json.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/tensors.hpp"

@@ -5,6 +5,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>
+#include <motionlang/file/json.hpp>
 
 #include "../../support/network_numbers.hpp"
 #include "../../support/tensors.hpp"

@@ -1,5 +1,8 @@
 // Files of tokenizers: vocab.txt, merges.txt, gzip, tokenizer.json, tokenizer_config.json, vocab.json, and folders of
 // them.
+#include <motionlang/file/file.hpp>
+#include <motionlang/file/gzip.hpp>
+#include <motionlang/file/json.hpp>
 #include <motionlang/weights/tokenizer_json.hpp>
 
 #include "../../support/check_error.hpp"
@@ -67,7 +70,7 @@ TEST_CASE("vocab.txt: one piece a line") {
   CHECK(ml::parse_vocabulary("a b\n \u3000\nx") == Words{"a b", " \u3000", "x"});
   CHECK(ml::parse_vocabulary("").empty());
   CHECK_ERROR(ml::parse_vocabulary("a\n\nb\n", "v.txt"), "[motionlang.io.403] v.txt:2: an empty line");
-  CHECK_ERROR(ml::parse_vocabulary("a\nb\na\n", "v.txt"), "v.txt:3: piece 'a' stands twice");
+  CHECK_ERROR(ml::parse_vocabulary("a\nb\na\n", "v.txt"), "v.txt:3: piece 'a' is duplicated");
   CHECK_ERROR(ml::parse_vocabulary("a\n\xFF\n", "v.txt"), "v.txt:2: not UTF-8");
 }
 
@@ -78,7 +81,7 @@ TEST_CASE("merges.txt: two symbols a line up to the first empty one") {
   CHECK(ml::parse_merges("# #\n") == ml::BytePairMerges{{"#", "#"}});
   for (const char* line : {"i", " n", "i ", "i  n", "i n m"})
     CHECK_ERROR(ml::parse_merges(std::string("a b\n") + line, "m.txt"), "[motionlang.io.403] m.txt:2: '");
-  CHECK_ERROR(ml::parse_merges("a b\nc d\na b\n", "m.txt"), "m.txt:3: 'a b' stands twice");
+  CHECK_ERROR(ml::parse_merges("a b\nc d\na b\n", "m.txt"), "m.txt:3: 'a b' is duplicated");
 }
 
 TEST_CASE("gzip: members are unpacked and checked") {

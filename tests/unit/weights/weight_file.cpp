@@ -3,6 +3,8 @@
 #include <ctime>
 
 #include <motionlang/file/key_report.hpp>
+#include <motionlang/file/npy.hpp>
+#include <motionlang/file/zip.hpp>
 #include <motionlang/weights/weight_file.hpp>
 
 #include "../../support/check_error.hpp"

@@ -2,7 +2,13 @@
 /// Bodies of vector_scan.hpp: the split of the work over threads, and who is compared exactly.
 #pragma once
 
+#include <algorithm>  // max_element
+#include <cmath>      // sqrt
+#include <cstring>    // memcpy
+#include <limits>     // infinity
+
 #include <motionlang/backend/kernel_ops.ipp>
+#include <motionlang/core/parallel.hpp>
 #include <motionlang/search/detail/scan_kernels.hpp>
 #include <motionlang/search/vector_scan.hpp>
 

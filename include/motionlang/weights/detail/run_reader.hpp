@@ -2,7 +2,6 @@
 /// What the readers of official run folders share: options and shapes of tensors compared, statistics of features.
 #pragma once
 
-#include <algorithm>   // any_of, find
 #include <filesystem>  // folders
 
 #include <motionlang/features/normalizer.hpp>
@@ -11,14 +10,11 @@
 #include <motionlang/weights/weight_file.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
 namespace detail {
 
 /// The folder around one, also of "a/b/" and ".".
-inline std::filesystem::path folder_around(const std::filesystem::path& folder) {
-  auto own = folder.lexically_normal();
-  if (!own.has_filename()) own = own.parent_path();
-  return own == "." || own.filename() == ".." ? own / ".." : own.parent_path();
-}
+std::filesystem::path folder_around(const std::filesystem::path& folder);
 
 /// Options of a run and shapes of its tensors, compared.
 class RunReader {
@@ -29,129 +25,55 @@ class RunReader {
   const std::string& prefix() const { return prefix_; }
   bool has(const std::string& name) const { return weights_->find(prefix_ + name) != nullptr; }
   /// Size of a tensor along an axis. Throws io_error 407 if it has no such axis or no numbers.
-  Index size(const std::string& name, int axis) const {
-    const TensorView& t = weights_->tensor(prefix_ + name);
-    if (axis >= t.shape.rank() || t.shape.count() < 1)
-      raise<io_error>(407, weights_->name(), ": tensor '", t.name, "' is ", t.shape);
-    return t.shape[axis];
-  }
+  Index size(const std::string& name, int axis) const;
   /// The same, where options may state it.
-  Index size(const std::string& name, int axis, std::initializer_list<const char*> options) const {
-    const Index found = size(name, axis);
-    for (const char* key : options) {
-      const std::optional<Index> stated = whole(key);
-      if (stated && *stated != found)
-        raise<config_error>(102, place(key), " is ", *stated, ", tensor '", prefix_, name, "' in ", weights_->name(),
-                            " is ", weights_->tensor(prefix_ + name).shape);
-    }
-    return found;
-  }
+  Index size(const std::string& name, int axis, std::initializer_list<const char*> options) const;
   /// The same for a tensor that may be missing: then an option has to state the size 0.
-  Index size_if_any(const std::string& name, int axis, std::initializer_list<const char*> options) const {
-    const bool none =
-        !has(name) && std::any_of(options.begin(), options.end(), [&](const char* key) { return whole(key) == 0; });
-    return none ? 0 : size(name, axis, options);
-  }
+  Index size_if_any(const std::string& name, int axis, std::initializer_list<const char*> options) const;
   /// How many tensors there are of a numbered name, "layers.#.weight".
-  Index count(const std::string& before, const std::string& behind, std::initializer_list<const char*> options) const {
-    Index n = 0;
-    while (has(concat_text(before, n, behind))) ++n;
-    for (const char* key : options) {
-      if (const auto stated = whole(key); stated && *stated != n)
-        raise<config_error>(102, place(key), " is ", *stated, ", ", weights_->name(), " has ", n, " of '", prefix_,
-                            before, "#", behind, "'");
-    }
-    if (n == 0) weights_->tensor(concat_text(prefix_, before, 0, behind));  // throws
-    return n;
-  }
+  Index count(const std::string& before, const std::string& behind, std::initializer_list<const char*> options) const;
 
   /// Of several names for an option the first that there is. Throws config_error 101 unless it is smallest ... largest.
-  Index number(std::initializer_list<const char*> keys, Index otherwise, Index largest, Index smallest = 1) const {
-    for (const char* key : keys) {
-      const std::optional<Index> n = whole(key);
-      if (!n) continue;
-      if (*n < smallest || *n > largest)
-        raise<config_error>(101, place(key), " is ", *n, ", not ", smallest, " ... ", largest);
-      return *n;
-    }
-    return otherwise;
-  }
-  double real(const char* key, double otherwise) const {
-    const FileValue* v = run_->option(key);
-    if (v == nullptr) return otherwise;
-    if (const auto* d = std::get_if<double>(&v->value)) return *d;
-    if (const auto* n = std::get_if<std::int64_t>(&v->value)) return static_cast<double>(*n);
-    wrong_kind(key, "a number", *v);
-  }
-  bool flag(const char* key, bool otherwise) const {
-    const FileValue* v = run_->option(key);
-    if (v == nullptr) return otherwise;
-    if (const auto* b = std::get_if<bool>(&v->value)) return *b;
-    wrong_kind(key, "true or false", *v);
-  }
-  std::string text(const char* key, const char* otherwise) const {
-    const FileValue* v = run_->option(key);
-    return v == nullptr ? otherwise : to_string(*v);
-  }
-  std::string one_of(const char* key, const char* otherwise, std::initializer_list<std::string_view> known) const {
-    const std::string found = text(key, otherwise);
-    if (std::find(known.begin(), known.end(), found) != known.end()) return found;
-    raise<io_error>(404, place(key), " is '", found, "', known are ", join_text(known));
-  }
+  Index number(std::initializer_list<const char*> keys, Index otherwise, Index largest, Index smallest = 1) const;
+  double real(const char* key, double otherwise) const;
+  bool flag(const char* key, bool otherwise) const;
+  std::string text(const char* key, const char* otherwise) const;
+  std::string one_of(const char* key, const char* otherwise, std::initializer_list<std::string_view> known) const;
   std::string place(const char* key) const { return concat_text(run_->options_file.string(), ": ", key); }
 
  private:
-  std::optional<Index> whole(const char* key) const {
-    const FileValue* v = run_->option(key);
-    if (v == nullptr) return std::nullopt;
-    if (const auto* n = std::get_if<std::int64_t>(&v->value)) return static_cast<Index>(*n);
-    if (const auto* d = std::get_if<double>(&v->value); d != nullptr && std::abs(*d) < 1e9 && *d == std::trunc(*d))
-      return static_cast<Index>(*d);
-    wrong_kind(key, "a whole number", *v);
-  }
-  [[noreturn]] void wrong_kind(const char* key, const char* wanted, const FileValue& v) const {
-    raise<config_error>(107, place(key), " is '", to_string(v), "', not ", wanted);
-  }
+  std::optional<Index> whole(const char* key) const;
+  [[noreturn]] void wrong_kind(const char* key, const char* wanted, const FileValue& v) const;
 
   const RunFolder* run_;
   const TensorSet* weights_;
   std::string prefix_;
 };
 
-inline RunReader reader_of(const RunFolder& run, const TensorSet& weights, std::string_view name) {
-  const auto prefix = prefix_of(weights, name);
-  if (!prefix) raise<io_error>(406, weights.name(), ": no tensor '", name, "', with or without a prefix");
-  return RunReader(run, weights, *prefix);
-}
+RunReader reader_of(const RunFolder& run, const TensorSet& weights, std::string_view name);
 
-/// Mean and std behind the first of the prefixes that has both.
+/// Mean and std behind the first of the prefixes that has both; null if none has.
+struct Statistics {
+  const TensorView *mean = nullptr, *std = nullptr;
+};
+/// Throws io_error 407 for another width.
+Statistics find_statistics(const TensorSet& file, Index width, std::initializer_list<const char*> prefixes);
 template <Backend B>
 std::optional<Normalizer<B>> find_normalizer(const TensorSet& file, Index width,
                                              std::initializer_list<const char*> prefixes) {
-  for (const std::string prefix : prefixes) {
-    const TensorView *mean = file.find(prefix + "mean"), *std = file.find(prefix + "std");
-    if (mean == nullptr || std == nullptr) continue;
-    Normalizer<B> out = Normalizer<B>::identity(width);
-    for (const TensorView* t : {mean, std}) {
-      if (t->shape.count() != width)
-        raise<io_error>(407, file.name(), ": tensor '", t->name, "' is ", t->shape, ", the model has ",
-                        counted(width, "feature"));
-    }
-    using S = typename B::scalar;
-    out.mean = Tensor<B, 1>::from(values_of<S>(*mean), {width});
-    out.std = Tensor<B, 1>::from(values_of<S>(*std), {width});
-    return out;
-  }
-  return std::nullopt;
+  const Statistics found = find_statistics(file, width, prefixes);
+  if (found.mean == nullptr) return std::nullopt;
+  using S = typename B::scalar;
+  Normalizer<B> out = Normalizer<B>::identity(width);
+  out.mean = Tensor<B, 1>::from(values_of<S>(*found.mean), {width});
+  out.std = Tensor<B, 1>::from(values_of<S>(*found.std), {width});
+  return out;
 }
 
 /// The files of statistics of a folder.
-inline WeightFile statistics_of(const RunFolder& run) {
-  RunFolder only = run;
-  only.weights.clear();
-  only.system.clear();
-  return WeightFile::from_run(only);
-}
+WeightFile statistics_of(const RunFolder& run);
+
+[[noreturn]] void raise_no_statistics(const RunFolder& folder, std::string_view missing);
 
 /// Mean and std of a folder. `missing` ends the message "no statistics of ...". Throws io_error 401, 407.
 template <Backend B>
@@ -160,7 +82,7 @@ Normalizer<B> folder_normalizer(const RunFolder& folder, Index width, std::initi
   if (!folder.parts.empty()) {
     if (auto found = find_normalizer<B>(statistics_of(folder), width, prefixes)) return *std::move(found);
   }
-  raise<io_error>(401, folder.folder.string(), ": no statistics of ", missing);
+  raise_no_statistics(folder, missing);
 }
 /// Those of the motions: of the folder `elsewhere` if one is named, else in weights that are packed, else of the run.
 template <Backend B>
@@ -182,4 +104,9 @@ void load_run_module(M& module, const TensorSet& file, const std::string& prefix
 }
 
 }  // namespace detail
+
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/weights/detail/run_reader.ipp>
+#endif

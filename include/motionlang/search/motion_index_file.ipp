@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// Bodies of motion_index_file.hpp.
+#pragma once
+
+#include <algorithm>  // sort
+
+#include <motionlang/file/detail/content_hash.hpp>
+#include <motionlang/file/json.hpp>
+#include <motionlang/search/motion_index_file.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::string index_checksum(std::span<const TensorView> tensors) {
+  std::vector<const TensorView*> sorted;
+  for (const TensorView& t : tensors) sorted.push_back(&t);
+  std::sort(sorted.begin(), sorted.end(), [](const TensorView* a, const TensorView* b) { return a->name < b->name; });
+  std::uint64_t hash = 1;
+  for (const TensorView* t : sorted) {
+    const std::string about = concat_text(t->name, " ", t->dtype, " ", t->shape);
+    hash = content_hash(t->bytes, content_hash(std::as_bytes(std::span(about)), hash));
+  }
+  return hexadecimal(hash);
+}
+
+inline nlohmann::ordered_json index_about(const MotionIndex& index) {
+  const IndexModel& m = index.model();
+  nlohmann::ordered_json clips = nlohmann::ordered_json::array();
+  for (const IndexedClip& c : index.clips()) {
+    nlohmann::ordered_json clip{{"path", c.path}, {"modified", c.modified}, {"bytes", c.bytes},  {"start", c.start},
+                                {"end", c.end},   {"fps", c.fps},           {"frames", c.frames}};
+    if (!c.content.empty()) clip["content"] = c.content;
+    if (!c.lines.empty()) clip["lines"] = c.lines;
+    if (!c.name.empty()) clip["name"] = c.name;
+    if (!c.captions.empty()) clip["captions"] = c.captions;
+    if (!c.license.empty()) clip["license"] = c.license;
+    clips.push_back(std::move(clip));
+  }
+  return {{"model",
+           {{"id", m.id},
+            {"path", m.path},
+            {"text_encoder", m.text_encoder},
+            {"width", m.width},
+            {"fps", m.fps},
+            {"windows", m.windows},
+            {"stride", m.stride}}},
+          {"clips", std::move(clips)}};
+}
+
+inline IndexModel index_model(const JsonView& v) {
+  return {v["id"].as<std::string>(), v["path"].as<std::string>(), v.value_or("text_encoder", ""),
+          v["width"].as<Index>(),    v["fps"].as<double>(),       v["windows"].as<std::vector<Index>>(),
+          v["stride"].as<Index>()};
+}
+
+inline IndexedClip indexed_clip(const JsonView& v) {
+  IndexedClip c{.path = v["path"].as<std::string>(),
+                .name = v.value_or("name", ""),
+                .modified = v["modified"].as<std::int64_t>(),
+                .bytes = v["bytes"].as<std::int64_t>(),
+                .content = v.value_or("content", ""),
+                .lines = v.value_or("lines", ""),
+                .start = v["start"].as<double>(),
+                .end = v["end"].as<double>(),
+                .fps = v["fps"].as<double>(),
+                .frames = v["frames"].as<Index>(),
+                .captions = {},
+                .license = v.value_or("license", "")};
+  if (v.contains("captions")) c.captions = v["captions"].as<std::vector<std::string>>();
+  return c;
+}
+
+/// The rows of a tensor where they lie, or copied if they are not aligned there.
+inline VectorTable index_rows(const SafetensorsFile& file, const std::string& name, Index width) {
+  const TensorView& t = file.tensor(name);
+  if (t.dtype != DType::F32 || t.shape.rank() != 2 || t.shape[1] != width)
+    raise<io_error>(407, file.name(), ": '", name, "' is ", t.dtype, " ", t.shape, ", not F32 vectors of ", width);
+  const auto rows = direct<float>(t);
+  if (rows && file.owner() != nullptr) return {*rows, file.owner()};
+  VectorTable copied;
+  copied.append(values_of<float>(t));
+  return copied;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY MotionIndexFile MotionIndexFile::open(const FilePath& path) {
+  const auto file = MappedFile::open(path);
+  return from_bytes(file->bytes(), path.string(), file);
+}
+
+MOTIONLANG_BODY MotionIndexFile MotionIndexFile::from_bytes(std::span<const std::byte> bytes, std::string name,
+                                                            std::shared_ptr<const void> owner) {
+  return MotionIndexFile(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
+}
+
+MOTIONLANG_BODY std::span<const std::byte> MotionIndexFile::extra(std::string_view name) const {
+  const TensorView* t = file_.find(name);
+  return t == nullptr ? std::span<const std::byte>{} : t->bytes;
+}
+
+MOTIONLANG_BODY MotionIndex MotionIndexFile::read(const SafetensorsFile& file) {
+  const auto about_file = [&](const char* key) {
+    const auto found = file.metadata().find(key);
+    return found == file.metadata().end() ? std::string() : found->second;
+  };
+  if (about_file("format") != detail::index_format) raise<io_error>(403, file.name(), ": not an index of motionlang");
+  if (about_file("version") != detail::index_version)
+    raise<io_error>(404, file.name(), ": version ", about_file("version"), " of an index, known is ",
+                    detail::index_version);
+  if (const std::string found = detail::index_checksum(file.tensors()); found != about_file("checksum"))
+    raise<io_error>(403, file.name(), ": damaged: its checksum is ", found, ", it was written with ",
+                    about_file("checksum"));
+
+  const TensorView& about = file.tensor("about");
+  if (about.dtype != DType::U8) raise<io_error>(407, file.name(), ": 'about' is ", about.dtype, ", not U8");
+  const std::string where = file.name() + ": about";
+  const auto document = parse_json(detail::as_text(about.bytes), where);
+  const JsonView view(document, where);
+  IndexModel model = detail::index_model(view["model"]);
+  const JsonView list = view["clips"];
+  std::vector<IndexedClip> clips;
+  for (Index i = 0; i < list.size(); ++i) clips.push_back(detail::indexed_clip(list[i]));
+
+  const TensorView& frames = file.tensor("moment_frames");
+  if (frames.shape.rank() != 2 || frames.shape[1] != 3)
+    raise<io_error>(407, file.name(), ": 'moment_frames' is ", frames.shape, ", not three numbers for each moment");
+  const auto numbers = values_of<std::int64_t>(frames);
+  std::vector<MotionIndex::Moment> moments;
+  for (std::size_t i = 0; i < numbers.size(); i += 3) {
+    const auto number = [&](std::size_t j) { return static_cast<Index>(numbers[i + j]); };
+    moments.push_back({number(0), {number(1), number(2)}});
+  }
+
+  const auto rows = [&](const char* name) { return detail::index_rows(file, name, model.width); };
+  VectorTable clip_rows = rows("clips"), moment_rows = rows("moments"), caption_rows = rows("captions");
+  return MotionIndex(file.name(), std::move(model), std::move(clips), std::move(moments), std::move(clip_rows),
+                     std::move(moment_rows), std::move(caption_rows));
+}
+
+MOTIONLANG_BODY std::vector<std::byte> motion_index_bytes(const MotionIndex& index, const IndexExtras& extras) {
+  const Index width = index.model().width;
+  const std::string about = detail::index_about(index).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  std::vector<std::int64_t> frames;
+  for (const auto& m : index.moments()) frames.insert(frames.end(), {m.clip, m.frames.first, m.frames.length});
+  const auto rows = [&](const char* name, std::span<const float> values) {
+    return tensor_view(name, {std::ssize(values) / width, width}, values);
+  };
+  std::vector<TensorView> tensors{rows("clips", index.clip_rows()),
+                                  rows("moments", index.moment_rows()),
+                                  rows("captions", index.caption_rows()),
+                                  tensor_view<std::int64_t>("moment_frames", {std::ssize(index.moments()), 3}, frames),
+                                  {"about", DType::U8, {std::ssize(about)}, std::as_bytes(std::span(about))}};
+  for (const auto& [name, bytes] : extras) tensors.push_back({name, DType::U8, {std::ssize(bytes)}, bytes});
+  return safetensors_bytes(tensors, {{"format", detail::index_format},
+                                     {"version", detail::index_version},
+                                     {"checksum", detail::index_checksum(tensors)}});
+}
+
+MOTIONLANG_BODY void write_motion_index(const FilePath& path, const MotionIndex& index, const IndexExtras& extras) {
+  write_file(path, motion_index_bytes(index, extras));
+}
+
+MOTIONLANG_NAMESPACE_END
