@@ -76,7 +76,7 @@ struct FrameSlice {
   bool operator==(const FrameSlice&) const = default;
 };
 /// TMR: seconds to frames, rounded down, as far as the clip goes. Source  spec tmr.md 4.
-/// Throws config_error 101 for a negative time or a rate that is none.
+/// Throws config_error 101 for a negative time, or unless the rate is positive.
 inline FrameSlice slice_of_seconds(double start, double end, double fps, Index frames) {
   if (!(start >= 0 && end >= 0 && fps > 0 && std::isfinite(start * fps) && std::isfinite(end * fps))) {
     raise<config_error>(101, "slice_of_seconds: ", start, " to ", end, " seconds at ", fps, " frames per second");

@@ -275,7 +275,7 @@ inline const MotionFeatures& motion_features(std::string_view name) {
   for (const MotionFeatures& f : all_motion_features) {
     if (f.name == name) return f;
   }
-  raise<config_error>(103, "motion_features: '", name, "' is none of ",
+  raise<config_error>(103, "motion_features: '", name, "' is not one of ",
                       join_text(all_motion_features, ", ", [](const MotionFeatures& f) { return f.name; }));
 }
 

@@ -48,8 +48,8 @@ struct Motion {
     }
     return out;
   }
-  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none or at which times
-  /// overflow, numeric_error 301 on a value that is not finite and on a rotation of length 0.
+  /// Throws shape_error 205 if the arrays do not fit, config_error 101 unless the frame rate is positive, or if times
+  /// overflow at it, numeric_error 301 on a value that is not finite and on a rotation of length 0.
   void validate() const {
     skeleton.validate();
     if (local.size() != root.size() * static_cast<std::size_t>(skeleton.size())) {

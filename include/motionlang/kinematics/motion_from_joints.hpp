@@ -89,7 +89,7 @@ inline std::vector<Vec3<double>> bones_of_one_joint(std::vector<Vec3<double>> re
 /// skeleton  its names, parents and the directions of its bones at rest; joints beyond those that are given stay as at
 ///           rest
 /// joints    (frames, count), count <= the joints of the skeleton, of which they are the first
-/// Throws    shape_error 205 unless `joints` are whole frames, config_error 101 for a count or a rate that is none,
+/// Throws    shape_error 205 unless `joints` are whole frames, config_error 101 for a wrong count or frame rate,
 ///           numeric_error 301 for a position that is not finite
 inline Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<double>> joints, Index count,
                                  double fps) {

@@ -87,7 +87,7 @@ class SkeletonMap {
       if (!lies.empty())
         raise<config_error>(103, "SkeletonMap: a skeleton of ", s->skeleton.size(), " joints (root '",
                             s->skeleton.name(0), "') does not stand as ", s->table.name, ": ", lies,
-                            "; other axes, and ", detail::own_table_hint);
+                            "; ", detail::own_table_hint);
     }
     connect(from, to);
     measure(from, to);

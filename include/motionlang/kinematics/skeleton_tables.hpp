@@ -13,7 +13,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 inline constexpr std::string_view own_table_hint =
-    "which joint is which can be told in a file: read_skeleton_table, --joints FILE of the program";
+    "a file can name the joints and their axes: read_skeleton_table, --joints FILE of the program";
 
 /// A built-in table as a constant. As strings and vectors the tables would be a function of 130 kB.
 struct KnownTable {

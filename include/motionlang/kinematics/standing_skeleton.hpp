@@ -41,8 +41,8 @@ inline Quaternion<double> axes_rotation(const MappedJoint& joint) {
   return to_quaternion(AxisAngle<double>{degree * joint.turn}) * frame;
 }
 
-/// A skeleton as its table sees it, standing in its T-pose (what limbs do not point to the sides or down is told by
-/// `bone`), turned by quarters of a circle about y until its left is nearest to +X.
+/// A skeleton as its table sees it, standing in its T-pose, turned by quarters of a circle about y until its left is
+/// nearest to +X. Where its limbs do not point to the sides or down, `bone` says where they point.
 class StandingSkeleton {
  public:
   Skeleton skeleton;

@@ -207,7 +207,7 @@ struct WeightedGrams {
 
 }  // namespace detail
 
-/// The score of each sentence; what is common is told by the references of all.
+/// The score of each sentence. The references of all motions say which words are common.
 ///     v_n[g] = count of g * (log N - log max(1, df(g))),   df(g) = motions with g in a reference, N = motions
 ///     s_n    = sum_g min(c[g], r[g]) r[g] / (|c_n| |r_n|) * exp(-(b_c - b_r)^2 / (2 sigma^2)),   b = number of bigrams
 ///     score  = 10 mean_n mean_r s_n

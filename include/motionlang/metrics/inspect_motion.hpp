@@ -647,7 +647,7 @@ class MotionInspector {
 }  // namespace detail
 
 /// All findings of a clip. Skeletons that no table of skeleton_tables.hpp fits are checked for values, frame rate,
-/// spikes and jumps only. Throws config_error 106 for a malformed skeleton, 101 for a frame rate that is none,
+/// spikes and jumps only. Throws config_error 106 for a malformed skeleton, 101 for a wrong frame rate,
 /// shape_error 205 if the arrays do not fit.
 inline Inspection inspect_motion(const Motion& motion, const InspectionLimits& limits = {}) {
   motion.skeleton.validate();

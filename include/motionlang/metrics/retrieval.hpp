@@ -190,8 +190,8 @@ struct RetrievalOptions {
 
 /// texts, motions  (n, latent); pair i belongs together
 /// sentences       (n, d) unit rows, for `threshold`: what decides which texts mean the same
-/// Throws          shape_error 204 if counts differ, numeric_error 302 if nothing is left, config_error 101, 103 (an id
-///                 that stands twice)
+/// Throws          shape_error 204 if counts differ, numeric_error 302 if nothing is left, config_error 101, 103 (a
+///                 duplicate id)
 template <Scalar S, Scalar E>
 RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const Rows<S>& motions,
                         const Rows<E>& sentences, const RetrievalOptions& options = {}) {
@@ -219,7 +219,7 @@ RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const 
   std::sort(by_id.begin(), by_id.end(), [&](Index a, Index b) { return id_at(a) < id_at(b); });
   for (std::size_t i = 1; i < by_id.size(); ++i) {
     if (id_at(by_id[i - 1]) == id_at(by_id[i]))
-      raise<config_error>(103, "retrieve: the id '", id_at(by_id[i]), "' stands twice");
+      raise<config_error>(103, "retrieve: the id '", id_at(by_id[i]), "' is duplicated");
   }
   if (protocol == RetrievalProtocol::nsim) {
     std::vector<Index> chosen;
