@@ -2,6 +2,7 @@
 // Bodies of the headers in kinematics/, compiled once for motionlang::instantiated.
 #include <motionlang/kinematics/blend.ipp>
 #include <motionlang/kinematics/body_joints.ipp>
+#include <motionlang/kinematics/body_motion.ipp>
 #include <motionlang/kinematics/finger_names.ipp>
 #include <motionlang/kinematics/foot_contact.ipp>
 #include <motionlang/kinematics/foot_lock.ipp>
