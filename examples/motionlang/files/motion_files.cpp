@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdio>
 
+#include <motionlang/features/guoh3d.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/amc.hpp>
 #include <motionlang/formats/bvh.hpp>

@@ -17,6 +17,7 @@
 
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/file/npy.hpp>
+#include <motionlang/kinematics/motion_from_joints.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 

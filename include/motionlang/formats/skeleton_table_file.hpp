@@ -13,6 +13,7 @@
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/file/detail/bytes.hpp>
 #include <motionlang/file/file.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/skeleton_table.hpp>
 #include <motionlang/kinematics/standing_skeleton.hpp>
 

@@ -4,6 +4,7 @@
 #include <set>
 
 #include <motionlang/features/motion_features.hpp>
+#include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../../support/check_error.hpp"

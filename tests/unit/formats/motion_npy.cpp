@@ -1,6 +1,7 @@
 // Clips from arrays of features and of joint positions.
 #include <doctest/doctest.h>
 
+#include <motionlang/features/guoh3d_extraction.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/motion_npy.hpp>
 #include <motionlang/kinematics/retarget.hpp>

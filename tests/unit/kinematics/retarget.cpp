@@ -5,8 +5,10 @@
 #include <map>
 
 #include <motionlang/core/rng.hpp>
+#include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/motion_from_joints.hpp>
 #include <motionlang/kinematics/retarget.hpp>
+#include <motionlang/kinematics/standing_skeleton.hpp>
 
 #include "../../support/rigs.hpp"
 #include "../../support/synthetic_motion.hpp"

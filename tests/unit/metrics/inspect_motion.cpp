@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include <motionlang/geometry/slerp.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/view/inspection_page.hpp>
 
 #include "../../support/check_error.hpp"
