@@ -8,6 +8,7 @@
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/formats/glb.hpp>
 #include <motionlang/kinematics/blend.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../support/synthetic_motion.hpp"
 #include "../support/temporary_folder.hpp"

@@ -14,6 +14,7 @@
 #include <motionlang/formats/motion_npy.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
 
 #include "../../examples/motionlang/training_commands.hpp"

@@ -5,6 +5,7 @@
 
 #include <motionlang/file/npz.hpp>
 #include <motionlang/kinematics/body_motion.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 
 namespace octahedra {
 

@@ -9,6 +9,7 @@
 #include <motionlang/file/id_list.hpp>
 #include <motionlang/file/npy.hpp>
 #include <motionlang/file/npz.hpp>
+#include <motionlang/features/guoh3d.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/amc.hpp>
 #include <motionlang/formats/bvh.hpp>

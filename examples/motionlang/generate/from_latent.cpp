@@ -1,6 +1,7 @@
 #include "from_actions.hpp"
 
 #include <motionlang/kinematics/blend.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
 
 namespace program {
 

@@ -24,27 +24,11 @@ inline void require_rates(const char* function, double from, double to) {
 
 /// TEMOS: frames 0, s, 2s, ..., s = floor(old / new); 120 frames per second become 13.33 where 12.5 are asked for.
 /// Source  TEMOS, spec temos.md 9. Throws config_error 101 unless 0 < new <= old.
-inline std::vector<Index> every_nth_frame(Index frames, double old_fps, double new_fps) {
-  detail::require_rates("every_nth_frame", old_fps, new_fps);
-  const auto step = static_cast<Index>(old_fps / new_fps);
-  if (step < 1) raise<config_error>(101, "every_nth_frame: from ", old_fps, " up to ", new_fps, " frames per second");
-  std::vector<Index> out;
-  for (Index f = 0; f < frames; f += step) out.push_back(f);
-  return out;
-}
+std::vector<Index> every_nth_frame(Index frames, double old_fps, double new_fps);
 
 /// TEACH and SINC: floor(new / old frames) frames spread evenly from the first to the last, rounded down.
 /// Source  TEACH, spec teach.md 4.1. Throws config_error 101 unless both rates are positive.
-inline std::vector<Index> spread_frames(Index frames, double old_fps, double new_fps) {
-  detail::require_rates("spread_frames", old_fps, new_fps);
-  const auto count = static_cast<Index>(new_fps / old_fps * static_cast<double>(frames));
-  const double step = count > 1 ? static_cast<double>(frames - 1) / static_cast<double>(count - 1) : 0;
-  std::vector<Index> out;
-  for (Index i = 0; i < count; ++i) {
-    out.push_back(i > 0 && i == count - 1 ? frames - 1 : static_cast<Index>(static_cast<double>(i) * step));
-  }
-  return out;
-}
+std::vector<Index> spread_frames(Index frames, double old_fps, double new_fps);
 
 /// TEMOS: values between the frames on straight lines, (frames, width) -> ((frames - 1) k + 1, width),
 /// k = floor(new / old). In double, as published. Throws config_error 101, shape_error 205.
@@ -76,17 +60,8 @@ struct FrameSlice {
   bool operator==(const FrameSlice&) const = default;
 };
 /// TMR: seconds to frames, rounded down, as far as the clip goes. Source  spec tmr.md 4.
-/// Throws config_error 101 for a negative time or a rate that is none.
-inline FrameSlice slice_of_seconds(double start, double end, double fps, Index frames) {
-  if (!(start >= 0 && end >= 0 && fps > 0 && std::isfinite(start * fps) && std::isfinite(end * fps))) {
-    raise<config_error>(101, "slice_of_seconds: ", start, " to ", end, " seconds at ", fps, " frames per second");
-  }
-  const auto index = [&](double seconds) {
-    return static_cast<Index>(std::min(seconds * fps, static_cast<double>(frames)));
-  };
-  const Index first = index(start), last = index(end);
-  return last > first ? FrameSlice{first, last - first} : FrameSlice{};
-}
+/// Throws config_error 101 for a negative time, or unless the rate is positive.
+FrameSlice slice_of_seconds(double start, double end, double fps, Index frames);
 
 struct ActorFrameOptions {
   Index frames = 60;         // to take
@@ -100,31 +75,7 @@ struct ActorFrameOptions {
 /// frames are drawn by this generator, too; the published program has NumPy's for them.
 /// Source  ACTOR, src/datasets/dataset.py; spec actor.md 6.3
 /// Throws  config_error 101 unless 2 frames or more are wanted, of 1 or more
-inline std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options, PythonRandom& random) {
-  const Index k = options.frames, n = available;
-  if (k < 2 || n < 1 || options.step == 0 || options.step < -1) {
-    raise<config_error>(101, "actor_frames: ", k, " of ", n, " frames, step ", options.step);
-  }
-  std::vector<Index> out;
-  if (k > n) {
-    for (Index i = 0; i < k; ++i) out.push_back(std::min(i, n - 1));
-    return out;
-  }
-  if (options.scattered) {
-    out = random.sample(n, k);
-    std::sort(out.begin(), out.end());
-    return out;
-  }
-  const Index longest = (n - 1) / (k - 1);
-  const bool fits = options.step > 0 && options.step * (k - 1) < n;
-  const Index step = options.random_step ? static_cast<Index>(random.randint(1, longest))
-                     : fits              ? options.step
-                                         : longest;
-  const Index last = step * (k - 1);
-  const auto shift = static_cast<Index>(random.randint(0, std::max<Index>(0, n - last - 2)));
-  for (Index i = 0; i < k; ++i) out.push_back(shift + i * step);
-  return out;
-}
+std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options, PythonRandom& random);
 
 /// SINC: the frames of a training item. Of a longer clip consecutive ones from a random start on; the last possible
 /// start is never drawn, as published. In evaluation whole clips (`request` 0) of 15 to 800 frames.
@@ -146,3 +97,7 @@ struct SincWindow {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/features/frame_sampling.ipp>
+#endif

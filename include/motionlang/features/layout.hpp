@@ -56,49 +56,16 @@ struct FeatureLayout {
   const std::vector<IndexRange>& ranges(BodyPart part) const { return parts[static_cast<std::size_t>(part)]; }
 
   /// All positions of a part, ascending.
-  std::vector<Index> indices(BodyPart part) const {
-    std::vector<Index> out;
-    for (const IndexRange& r : ranges(part)) {
-      for (Index i = r.begin; i < r.end; ++i) out.push_back(i);
-    }
-    return out;
-  }
+  std::vector<Index> indices(BodyPart part) const;
 
   /// Throws config_error 102 unless the ranges cover 0 ... size-1, each position once.
-  void validate() const {
-    std::vector<int> owners(static_cast<std::size_t>(size), 0);
-    for (int p = 0; p < body_part_count; ++p) {
-      for (const IndexRange& r : ranges(static_cast<BodyPart>(p))) {
-        if (r.begin < 0 || r.end < r.begin || r.end > size) {
-          raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " of ",
-                              static_cast<BodyPart>(p), " is not inside 0:", size);
-        }
-        for (Index i = r.begin; i < r.end; ++i) ++owners[static_cast<std::size_t>(i)];
-      }
-    }
-    for (std::size_t i = 0; i < owners.size(); ++i) {
-      if (owners[i] != 1) {
-        raise<config_error>(102, "FeatureLayout '", name, "': number ", i, " belongs to ", owners[i], " body parts");
-      }
-    }
-  }
+  void validate() const;
   bool operator==(const FeatureLayout&) const = default;
 };
 
 /// smplrifke: 4 root numbers, 6D rotations of `rotations` joints, positions of joints 1 ... J-1: 4 + 6 * 22 + 3 * 23 =
 /// 205 for SMPL.
-inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
-                                      Index rotations = 22) {
-  const Index joints = std::ssize(part_of_joint), first_position = 4 + 6 * rotations;
-  if (joints < 1 || rotations < 0 || rotations > joints) {
-    raise<config_error>(101, "smplrifke_layout: ", rotations, " rotations of ", joints, " joints");
-  }
-  return FeatureLayout::from_owner("smplrifke", first_position + 3 * (joints - 1), [=](Index i) {
-    if (i < 4) return BodyPart::legs;
-    const Index joint = i < first_position ? (i - 4) / 6 : 1 + (i - first_position) / 3;
-    return part_of_joint[static_cast<std::size_t>(joint)];
-  });
-}
+FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint, Index rotations = 22);
 
 /// What the numbers of `smplrifke_layout` mean. World: Z up.
 inline constexpr std::array<FeatureRange, 6> smplrifke_ranges{{
@@ -134,18 +101,7 @@ struct Guoh3dSlots {
 };
 
 /// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs.
-inline FeatureLayout guoh3dfeats_layout(
-    std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
-  const Guoh3dSlots slots{std::ssize(part_of_joint)};
-  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
-  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), [=](Index i) {
-    if (i < slots.positions().begin || i >= slots.contacts().begin) return BodyPart::legs;
-    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
-                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
-                                                    : (i - slots.velocities().begin) / 3;
-    return part_of_joint[static_cast<std::size_t>(joint)];
-  });
-}
+FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>());
 
 namespace detail {
 
@@ -177,14 +133,7 @@ inline constexpr auto kit_ranges =
 
 /// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67
 /// for SMPL's 22 joints and with `kit_part_of_joint` TEMOS's 64.
-inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
-  const Index joints = std::ssize(part_of_joint);
-  if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
-  return FeatureLayout::from_owner("rifke", 3 * joints + 1, [=](Index i) {
-    if (i < 1 || i >= 3 * joints - 2) return BodyPart::legs;
-    return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
-  });
-}
+FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>());
 
 /// What the numbers of `rifke_layout` mean: of TMR, Z up, and of TEMOS on KIT, Y up.
 inline constexpr std::array<FeatureRange, 4> rifke_ranges{{
@@ -201,3 +150,7 @@ inline constexpr std::array<FeatureRange, 4> rifke64_ranges{{
 }};
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/features/layout.ipp>
+#endif

@@ -31,12 +31,7 @@ constexpr Index size(PoseRepresentation r) {
   return sizes[static_cast<int>(r)];
 }
 /// Throws config_error 103.
-inline PoseRepresentation parse_pose_representation(std::string_view name) {
-  for (std::size_t i = 0; i < pose_representation_names.size(); ++i) {
-    if (name == pose_representation_names[i]) return static_cast<PoseRepresentation>(i);
-  }
-  raise<config_error>(103, "parse_pose_representation: '", name, "' is not rotvec, rotquat, rotmat or rot6d");
-}
+PoseRepresentation parse_pose_representation(std::string_view name);
 
 namespace detail {
 
@@ -102,15 +97,8 @@ inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
 
 /// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the
 /// legs: 150.
-inline FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
-                                  const ActorFeatureOptions& options = {}) {
-  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
-  if (joints < 1) raise<config_error>(101, "actor_layout: no joints");
-  return FeatureLayout::from_owner("actor", options.rows(joints) * numbers, [=](Index i) {
-    const Index joint = i / numbers + (options.global ? 0 : 1);
-    return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : BodyPart::legs;
-  });
-}
+FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
+                           const ActorFeatureOptions& options = {});
 
 /// What the numbers of `actor_layout` mean. World: that of a camera, in which figures stand on their heads.
 inline constexpr std::array<FeatureRange, 4> actor_ranges{{
@@ -203,3 +191,7 @@ std::vector<S> actor_joint_features(std::span<const Vec3<S>> positions, Index jo
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/features/pose_representation.ipp>
+#endif

@@ -18,7 +18,6 @@
 
 #include <motionlang/geometry/euler.hpp>
 #include <motionlang/geometry/pytorch3d.hpp>
-#include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/motion.hpp>
 
@@ -180,23 +179,7 @@ SmplRifkeMotion<S> smplrifke_inverse(std::span<const S> features, const SmplRifk
 
 /// The features of a clip on SMPL's 24 joints, with the bones that its skeleton has; the hands' own rotations are lost.
 /// Resample to the rate of the model first. Throws config_error 103 if the joints are not SMPL's.
-inline std::vector<double> smplrifke_from_motion(const Motion& motion) {
-  if (motion.skeleton.names != smpl24_skeleton().names || motion.skeleton.parents != smpl24_skeleton().parents) {
-    raise<config_error>(103, "smplrifke_from_motion: the ", motion.skeleton.size(), " joints of '", motion.name,
-                        "' are not the 24 of SMPL; retarget first");
-  }
-  const auto z_up = axis_rotation(0, std::numbers::pi / 2);  // (x, y, z) -> (x, -z, y)
-  std::vector<Matrix3<double>> rotations;
-  std::vector<Vec3<double>> joints;
-  JointTransforms<double> world;
-  for (Index f = 0; f < motion.frames(); ++f) {
-    motion.world(f, world);
-    for (const Vec3<double>& p : world.position) joints.push_back({p.x, -p.z, p.y});
-    rotations.push_back(z_up * world.rotation[0]);
-    for (const auto& q : motion.rotations(f).subspan(1, smplrifke_rotations - 1)) rotations.push_back(to_matrix(q));
-  }
-  return smplrifke_features(std::span<const Matrix3<double>>(rotations), std::span<const Vec3<double>>(joints));
-}
+std::vector<double> smplrifke_from_motion(const Motion& motion);
 
 /// The clip that the features describe, Y up, on a skeleton with SMPL's 24 joints: rotations and the path are taken,
 /// positions of joints are not, so bones keep their lengths. With first_angle 0 the first frame faces +Z, up to what
@@ -225,3 +208,7 @@ Motion smplrifke_to_motion(std::span<const S> features, const SmplRifkeOptions& 
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/features/smplrifke.ipp>
+#endif

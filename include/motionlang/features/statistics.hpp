@@ -14,7 +14,6 @@
 
 #include <algorithm>  // all_of, fill
 #include <cmath>      // sqrt
-#include <numeric>    // accumulate
 #include <span>       // frames
 #include <vector>     // sums
 
@@ -65,27 +64,17 @@ class FeatureStatistics {
   std::vector<double> population_deviation() const { return deviation(1); }
 
  private:
-  std::vector<double> deviation(Index least) const {
-    if (count_ < least) raise<numeric_error>(302, "FeatureStatistics: a deviation of ", count_, " frames");
-    std::vector<double> out;
-    for (double s : squares_) out.push_back(std::sqrt(s / static_cast<double>(count_ + 1 - least)));
-    return out;
-  }
+  std::vector<double> deviation(Index least) const;
 
   Index count_ = 0;
   std::vector<double> mean_, squares_;
 };
 
 /// Every value replaced by the mean of its group. Throws shape_error 203 if a group is empty or ends behind the values.
-inline std::vector<double> group_means(std::vector<double> values, std::span<const IndexRange> groups) {
-  for (const IndexRange& g : groups) {
-    if (g.begin < 0 || g.size() <= 0 || g.end > std::ssize(values)) {
-      raise<shape_error>(203, "group_means: the group ", g.begin, ":", g.end, " of ", values.size(), " values");
-    }
-    const auto first = values.begin() + g.begin, last = values.begin() + g.end;
-    std::fill(first, last, std::accumulate(first, last, 0.0) / static_cast<double>(g.size()));
-  }
-  return values;
-}
+std::vector<double> group_means(std::vector<double> values, std::span<const IndexRange> groups);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/features/statistics.ipp>
+#endif

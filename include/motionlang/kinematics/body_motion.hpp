@@ -11,29 +11,13 @@
 #pragma once
 
 #include <motionlang/kinematics/body.hpp>
-#include <motionlang/kinematics/known_skeletons.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 enum class BodyHands { mean, flat };
 
 /// Names of a body's joints in their order; of a body of another kind "joint_0", "joint_1", ...
-inline std::vector<std::string> body_joint_names(BodyKind kind, Index joints) {
-  std::vector<std::string> out;
-  const Skeleton& smpl = smpl24_skeleton();
-  const Index known = kind == BodyKind::other ? 0 : kind == BodyKind::smpl ? 24 : 22;
-  for (int j = 0; j < known; ++j) out.push_back(smpl.name(j));
-  if (kind == BodyKind::smplx) out.insert(out.end(), {"jaw", "left_eye", "right_eye"});
-  if (kind == BodyKind::smplh || kind == BodyKind::smplx) {
-    for (const char* side : {"left_", "right_"}) {
-      for (const char* finger : {"index", "middle", "pinky", "ring", "thumb"}) {
-        for (const char* number : {"1", "2", "3"}) out.push_back(concat_text(side, finger, number));
-      }
-    }
-  }
-  while (std::ssize(out) < joints) out.push_back(concat_text("joint_", out.size()));
-  return out;
-}
+std::vector<std::string> body_joint_names(BodyKind kind, Index joints);
 
 /// The skeleton of a body for one shape; none means zeros. Throws shape_error 204 for another number of coefficients.
 template <Backend B>
@@ -98,3 +82,7 @@ Motion motion_on_body(const Body<B>& body, const Motion& motion, std::span<const
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/kinematics/body_motion.ipp>
+#endif

@@ -47,26 +47,11 @@ struct ContactOptions {
 
 /// (frames, feet): 1 where a foot is below its height and slower than options.speed between a frame and the next (the
 /// last frame: the one before). Throws shape_error 203 for a joint out of range.
-inline std::vector<std::uint8_t> foot_contacts(const Motion& motion,
-                                               std::span<const ContactJoint> feet = smpl_contact_joints,
-                                               const ContactOptions& options = {}) {
-  const Index joints = motion.skeleton.size(), frames = motion.frames();
-  for (const ContactJoint& foot : feet) {
-    if (foot.joint < 0 || foot.joint >= joints)
-      raise<shape_error>(203, "foot_contacts: joint ", foot.joint, " of ", joints);
-  }
-  const auto positions = motion.positions();
-  std::vector<std::uint8_t> flags;
-  for (Index f = 0; f < frames; ++f) {
-    const Index from = std::max<Index>(0, std::min(f, frames - 2)), to = std::min(from + 1, frames - 1);
-    for (const ContactJoint& foot : feet) {
-      auto at = [&](Index frame) { return positions[static_cast<std::size_t>(frame * joints + foot.joint)]; };
-      const Vec3<double> step = at(to) - at(from);
-      const double speed = norm(Vec3<double>{step.x, 0, step.z}) * motion.fps;
-      flags.push_back(at(f).y - options.floor < foot.height && speed < options.speed ? 1 : 0);
-    }
-  }
-  return flags;
-}
+std::vector<std::uint8_t> foot_contacts(const Motion& motion, std::span<const ContactJoint> feet = smpl_contact_joints,
+                                        const ContactOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/kinematics/foot_contact.ipp>
+#endif

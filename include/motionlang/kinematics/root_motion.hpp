@@ -30,31 +30,16 @@ struct Placement {
 
 /// What brings the root in frame `from` of one clip over the place and heading of the root in frame `to` of another.
 /// Heights stay. The frames exist.
-inline Placement placement_between(const Motion& clip, Index from, const Motion& other, Index to) {
-  Placement p{turn_between(clip.rotations(from)[0], other.rotations(to)[0]), {}};
-  const Vec3<double> way = other.root_at(to) - p(clip.root_at(from));
-  p.shift = {way.x, 0, way.z};
-  return p;
-}
+Placement placement_between(const Motion& clip, Index from, const Motion& other, Index to);
 
 /// The whole clip moved.
-inline Motion placed(const Motion& motion, const Placement& placement) {
-  Motion out = motion;
-  for (Vec3<double>& r : out.root) r = placement(r);
-  const Quaternion<double> turn = placement.rotation();
-  for (Index f = 0; f < out.frames(); ++f) out.rotations(f)[0] = turn * out.rotations(f)[0];
-  return out;
-}
+Motion placed(const Motion& motion, const Placement& placement);
 
 struct InPlaceOptions {
   bool keep_height = true;  // false: the root stays at the height of the first frame
 };
 /// The clip with its root over the origin, x = z = 0, in all frames. Rotations stay, headings with them.
-inline Motion in_place(const Motion& motion, const InPlaceOptions& options = {}) {
-  Motion out = motion;
-  for (Vec3<double>& r : out.root) r = {0, options.keep_height ? r.y : motion.root_at(0).y, 0};
-  return out;
-}
+Motion in_place(const Motion& motion, const InPlaceOptions& options = {});
 
 /// The way of a root over the floor.
 struct RootMotion {
@@ -70,34 +55,13 @@ struct ExtractedRoot {
 /// Takes the way of the root out of a clip. apply_root_motion puts it back.
 ///     position = (x, 0, z) of the root,   heading_f = turn_between(q_0, q_f)
 ///     pose: root (0, y, 0), rotation of the root Ry(-heading_f) q_f, all others as they are
-inline ExtractedRoot extract_root_motion(const Motion& motion) {
-  ExtractedRoot out{{motion.fps, {}, {}}, in_place(motion)};
-  for (Index f = 0; f < motion.frames(); ++f) {
-    const Vec3<double>& r = motion.root_at(f);
-    const double before = f == 0 ? 0 : out.path.heading.back();
-    const double turn = turn_between(motion.rotations(0)[0], motion.rotations(f)[0]);
-    const double heading = before + std::remainder(turn - before, 2 * std::numbers::pi);
-    out.path.position.push_back({r.x, 0, r.z});
-    out.path.heading.push_back(heading);
-    out.pose.rotations(f)[0] = Placement{-heading, {}}.rotation() * motion.rotations(f)[0];
-  }
-  return out;
-}
+ExtractedRoot extract_root_motion(const Motion& motion);
 
 /// A clip carried along a path, frame by frame. Throws shape_error 204 unless both have as many frames.
-inline Motion apply_root_motion(const Motion& pose, const RootMotion& path) {
-  if (std::ssize(path.position) != pose.frames() || std::ssize(path.heading) != pose.frames()) {
-    raise<shape_error>(204, "apply_root_motion: ", pose.frames(), " frames, a path of ", path.position.size(),
-                       " positions and ", path.heading.size(), " headings");
-  }
-  Motion out = pose;
-  for (Index f = 0; f < out.frames(); ++f) {
-    const auto at = static_cast<std::size_t>(f);
-    const Placement p{path.heading[at], path.position[at]};
-    out.root[at] = p(pose.root_at(f));
-    out.rotations(f)[0] = p.rotation() * pose.rotations(f)[0];
-  }
-  return out;
-}
+Motion apply_root_motion(const Motion& pose, const RootMotion& path);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/kinematics/root_motion.ipp>
+#endif

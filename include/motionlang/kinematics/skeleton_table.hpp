@@ -3,41 +3,17 @@
 /// skeleton_tables.hpp.
 #pragma once
 
-#include <algorithm>  // equal
-
-#include <motionlang/core/text_lines.hpp>
 #include <motionlang/kinematics/skeleton.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// A joint's name without what programs put before it: namespaces ("hero:Hips"), and Mixamo's "mixamorig:", also as
 /// "mixamorig1:" and, where colons were lost, "mixamorig".
-inline std::string_view bare_joint_name(std::string_view name) {
-  name = name.substr(name.rfind(':') + 1);  // npos + 1 = 0
-  constexpr std::string_view mixamo = "mixamorig";
-  if (!name.starts_with(mixamo)) return name;
-  const std::size_t rest = name.find_first_not_of("0123456789_", mixamo.size());
-  return rest == name.npos ? name : name.substr(rest);
-}
-
-namespace detail {
-inline bool same_but_for_capitals(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
-}
-}  // namespace detail
+std::string_view bare_joint_name(std::string_view name);
 
 /// The number of a joint by its name, or else by its bare name, or else by that without regard to capital letters
 /// ("Hips" is "hips": Unity and Godot write VRM's names so); -1.
-inline int find_joint(const Skeleton& skeleton, std::string_view name) {
-  if (const int j = skeleton.find(name); j >= 0) return j;
-  int similar = -1;
-  for (int k = 0; k < skeleton.size(); ++k) {
-    const std::string_view bare = bare_joint_name(skeleton.name(k));
-    if (bare == name) return k;
-    if (similar < 0 && detail::same_but_for_capitals(bare, name)) similar = k;
-  }
-  return similar;
-}
+int find_joint(const Skeleton& skeleton, std::string_view name);
 
 /// One joint of SMPL and the joint of the known skeleton whose orientation it takes.
 struct MappedJoint {
@@ -66,27 +42,15 @@ struct SkeletonTable {
   /// skin is bound. Otherwise feet lean to the side with their shins.
   bool level_soles = false;
 
-  const MappedJoint* find(std::string_view target) const {
-    for (const MappedJoint& j : joints) {
-      if (j.target == target) return &j;
-    }
-    return nullptr;
-  }
+  const MappedJoint* find(std::string_view target) const;
   /// The first joint that the table needs and the skeleton lacks; empty if there is none.
-  std::string missing(const Skeleton& source) const {
-    for (const MappedJoint& j : joints) {
-      const bool optional = j.target.ends_with("_hand") || j.target.ends_with("_foot") || j.target.ends_with("_collar");
-      if (!optional && find_joint(source, j.source) < 0) return j.source;
-      if (!j.second.empty() && find_joint(source, j.second) < 0) return j.second;
-    }
-    return {};
-  }
+  std::string missing(const Skeleton& source) const;
   /// How many of its joints the skeleton has.
-  int found(const Skeleton& source) const {
-    int n = 0;
-    for (const MappedJoint& j : joints) n += find_joint(source, j.source) >= 0 ? 1 : 0;
-    return n;
-  }
+  int found(const Skeleton& source) const;
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/kinematics/skeleton_table.ipp>
+#endif

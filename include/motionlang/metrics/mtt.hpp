@@ -21,7 +21,6 @@
 #include <array>      // quarters
 #include <cmath>      // isnan
 #include <numeric>    // accumulate
-#include <set>        // points
 #include <vector>     // features
 
 #include <motionlang/compose/timeline.hpp>
@@ -74,16 +73,7 @@ std::vector<Vec3<S>> mtt_local_joints(std::span<const S> features, Index joints 
 
 /// Frames at which a text begins or ends, in order; the beginning and the end of the whole are left out. As coded,
 /// frames that the features do not have go first, which costs the last real one.
-inline std::vector<Index> transition_points(const Timeline& timeline, Index feature_frames, MttFlavour flavour) {
-  std::set<Index> points;
-  for (const Interval& i : timeline.intervals) {
-    for (const Index p : {i.start, i.end}) {
-      if (flavour == MttFlavour::as_written || p < feature_frames) points.insert(p);
-    }
-  }
-  if (points.size() <= 2) return {};
-  return {std::next(points.begin()), std::prev(points.end())};
-}
+std::vector<Index> transition_points(const Timeline& timeline, Index feature_frames, MttFlavour flavour);
 /// Points of a motion without intervals: recorded clips, and motions of one text.
 inline std::array<Index, 3> quarter_points(Index feature_frames) {
   return {feature_frames / 4, 2 * feature_frames / 4, 3 * feature_frames / 4};
@@ -128,22 +118,9 @@ struct RealismCrops {
   Index features = 263;  // as coded, starts are drawn below this number less the frames, the same for every motion
 };
 /// As coded: NumPy's generator, seeded anew for each motion. Throws config_error 101.
-inline std::vector<Index> fixed_crop_starts(const RealismCrops& crops = {}) {
-  NumpyRandom rng(crops.seed);
-  std::vector<Index> out;
-  for (Index i = 0; i < crops.samples; ++i) {
-    out.push_back(static_cast<Index>(rng.randint(0, crops.features - crops.frames)));
-  }
-  return out;
-}
+std::vector<Index> fixed_crop_starts(const RealismCrops& crops = {});
 /// As written: anywhere in the motion; one that is shorter is taken whole. Throws config_error 101.
-inline std::vector<Index> random_crop_starts(Index feature_frames, NumpyRandom& rng, const RealismCrops& crops = {}) {
-  std::vector<Index> out;
-  for (Index i = 0; i < crops.samples; ++i) {
-    out.push_back(static_cast<Index>(rng.randint(0, std::max<Index>(1, feature_frames - crops.frames + 1))));
-  }
-  return out;
-}
+std::vector<Index> random_crop_starts(Index feature_frames, NumpyRandom& rng, const RealismCrops& crops = {});
 /// Frames of a crop from `start` on, fewer at the end of the motion.
 inline Index crop_frames(Index start, Index feature_frames, const RealismCrops& crops = {}) {
   return std::clamp<Index>(feature_frames - start, 0, crops.frames);
@@ -306,3 +283,7 @@ MttScores mtt_ground_truth(const MttReference<S>& reference, Index joints = 22) 
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/metrics/mtt.ipp>
+#endif

@@ -21,8 +21,6 @@
 #include <string>     // ids
 #include <utility>    // names with values
 
-#include <motionlang/core/numpy_random.hpp>
-#include <motionlang/core/rounding.hpp>
 #include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/metrics/rows.hpp>
 
@@ -93,19 +91,7 @@ struct RetrievalMetrics {
   double queries = 0;
 };
 /// Of all queries. Throws numeric_error 302 if there is none.
-inline RetrievalMetrics retrieval_metrics(std::vector<double> ranks) {
-  if (ranks.empty()) raise<numeric_error>(302, "retrieval_metrics: no queries");
-  std::sort(ranks.begin(), ranks.end());
-  RetrievalMetrics out;
-  const std::size_t n = ranks.size();
-  for (std::size_t k = 0; k < out.depths.size(); ++k) {
-    const auto found = std::lower_bound(ranks.begin(), ranks.end(), out.depths[k]) - ranks.begin();
-    out.recall[k] = 100 * static_cast<double>(found) / static_cast<double>(n);
-  }
-  out.median_rank = (ranks[(n - 1) / 2] + ranks[n / 2]) / 2 + 1;
-  out.queries = static_cast<double>(n);
-  return out;
-}
+RetrievalMetrics retrieval_metrics(std::vector<double> ranks);
 
 /// Both directions.
 struct RetrievalTable {
@@ -120,60 +106,21 @@ RetrievalTable retrieval_table(const Rows<S>& similarities, std::span<const std:
 
 /// "t2m/R01", "t2m/R02", "t2m/R03", "t2m/R05", "t2m/R10", "t2m/MedR", "t2m/len", then the same of "m2t": the keys of
 /// TMR's files.
-inline std::vector<std::pair<std::string, double>> named(const RetrievalTable& table) {
-  std::vector<std::pair<std::string, double>> out;
-  for (const auto& [direction, m] : {std::pair{"t2m/", table.text_to_motion}, {"m2t/", table.motion_to_text}}) {
-    for (std::size_t k = 0; k < m.depths.size(); ++k) {
-      out.emplace_back(concat_text(direction, m.depths[k] < 10 ? "R0" : "R", m.depths[k]), m.recall[k]);
-    }
-    out.emplace_back(concat_text(direction, "MedR"), m.median_rank);
-    out.emplace_back(concat_text(direction, "len"), m.queries);
-  }
-  return out;
-}
+std::vector<std::pair<std::string, double>> named(const RetrievalTable& table);
 
 namespace detail {
 
-template <class F>
-RetrievalTable with_each_number(RetrievalTable table, F change) {
-  for (RetrievalMetrics* m : {&table.text_to_motion, &table.motion_to_text}) {
-    for (double& r : m->recall) change(r);
-    change(m->median_rank);
-    change(m->queries);
-  }
-  return table;
-}
 /// Plain mean over tables.
-inline RetrievalTable mean_table(std::span<const RetrievalTable> tables) {
-  std::vector<double> sums;
-  for (const RetrievalTable& t : tables) {
-    std::size_t at = 0;
-    with_each_number(t, [&](double& x) {
-      if (at == sums.size()) sums.push_back(0);
-      sums[at++] += x;
-    });
-  }
-  std::size_t at = 0;
-  return with_each_number({}, [&](double& x) { x = sums[at++] / static_cast<double>(tables.size()); });
-}
+RetrievalTable mean_table(std::span<const RetrievalTable> tables);
 
 }  // namespace detail
 
 /// As TMR prints them: two decimal places.
-inline RetrievalTable rounded(const RetrievalTable& table, int places = 2) {
-  return detail::with_each_number(table, [&](double& x) { x = python_round(x, places); });
-}
+RetrievalTable rounded(const RetrievalTable& table, int places = 2);
 
 /// The batches of protocol `guo`: positions 0 ... n-1 of the sorted ids, shuffled by NumPy with seed 0, in groups; the
 /// last incomplete group is dropped. Throws config_error 101 for a batch below 1.
-inline std::vector<std::vector<Index>> guo_batches(Index n, Index batch = 32) {
-  if (batch < 1) raise<config_error>(101, "guo_batches: batches of ", batch);
-  NumpyRandom rng(0);
-  const std::vector<Index> order = rng.permutation(n);
-  std::vector<std::vector<Index>> out;
-  for (auto at = order.begin(); order.end() - at >= batch; at += batch) out.emplace_back(at, at + batch);
-  return out;
-}
+std::vector<std::vector<Index>> guo_batches(Index n, Index batch = 32);
 
 /// normal     all pairs
 /// threshold  all pairs; answers whose text means the same are right, too
@@ -190,8 +137,8 @@ struct RetrievalOptions {
 
 /// texts, motions  (n, latent); pair i belongs together
 /// sentences       (n, d) unit rows, for `threshold`: what decides which texts mean the same
-/// Throws          shape_error 204 if counts differ, numeric_error 302 if nothing is left, config_error 101, 103 (an id
-///                 that stands twice)
+/// Throws          shape_error 204 if counts differ, numeric_error 302 if nothing is left, config_error 101, 103 (a
+///                 duplicate id)
 template <Scalar S, Scalar E>
 RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const Rows<S>& motions,
                         const Rows<E>& sentences, const RetrievalOptions& options = {}) {
@@ -219,7 +166,7 @@ RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const 
   std::sort(by_id.begin(), by_id.end(), [&](Index a, Index b) { return id_at(a) < id_at(b); });
   for (std::size_t i = 1; i < by_id.size(); ++i) {
     if (id_at(by_id[i - 1]) == id_at(by_id[i]))
-      raise<config_error>(103, "retrieve: the id '", id_at(by_id[i]), "' stands twice");
+      raise<config_error>(103, "retrieve: the id '", id_at(by_id[i]), "' is duplicated");
   }
   if (protocol == RetrievalProtocol::nsim) {
     std::vector<Index> chosen;
@@ -297,42 +244,22 @@ std::vector<Index> dissimilar_subset(const Rows<E>& sentences, std::span<const s
 
 /// Windows of `width` frames, the k-th with its middle at frame k * stride, cut off at the ends of the motion.
 /// Throws config_error 101 unless width and stride are positive.
-inline std::vector<FrameSlice> moment_windows(Index frames, Index width, Index stride = 1) {
-  if (width < 1 || stride < 1) raise<config_error>(101, "moment_windows: ", width, " frames, stride ", stride);
-  std::vector<FrameSlice> out;
-  for (Index middle = 0; middle < frames; middle += stride) {
-    const Index start = middle - width / 2, first = std::max<Index>(0, start);
-    out.push_back({first, std::min(frames, start + width) - first});
-  }
-  return out;
-}
+std::vector<FrameSlice> moment_windows(Index frames, Index width, Index stride = 1);
 
 /// The window with the largest similarity; of equals the first. Windows of several widths may stand in one list.
 /// Throws shape_error 204, numeric_error 302 if there is none.
-inline FrameSlice best_moment(std::span<const FrameSlice> windows, std::span<const double> similarities) {
-  detail::require_same_count("best_moment: windows against similarities", std::ssize(windows),
-                             std::ssize(similarities));
-  if (windows.empty()) raise<numeric_error>(302, "best_moment: no windows");
-  return windows[static_cast<std::size_t>(std::max_element(similarities.begin(), similarities.end()) -
-                                          similarities.begin())];
-}
+FrameSlice best_moment(std::span<const FrameSlice> windows, std::span<const double> similarities);
 
 /// |a intersected with b| / |a united with b| in frames; 0 of two empty ones.
-inline double temporal_iou(const FrameSlice& a, const FrameSlice& b) {
-  const Index common = std::min(a.first + a.length, b.first + b.length) - std::max(a.first, b.first);
-  const Index both = std::max<Index>(0, common), either = a.length + b.length - both;
-  return either > 0 ? static_cast<double>(both) / static_cast<double>(either) : 0;
-}
+double temporal_iou(const FrameSlice& a, const FrameSlice& b);
 
 /// Share of the queries, 0 to 1, that are found with at least this intersection over union; the thesis takes 0.4.
 /// Throws shape_error 204, numeric_error 302 if there is none.
-inline double localisation_accuracy(std::span<const FrameSlice> found, std::span<const FrameSlice> wanted,
-                                    double least_iou = 0.4) {
-  detail::require_same_count("localisation_accuracy: found against wanted", std::ssize(found), std::ssize(wanted));
-  if (found.empty()) raise<numeric_error>(302, "localisation_accuracy: no queries");
-  Index right = 0;
-  for (std::size_t i = 0; i < found.size(); ++i) right += temporal_iou(found[i], wanted[i]) >= least_iou ? 1 : 0;
-  return static_cast<double>(right) / static_cast<double>(found.size());
-}
+double localisation_accuracy(std::span<const FrameSlice> found, std::span<const FrameSlice> wanted,
+                             double least_iou = 0.4);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/metrics/retrieval.ipp>
+#endif

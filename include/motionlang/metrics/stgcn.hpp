@@ -18,23 +18,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Differs  from the paper: distances from the centre beyond 1 count as infinite and so as equal; such edges are in
 ///          part 1
 /// Throws   config_error 101 if the centre is no joint
-inline std::vector<double> stgcn_adjacency(std::span<const int> parents, Index centre) {
-  const auto n = std::ssize(parents);
-  if (centre < 0 || centre >= n) raise<config_error>(101, "stgcn_adjacency: centre ", centre, " of ", n, " joints");
-  auto parent = [&](Index j) { return static_cast<Index>(parents[static_cast<std::size_t>(j)]); };
-  auto linked = [&](Index i, Index j) { return i == j || parent(i) == j || parent(j) == i; };
-  auto hops = [&](Index j) { return j == centre ? 0 : linked(j, centre) ? 1 : 2; };
-  std::vector<double> out(static_cast<std::size_t>(3 * n * n));
-  for (Index j = 0; j < n; ++j) {
-    Index links = 0;
-    for (Index i = 0; i < n; ++i) links += linked(i, j) ? 1 : 0;
-    for (Index i = 0; i < n; ++i) {
-      const Index part = i == j ? 0 : hops(i) < hops(j) ? 2 : 1;
-      if (linked(i, j)) out[static_cast<std::size_t>((part * n + i) * n + j)] = 1 / static_cast<double>(links);
-    }
-  }
-  return out;
-}
+std::vector<double> stgcn_adjacency(std::span<const int> parents, Index centre);
 
 /// A convolution (kernel, 1) of PyTorch over (time, joints): over time, each joint by itself; "same" padding.
 template <Backend B>
@@ -125,11 +109,7 @@ struct StGcnConfig {
 
   /// SMPL's tree without the global rotation of joint 0 (layout "smpl_noglobal"): the legs and the spine are not
   /// connected, and the centre is the left hip.
-  static std::vector<int> without_root(std::span<const int> parents) {
-    std::vector<int> out;
-    for (std::size_t j = 1; j < parents.size(); ++j) out.push_back(parents[j] > 0 ? parents[j] - 1 : -1);
-    return out;
-  }
+  static std::vector<int> without_root(std::span<const int> parents);
 };
 
 template <Backend B>
@@ -195,3 +175,7 @@ struct StGcn {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/metrics/stgcn.ipp>
+#endif

@@ -4,6 +4,7 @@
 #include <set>
 
 #include <motionlang/features/motion_features.hpp>
+#include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 
 #include "../../support/check_error.hpp"
@@ -240,7 +241,7 @@ TEST_CASE("rows and rates that are not finite are refused by every feature vecto
 
 TEST_CASE("unknown names and other skeletons are refused") {
   CHECK_ERROR(ml::motion_features("guo"),
-              "[motionlang.config.103] motion_features: 'guo' is none of guoh3d, kit, rifke");
+              "[motionlang.config.103] motion_features: 'guo' is not one of guoh3d, kit, rifke");
   ml::Motion none;
   CHECK_ERROR(ml::motion_features("guoh3d").from_motion(none), "[motionlang.config.103]");
 }

@@ -4,6 +4,7 @@
 
 #include <motionlang/features/rifke.hpp>
 #include <motionlang/features/smplvelp.hpp>
+#include <motionlang/geometry/so3.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/lists.hpp"

@@ -3,6 +3,7 @@
 
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/file/npy.hpp>
+#include <motionlang/features/guoh3d_extraction.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/motion_npy.hpp>
 #include <motionlang/kinematics/retarget.hpp>

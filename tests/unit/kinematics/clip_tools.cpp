@@ -7,6 +7,7 @@
 #include <motionlang/core/rng.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/loops.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/retarget.hpp>

@@ -1,6 +1,7 @@
 // Chains of bones: inverse and forward kinematics, bodies of other lengths, mirrored joints, malformed chains.
 #include <doctest/doctest.h>
 
+#include <motionlang/geometry/slerp.hpp>
 #include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/mirror_joints.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>

@@ -1,6 +1,8 @@
 // Editing clips: crop, resample, speed, joining, mirror, the T-pose in front of CMU files; smoothing of curves.
 #include <doctest/doctest.h>
 
+#include <motionlang/geometry/slerp.hpp>
+#include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
 #include <motionlang/kinematics/gaussian_smooth.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>

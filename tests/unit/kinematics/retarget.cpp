@@ -5,8 +5,10 @@
 #include <map>
 
 #include <motionlang/core/rng.hpp>
+#include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/motion_from_joints.hpp>
 #include <motionlang/kinematics/retarget.hpp>
+#include <motionlang/kinematics/standing_skeleton.hpp>
 
 #include "../../support/rigs.hpp"
 #include "../../support/synthetic_motion.hpp"
@@ -243,9 +245,8 @@ TEST_CASE("a skeleton that does not stand by its table is refused, as source and
   const char* message =
       "[motionlang.config.103] SkeletonMap: a skeleton of 24 joints (root 'pelvis') does not stand as SMPL: the head "
       "is from "
-      "the pelvis in direction (0, 0.36, -0.93) at rest, not up (0, 1, 0); other axes, and which joint is which can be "
-      "told "
-      "in a file: read_skeleton_table, --joints FILE of the program";
+      "the pelvis in direction (0, 0.36, -0.93) at rest, not up (0, 1, 0); a file can name the joints "
+      "and their axes: read_skeleton_table, --joints FILE of the program";
   CHECK_THROWS_WITH_AS(ml::SkeletonMap{lying}, Contains(message), ml::config_error);
   CHECK_THROWS_WITH_AS(ml::SkeletonMap(smpl, lying), Contains(message), ml::config_error);
   CHECK_THROWS_WITH_AS(ml::SkeletonMap{smpl_with({{"left_hip", {0, 0.06, 0}}, {"right_hip", {0, -0.06, 0}}})},

@@ -16,6 +16,7 @@
 
 #include <motionlang/formats/amc.hpp>
 #include <motionlang/formats/bvh.hpp>
+#include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 
 namespace ml = motionlang;

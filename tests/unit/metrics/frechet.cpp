@@ -3,6 +3,7 @@
 #include <limits>
 #include <random>
 
+#include <motionlang/metrics/detail/symmetric.hpp>
 #include <motionlang/metrics/frechet.hpp>
 
 #include "../../support/check_error.hpp"
