@@ -12,8 +12,6 @@
 
 #include <algorithm>  // nth_element, sort
 #include <cmath>      // exp, log, pow
-#include <limits>     // infinity
-#include <numeric>    // accumulate, iota
 
 #include <motionlang/core/rng.hpp>
 #include <motionlang/tensor/arg_max.hpp>
@@ -74,20 +72,7 @@ std::vector<std::vector<double>> next_probabilities(const Tensor<B, 2>& logits, 
 inline Index most_probable(std::span<const double> p) { return std::max_element(p.begin(), p.end()) - p.begin(); }
 
 /// The first symbol whose cumulative share is greater than u. Throws numeric_error 302 if nothing has any.
-inline Index draw(std::span<const double> p, double u) {
-  const double all = std::accumulate(p.begin(), p.end(), 0.0);
-  if (!(all > 0))
-    raise<numeric_error>(302, "decoding: no symbol that may follow has a probability; take a larger top_k");
-  double sum = 0;
-  Index last = 0;
-  for (Index i = 0; i < std::ssize(p); ++i) {
-    const double share = p[static_cast<std::size_t>(i)] / all;
-    if (share == 0) continue;
-    sum += share, last = i;
-    if (sum > u) break;
-  }
-  return last;
-}
+Index draw(std::span<const double> p, double u);
 
 }  // namespace detail
 
@@ -126,11 +111,7 @@ struct Decoded {
   std::vector<Index> lengths;
 
   /// What counts, without the marks.
-  IdSequences written() const {
-    std::vector<std::vector<Index>> out;
-    for (std::size_t i = 0; i < ids.size(); ++i) out.emplace_back(ids[i].begin() + 1, ids[i].begin() + 1 + lengths[i]);
-    return IdSequences::from(out);
-  }
+  IdSequences written() const;
 };
 
 /// next     takes `count` beginnings of one length
@@ -244,3 +225,7 @@ BeamSearch beam_search(Next&& next, const BeamOptions& o) {
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/nn/decoding.ipp>
+#endif

@@ -115,7 +115,7 @@ struct GruLayer {
   }
 };
 
-/// A stack of layers; every layer starts from zeros unless it is told otherwise. Official keys are weight_ih_l0, ...:
+/// A stack of layers; every layer starts from zeros unless the caller passes a state. Official keys are weight_ih_l0, ...:
 /// see `gru_key`.
 template <Backend B>
 struct Gru {
@@ -156,12 +156,10 @@ struct Gru {
 
 /// "gru.layers.2.weight_ih" -> "gru.weight_ih_l2", at any depth: PyTorch numbers the parameters instead of nesting
 /// them. Other paths stay. `name`: what the model calls its Gru.
-inline std::string gru_key(const std::string& path, std::string_view name = "gru") {
-  const std::string nested = concat_text(name, ".layers.");
-  const auto at = path.find(nested);
-  if (at == path.npos || (at > 0 && path[at - 1] != '.')) return path;
-  const auto number = at + nested.size(), dot = path.find('.', number);
-  return concat_text(path.substr(0, at), name, path.substr(dot), "_l", path.substr(number, dot - number));
-}
+std::string gru_key(const std::string& path, std::string_view name = "gru");
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/nn/gru.ipp>
+#endif
