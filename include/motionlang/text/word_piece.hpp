@@ -5,15 +5,19 @@
 /// tokenizers of BERT and CLIP, with their Unicode rules, are other headers.
 #pragma once
 
-#include <span>           // texts
-#include <string>         // pieces
-#include <string_view>    // lookups
-#include <unordered_map>  // piece -> id
-#include <vector>         // pieces
+#include <memory>       // piece -> id
+#include <span>         // texts
+#include <string>       // pieces
+#include <string_view>  // lookups
+#include <vector>       // pieces
 
 #include <motionlang/core/shape.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+struct WordPieceIds;
+}  // namespace detail
 
 /// Pieces that continue a word begin with "##". The first three ids are fixed.
 class WordPiece {
@@ -44,8 +48,7 @@ class WordPiece {
   void append_word(std::vector<Index>& ids, const std::string& word) const;
 
   std::vector<std::string> pieces_;
-  std::unordered_map<std::string, Index> ids_;
-  std::size_t longest_ = 0;
+  std::shared_ptr<const detail::WordPieceIds> ids_;  // of the pieces; copies share it
 };
 
 MOTIONLANG_NAMESPACE_END

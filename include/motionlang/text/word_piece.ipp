@@ -2,8 +2,9 @@
 // Bodies of word_piece.hpp.
 #pragma once
 
-#include <algorithm>  // max
-#include <map>        // word counts, in a fixed order
+#include <algorithm>      // max
+#include <map>            // word counts, in a fixed order
+#include <unordered_map>  // piece -> id
 
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/text/detail/longest_pieces.hpp>
@@ -11,17 +12,29 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+namespace detail {
+
+/// What WordPiece looks pieces up in.
+struct WordPieceIds {
+  std::unordered_map<std::string, Index> ids;
+  std::size_t longest = 0;  // of all pieces
+};
+
+}  // namespace detail
+
 MOTIONLANG_BODY WordPiece::WordPiece(std::vector<std::string> vocabulary, std::string_view source)
     : pieces_(std::move(vocabulary)) {
   if (pieces_.size() < 3 || pieces_[0] != "[CLS]" || pieces_[1] != "[SEP]" || pieces_[2] != "[UNK]") {
     raise<config_error>(107, source, ": a vocabulary of ", pieces_.size(),
                         " pieces does not begin with [CLS], [SEP], [UNK]");
   }
+  auto ids = std::make_shared<detail::WordPieceIds>();
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    if (!ids_.emplace(pieces_[i], static_cast<Index>(i)).second)
+    if (!ids->ids.emplace(pieces_[i], static_cast<Index>(i)).second)
       raise<config_error>(107, source, ": piece '", pieces_[i], "' is duplicated");
-    longest_ = std::max(longest_, pieces_[i].size());
+    ids->longest = std::max(ids->longest, pieces_[i].size());
   }
+  ids_ = std::move(ids);
 }
 
 MOTIONLANG_BODY WordPiece WordPiece::learn(std::span<const std::string> texts, Index size, Index least) {
@@ -97,9 +110,10 @@ MOTIONLANG_BODY std::vector<std::string> WordPiece::words(std::string_view text)
 }
 
 MOTIONLANG_BODY void WordPiece::append_word(std::vector<Index>& ids, const std::string& word) const {
-  detail::append_longest_pieces(ids, word, longest_, unknown_id, [&](std::string_view part, bool first) {
-    const auto found = ids_.find((first ? "" : "##") + std::string(part));
-    return found == ids_.end() ? Index{-1} : found->second;
+  const std::size_t longest = ids_ == nullptr ? 0 : ids_->longest;
+  detail::append_longest_pieces(ids, word, longest, unknown_id, [&](std::string_view part, bool first) {
+    const auto found = ids_->ids.find((first ? "" : "##") + std::string(part));
+    return found == ids_->ids.end() ? Index{-1} : found->second;
   });
 }
 
