@@ -2,6 +2,9 @@
 /// Gated recurrent unit, several layers, PyTorch's gates and names.
 #pragma once
 
+#include <string>       // keys
+#include <string_view>  // keys
+
 #include <motionlang/core/sort.hpp>
 #include <motionlang/nn/linear.hpp>
 #include <motionlang/tensor/index.hpp>
