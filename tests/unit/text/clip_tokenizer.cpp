@@ -1,6 +1,8 @@
 // CLIP's tokenizer with a few merges: ids, cleaning, frames, threads. The repair of texts. Spec text-encoders.md 9 and
 // 12.2.
 #include <motionlang/text/clip_tokenizer.hpp>
+#include <motionlang/text/detail/byte_symbols.hpp>
+#include <motionlang/text/text_repair.hpp>
 
 #include <thread>
 
