@@ -118,8 +118,8 @@ struct GruLayer {
   }
 };
 
-/// A stack of layers; every layer starts from zeros unless the caller passes a state. Official keys are weight_ih_l0, ...:
-/// see `gru_key`.
+/// A stack of layers; every layer starts from zeros unless the caller passes a state. Official keys are
+/// weight_ih_l0, ...: see `gru_key`.
 template <Backend B>
 struct Gru {
   std::vector<GruLayer<B>> layers;
