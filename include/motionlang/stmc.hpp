@@ -32,7 +32,6 @@ Stmc<B> load_stmc(const FilePath& path);
 extern template struct Stmc<EigenBackend<float>>;
 extern template Stmc<EigenBackend<float>> load_stmc<EigenBackend<float>>(const FilePath&);
 extern template Motion stmc_motion<EigenBackend<float>>(const Tensor<EigenBackend<float>, 2>&, double);
-extern template std::vector<Timeline> detail::parse_timelines_as<Index>(std::string_view, const TimelineTextOptions&);
 
 MOTIONLANG_NAMESPACE_END
 #else

@@ -309,7 +309,7 @@ TEST_CASE("metadata: every key is needed and checked") {
   check_metadata("denoiser.num_heads", "3", 101, {"denoiser.num_heads = 3 does not divide the even width 32"});
   check_metadata("text.heads", "5", 101, {"text.heads = 5 does not divide the even width 16"});
   check_metadata("text.vocabulary", "[CLS]\n[SEP]", 107, {"2 pieces"});
-  check_metadata("text.vocabulary", "[CLS]\n[SEP]\n[UNK]\na\na", 107, {"'a' stands twice"});
+  check_metadata("text.vocabulary", "[CLS]\n[SEP]\n[UNK]\na\na", 107, {"'a' is duplicated"});
   check_metadata("text.vocabulary", "[CLS]\n[SEP]\n[UNK]\na", 407, {"text_encoder.embedding.weight", "(4, 16)"});
   for (const char* fps : {"0", "-20", "nan", "inf", "1e300"})
     check_metadata("fps", fps, 101, {"'fps' = ", "is not in 1 ... 1000"});

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <set>
 
+#include <motionlang/compose/detail/seconds_text.hpp>
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/core/utf8.hpp>

@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 
+#include <motionlang/compose/detail/seconds_text.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/datasets/amass_releases.hpp>

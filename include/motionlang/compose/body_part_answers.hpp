@@ -8,82 +8,28 @@
 /// Differs  from the code: each line is stripped, so that "- waist" is one; "left shoulder" is understood
 #pragma once
 
-#include <algorithm>      // find
-#include <array>          // words without meaning
-#include <set>            // named parts
 #include <string>         // answers
+#include <string_view>    // answers
 #include <unordered_map>  // parts of labels
 #include <vector>         // labels
 
-#include <motionlang/core/error.hpp>
-#include <motionlang/core/text_lines.hpp>
 #include <motionlang/kinematics/sinc_parts.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-namespace detail {
-
-/// Lower case, without ASCII punctuation and without the word "answer".
-inline std::string plain_answer(std::string_view answer) {
-  std::string out;
-  for (const char c : answer) {
-    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'), digit = c >= '0' && c <= '9';
-    if (c > ' ' && c < 0x7f && !letter && !digit) continue;
-    out += lower(c);
-  }
-  constexpr std::string_view word = "answer";
-  for (std::size_t at = out.find(word); at != out.npos; at = out.find(word, at)) out.erase(at, word.size());
-  return out;
-}
-
-}  // namespace detail
-
 /// One part per line; those of the face, wrists and hands say nothing; shoulders are arms, buttocks and waist the
-/// pelvis, the neck is the torso. Throws config_error 103 for a name that is none, and if no part is named.
-inline SincParts parse_body_part_answer(std::string_view answer) {
-  std::set<std::string, std::less<>> named;
-  const std::string plain = detail::plain_answer(answer);
-  detail::for_each_line(plain, [&](std::string_view line, Index) {
-    if (const auto part = detail::trim(line); !part.empty()) named.emplace(part);
-  });
-  for (const char* nothing : {"right side of face", "right eye", "wrist", "hand"}) named.erase(nothing);
-  const bool arm = named.contains("left arm") || named.contains("right arm");
-  if (named.erase("shoulders") > 0 && !arm) named.insert({"left arm", "right arm"});
-  SincParts parts;
-  for (const std::string_view name : named) {
-    const std::string_view known = name == "buttocks" || name == "waist" ? "global"
-                                   : name == "neck"                      ? "torso"
-                                   : name == "left shoulder"             ? "left arm"
-                                   : name == "right shoulder"            ? "right arm"
-                                                                         : name;
-    const auto part = parse_sinc_part(known);
-    if (!part) raise<config_error>(103, "parse_body_part_answer: '", name, "' is no body part, in '", answer, "'");
-    parts.set(static_cast<std::size_t>(*part));
-  }
-  if (parts.none()) raise<config_error>(103, "parse_body_part_answer: no body part in '", answer, "'");
-  return parts;
-}
+/// pelvis, the neck is the torso. Throws config_error 103 for a name that is not one, and if no part is named.
+SincParts parse_body_part_answer(std::string_view answer);
 
 /// Parts of actions by their labels. The order of the labels is that of the file: lists of partners follow it.
 class BodyPartTable {
  public:
   /// The last one counts if a label is added again. Throws config_error 103.
-  void add(const std::string& label, std::string_view answer) {
-    static constexpr std::array<std::string_view, 5> everything{"animal behavior series", "bird behavior series",
-                                                                "marine animal behavior series",
-                                                                "elephant behavior series", "swim on air"};
-    const bool forced = std::find(everything.begin(), everything.end(), label) != everything.end();
-    const SincParts parts = forced ? ~SincParts{} : parse_body_part_answer(answer);
-    if (parts_.insert_or_assign(label, parts).second) labels_.push_back(label);
-  }
+  void add(const std::string& label, std::string_view answer);
 
   const std::vector<std::string>& labels() const { return labels_; }
   /// Throws config_error 103 if the label is not in the table.
-  const SincParts& parts(const std::string& label) const {
-    const auto found = parts_.find(label);
-    if (found == parts_.end()) raise<config_error>(103, "BodyPartTable: no parts of '", label, "'");
-    return found->second;
-  }
+  const SincParts& parts(const std::string& label) const;
 
  private:
   std::vector<std::string> labels_;
@@ -91,3 +37,7 @@ class BodyPartTable {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/compose/body_part_answers.ipp>
+#endif

@@ -9,163 +9,13 @@
 ///        written; both arms with "both", with "left and right", or with a plural; nothing known: all parts
 #pragma once
 
-#include <algorithm>    // find
-#include <array>        // lexicon
-#include <span>         // lists of words
-#include <string>       // words
 #include <string_view>  // text
-#include <vector>       // words
 
 #include <motionlang/compose/timeline.hpp>
-#include <motionlang/core/text_lines.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-namespace detail {
-
-/// What a word stem says about the body. `arm` is one arm, whose side the rest of the text tells.
-struct WordMeaning {
-  std::string_view stem;
-  bool arm = false, arms = false, legs = false, head = false, spine = false;
-};
-
-// clang-format off
-inline constexpr std::array lexicon = {
-    // nouns
-    WordMeaning{.stem = "arm", .arm = true},       WordMeaning{.stem = "arms", .arms = true},
-    WordMeaning{.stem = "hand", .arm = true},      WordMeaning{.stem = "hands", .arms = true},
-    WordMeaning{.stem = "elbow", .arm = true},     WordMeaning{.stem = "elbows", .arms = true},
-    WordMeaning{.stem = "wrist", .arm = true},     WordMeaning{.stem = "wrists", .arms = true},
-    WordMeaning{.stem = "fist", .arm = true},      WordMeaning{.stem = "fists", .arms = true},
-    WordMeaning{.stem = "finger", .arm = true},    WordMeaning{.stem = "thumb", .arm = true},
-    WordMeaning{.stem = "shoulders", .arms = true}, WordMeaning{.stem = "shoulder", .arm = true},
-    WordMeaning{.stem = "leg", .legs = true},      WordMeaning{.stem = "foot", .legs = true},
-    WordMeaning{.stem = "feet", .legs = true},     WordMeaning{.stem = "knee", .legs = true},
-    WordMeaning{.stem = "ankle", .legs = true},    WordMeaning{.stem = "toe", .legs = true},
-    WordMeaning{.stem = "hip", .legs = true},      WordMeaning{.stem = "stair", .legs = true},
-    WordMeaning{.stem = "head", .head = true},     WordMeaning{.stem = "neck", .head = true},
-    WordMeaning{.stem = "torso", .spine = true},   WordMeaning{.stem = "spine", .spine = true},
-    WordMeaning{.stem = "waist", .spine = true},   WordMeaning{.stem = "belly", .spine = true},
-    // one arm
-    WordMeaning{.stem = "wav", .arm = true},       WordMeaning{.stem = "point", .arm = true},
-    WordMeaning{.stem = "throw", .arm = true},     WordMeaning{.stem = "toss", .arm = true},
-    WordMeaning{.stem = "punch", .arm = true},     WordMeaning{.stem = "salut", .arm = true},
-    WordMeaning{.stem = "knock", .arm = true},     WordMeaning{.stem = "writ", .arm = true},
-    WordMeaning{.stem = "scratch", .arm = true},   WordMeaning{.stem = "wip", .arm = true},
-    WordMeaning{.stem = "stir", .arm = true},      WordMeaning{.stem = "pour", .arm = true},
-    WordMeaning{.stem = "drink", .arm = true, .head = true}, WordMeaning{.stem = "eat", .arm = true, .head = true},
-    WordMeaning{.stem = "phon", .arm = true, .head = true},  WordMeaning{.stem = "grab", .arm = true},
-    WordMeaning{.stem = "reach", .arm = true},     WordMeaning{.stem = "pick", .arm = true, .spine = true},
-    WordMeaning{.stem = "brush", .arm = true},     WordMeaning{.stem = "flick", .arm = true},
-    // both arms
-    WordMeaning{.stem = "clap", .arms = true},     WordMeaning{.stem = "juggl", .arms = true},
-    WordMeaning{.stem = "box", .arms = true},      WordMeaning{.stem = "catch", .arms = true},
-    WordMeaning{.stem = "push", .arms = true},     WordMeaning{.stem = "pull", .arms = true},
-    WordMeaning{.stem = "lift", .arms = true},     WordMeaning{.stem = "carry", .arms = true},
-    WordMeaning{.stem = "hug", .arms = true},      WordMeaning{.stem = "wash", .arms = true},
-    WordMeaning{.stem = "sweep", .arms = true},    WordMeaning{.stem = "gestur", .arms = true},
-    WordMeaning{.stem = "shrug", .arms = true},    WordMeaning{.stem = "typ", .arms = true},
-    WordMeaning{.stem = "guitar", .arms = true},   WordMeaning{.stem = "piano", .arms = true},
-    WordMeaning{.stem = "violin", .arms = true},   WordMeaning{.stem = "golf", .arms = true, .spine = true},
-    WordMeaning{.stem = "headphone", .arms = true, .head = true},
-    // legs
-    WordMeaning{.stem = "walk", .legs = true},     WordMeaning{.stem = "run", .legs = true},
-    WordMeaning{.stem = "jog", .legs = true},      WordMeaning{.stem = "sprint", .legs = true},
-    WordMeaning{.stem = "step", .legs = true},     WordMeaning{.stem = "strid", .legs = true},
-    WordMeaning{.stem = "stroll", .legs = true},   WordMeaning{.stem = "march", .legs = true},
-    WordMeaning{.stem = "jump", .legs = true},     WordMeaning{.stem = "hop", .legs = true},
-    WordMeaning{.stem = "leap", .legs = true},     WordMeaning{.stem = "skip", .legs = true},
-    WordMeaning{.stem = "kick", .legs = true},     WordMeaning{.stem = "limp", .legs = true},
-    WordMeaning{.stem = "sneak", .legs = true},    WordMeaning{.stem = "tiptoe", .legs = true},
-    WordMeaning{.stem = "turn", .legs = true},     WordMeaning{.stem = "spin", .legs = true},
-    WordMeaning{.stem = "stand", .legs = true},    WordMeaning{.stem = "lung", .legs = true},
-    WordMeaning{.stem = "sit", .legs = true, .spine = true},
-    WordMeaning{.stem = "squat", .legs = true, .spine = true},
-    WordMeaning{.stem = "crouch", .legs = true, .spine = true},
-    WordMeaning{.stem = "kneel", .legs = true, .spine = true},
-    // head and torso
-    WordMeaning{.stem = "nod", .head = true},      WordMeaning{.stem = "look", .head = true},
-    WordMeaning{.stem = "gaz", .head = true},      WordMeaning{.stem = "peer", .head = true},
-    WordMeaning{.stem = "chin", .head = true},     WordMeaning{.stem = "yawn", .head = true},
-    WordMeaning{.stem = "bend", .spine = true},    WordMeaning{.stem = "bow", .head = true, .spine = true},
-    WordMeaning{.stem = "lean", .spine = true},    WordMeaning{.stem = "twist", .spine = true},
-    WordMeaning{.stem = "arch", .spine = true},
-    // everything
-    WordMeaning{"danc", false, true, true, true, true},      WordMeaning{"swim", false, true, true, true, true},
-    WordMeaning{"crawl", false, true, true, true, true},     WordMeaning{"climb", false, true, true, true, true},
-    WordMeaning{"cartwheel", false, true, true, true, true}, WordMeaning{"handstand", false, true, true, true, true},
-    WordMeaning{"somersault", false, true, true, true, true}, WordMeaning{"exercis", false, true, true, true, true},
-    WordMeaning{"fall", false, true, true, true, true},      WordMeaning{"roll", false, true, true, true, true},
-};
-// clang-format on
-
-/// The longest stem of which the word is a form: the stem and at most four more letters ("step" + "ping").
-inline const WordMeaning* meaning_of(std::string_view word) {
-  const WordMeaning* best = nullptr;
-  for (const WordMeaning& m : lexicon) {
-    const bool fits = word.starts_with(m.stem) && word.size() - m.stem.size() <= 4;
-    if (fits && (best == nullptr || m.stem.size() > best->stem.size())) best = &m;
-  }
-  return best;
-}
-
-/// Runs of letters in lower case.
-inline std::vector<std::string> words_of(std::string_view text) {
-  std::vector<std::string> words;
-  bool inside = false;
-  for (char c : text) {
-    const char small = lower(c);
-    const bool letter = small >= 'a' && small <= 'z';
-    if (letter && !inside) words.emplace_back();
-    if (letter) words.back() += small;
-    inside = letter;
-  }
-  return words;
-}
-
-/// "left" and "right" are sides of an arm if the next word, or the one behind "and right", is one: not in "turn left".
-struct Sides {
-  bool left = false, right = false;
-
-  explicit Sides(std::span<const std::string> words) {
-    const auto names_arm = [&](std::size_t i) {
-      static constexpr std::array<std::string_view, 10> nouns{"arm",    "arms", "hand",  "hands", "elbow",
-                                                              "finger", "fist", "wrist", "thumb", "shoulder"};
-      return i < words.size() && std::find(nouns.begin(), nouns.end(), words[i]) != nouns.end();
-    };
-    for (std::size_t i = 0; i < words.size(); ++i) {
-      if (words[i] == "both") left = right = true;
-      if (words[i] != "left" && words[i] != "right") continue;
-      const bool pair = i + 2 < words.size() && (words[i + 1] == "and" || words[i + 1] == "or");
-      if (!names_arm(i + 1) && !(pair && names_arm(i + 3))) continue;
-      (words[i] == "left" ? left : right) = true;
-    }
-  }
-};
-
-}  // namespace detail
-
-inline BodyParts guess_body_parts(std::string_view text) {
-  using enum BodyPart;
-  const std::vector<std::string> words = detail::words_of(text);
-  detail::WordMeaning sum;
-  for (const std::string& word : words) {
-    const detail::WordMeaning* m = detail::meaning_of(word);
-    if (m == nullptr) continue;
-    sum.arm |= m->arm, sum.arms |= m->arms, sum.legs |= m->legs, sum.head |= m->head, sum.spine |= m->spine;
-  }
-  const detail::Sides sides(words);
-  BodyParts parts;
-  if (sum.arm || sum.arms) {
-    const bool told = sides.left || sides.right;
-    if (told ? sides.left : sum.arms) parts = parts.with(left_arm);
-    if (told ? sides.right : true) parts = parts.with(right_arm);
-  }
-  if (sum.legs) parts = parts.with(legs);
-  if (sum.head) parts = parts.with(head);
-  if (sum.spine) parts = parts.with(spine);
-  return parts.empty() ? BodyParts::all() : parts;
-}
+BodyParts guess_body_parts(std::string_view text);
 
 /// Guesses the parts of all intervals that have none.
 template <class T>
@@ -176,3 +26,7 @@ void guess_missing_parts(BasicTimeline<T>& timeline) {
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/compose/body_part_lexicon.ipp>
+#endif

@@ -4,9 +4,6 @@
 /// Independent of the feature type and of the network: any layout with a partition into parts, any `Denoiser`.
 #pragma once
 
-#include <limits>  // any number of rows
-#include <map>     // equal sequences
-
 #include <motionlang/compose/stitching.hpp>
 #include <motionlang/core/rows_together.hpp>
 #include <motionlang/diffusion/denoiser.hpp>
@@ -20,6 +17,40 @@ template <Backend B>
 struct CollageStep {
   Tensor<B, 2> crops, cond, null, guided, x0;
 };
+
+namespace detail {
+
+/// Jobs that go through the network together: sequences of frames, each with one or several texts.
+struct JobBatch {
+  std::vector<Index> rows;  // of x
+  Offsets frames, uses;     // uses: the texts of each sequence
+  std::vector<Index> texts;
+};
+struct JobBatches {
+  std::vector<JobBatch> batches;
+  std::vector<Index> cond, null;  // for every row of the crops its row of all batches, with its text and without
+};
+struct JobOptions {
+  bool guided = true;
+  bool divide = true;  // whether a sequence has the same result in any batch
+  Index rows_at_once = 0;
+};
+
+/// texts: of every crop; null: the unconditional one.
+JobBatches plan_jobs(const CropRows& crops, std::span<const Index> texts, Index null, const JobOptions& options);
+
+/// For every crop its text as a number: equal texts have the same, "" that of the unconditional one.
+std::vector<Index> texts_of_crops(const BatchPlan& plan, Index null);
+
+/// Throws shape_error 204 unless there is a text for every interval, and one unconditional one.
+void check_texts(const BatchPlan& plan, Index texts, Index nulls);
+
+/// The rows of crops of fixed size without those behind their own frames.
+CropRows own_frames(const BatchPlan& plan, Index stride, Index crop_frames);
+
+Offsets joined(const Offsets& a, const Offsets& b);
+
+}  // namespace detail
 
 /// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
 /// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow
@@ -40,14 +71,15 @@ class Collage {
       : denoiser_(&denoiser),
         plan_(std::move(plan)),
         layout_(layout),
-        texts_{{concat(0, text.tokens.rows, null.tokens.rows), joined(text.tokens.offsets, null.tokens.offsets)},
-               text.end_position,
-               std::max(text.padded_tokens, null.padded_tokens)},
+        texts_{
+            {concat(0, text.tokens.rows, null.tokens.rows), detail::joined(text.tokens.offsets, null.tokens.offsets)},
+            text.end_position,
+            std::max(text.padded_tokens, null.padded_tokens)},
         guidance_(guidance),
         rows_at_once_(rows_at_once) {
     if (rows_at_once < 0) raise<config_error>(101, "Collage: ", rows_at_once, " rows at once");
     texts_.end_position.insert(texts_.end_position.end(), null.end_position.begin(), null.end_position.end());
-    check_texts(text.count(), null.count());
+    detail::check_texts(plan_, text.count(), null.count());
     prepare_step();
   }
   /// The same with some crops and slices of its plan only (compose/edits.hpp).
@@ -99,11 +131,6 @@ class Collage {
   Tensor<B, 2> stitch(const Tensor<B, 2>& crops) const { return stitch_(crops); }
 
  private:
-  /// Frames of a crop with a text: what the network sees as one sequence.
-  struct Job {
-    Index first, length, text;  // first: row of the motions
-    auto operator<=>(const Job&) const = default;
-  };
   /// Jobs that go through the network together: sequences of frames, each with one or several texts.
   struct Batch {
     std::vector<Index> rows;  // of x
@@ -111,33 +138,15 @@ class Collage {
     decltype(encoded_text<B>(std::declval<const D&>(), TextFeatures<B>())) text;
   };
 
-  void check_texts(Index texts, Index nulls) const {
-    Index intervals = 0;
-    for (const TimelinePlan& p : plan_.timelines) intervals += static_cast<Index>(p.timeline.intervals.size());
-    if (texts == intervals && nulls == 1) return;
-    raise<shape_error>(204, "Collage: ", texts, " texts for ", intervals, " intervals; ", nulls,
-                       " unconditional texts");
-  }
-
   void prepare_step() {
     const DenoiserTraits traits = denoiser_->traits();
     for (const TimelinePlan& p : plan_.timelines) detail::check_crops(p, traits.longest());
     const bool fixed = traits.crop_frames > 0;
     motion_ = CropRows::of(plan_, traits.crop_frames);
     // With a mask, a crop of fixed size shrinks to its own frames again: masked frames take no part.
-    crops_ = fixed && traits.uses_lengths ? own_frames(traits.crop_frames) : motion_;
+    crops_ = fixed && traits.uses_lengths ? detail::own_frames(plan_, motion_.stride, traits.crop_frames) : motion_;
     stitch_ = Stitcher<B>(plan_, layout_, crops_.offsets, motion_.stride);
     build_batch();
-  }
-
-  CropRows own_frames(Index crop_frames) const {
-    CropRows out = CropRows::of(plan_);
-    for (Index& row : out.rows) {  // the same frames in motions with more rows
-      const Index m = row / plan_.frames;
-      row += m * crop_frames;
-    }
-    out.stride = motion_.stride;
-    return out;
   }
 
   /// What the network makes of all jobs, one after the other.
@@ -154,95 +163,17 @@ class Collage {
     return concat(std::span<const Tensor<B, 2>>(parts), 0);
   }
 
-  /// For every crop its text as a number of texts_: equal texts have the same, "" that of the unconditional one.
-  std::vector<Index> texts_of_crops() const {
-    const Index null = texts_.count() - 1;
-    std::vector<Index> out;
-    std::map<std::string_view, Index> known{{"", null}};
-    Index first = 0;
-    for (const TimelinePlan& p : plan_.timelines) {
-      for (const Crop& c : p.crops)
-        out.push_back(c.is_transition() ? null : known.emplace(p.text(c), first + c.interval).first->second);
-      first += static_cast<Index>(p.timeline.intervals.size());
-    }
-    return out;
-  }
-
   void build_batch() {
     const detail::RowsTogether in_any_batch(detail::RowsTogether::many);
     const Index null = texts_.count() - 1;
-    std::vector<std::pair<Job, Job>> crops;  // with its text, and without
-    std::map<Job, Index> begin;              // of all jobs, where their rows begin in the batch
-    for (Index i = 0; const Index text : texts_of_crops()) {
-      const Index length = crops_.offsets.length(i);
-      const Index first = length == 0 ? 0 : crops_.rows[static_cast<std::size_t>(crops_.offsets.begin(i))];
-      crops.push_back({{first, length, text}, {first, length, null}});
-      ++i;
-      if (length == 0) continue;
-      begin[crops.back().first];
-      if (guidance_ != 1) begin[crops.back().second];
+    auto jobs = detail::plan_jobs(crops_, detail::texts_of_crops(plan_, null), null,
+                                  {.guided = guidance_ != 1, .divide = can_divide(), .rows_at_once = rows_at_once_});
+    cond_ = std::move(jobs.cond), null_ = std::move(jobs.null);
+    batches_.clear();
+    for (detail::JobBatch& b : jobs.batches) {
+      batches_.push_back({std::move(b.rows), std::move(b.frames), std::move(b.uses),
+                          encoded_text<B>(*denoiser_, gather(texts_, b.texts))});
     }
-    batches_.clear(), cond_.clear(), null_.clear();
-    if (!can_divide()) return build_two_calls(crops);
-    std::vector<Job> jobs;
-    for (const auto& [job, at] : begin) jobs.push_back(job);
-    detail::sort(jobs, [](const Job& a, const Job& b) { return a.length != b.length ? a.length > b.length : a < b; });
-
-    const Index most = rows_at_once_ > 0 ? rows_at_once_ : std::numeric_limits<Index>::max();
-    std::vector<Index> rows, lengths, uses, which;  // of the next batch
-    Index results = 0, before = 0;                  // rows of its results, and of those of the batches so far
-    const Job* last = nullptr;                      // of the batch
-    const auto end_batch = [&] {
-      batches_.push_back({rows, Offsets(lengths), Offsets(uses), encoded_text<B>(*denoiser_, gather(texts_, which))});
-      before += results;
-      results = 0, last = nullptr;
-      rows.clear(), lengths.clear(), uses.clear(), which.clear();
-    };
-    for (const Job& job : jobs) {
-      if (last != nullptr && results + job.length > most) end_batch();
-      begin[job] = before + results;
-      results += job.length;
-      which.push_back(job.text);
-      if (last != nullptr && last->first == job.first && last->length == job.length) {
-        ++uses.back();
-      } else {
-        for (Index r = 0; r < job.length; ++r) rows.push_back(job.first + r);
-        lengths.push_back(job.length);
-        uses.push_back(1);
-      }
-      last = &job;
-    }
-    end_batch();
-    for (const auto& [with, without] : crops) {
-      for (Index r = 0; r < with.length; ++r) {
-        cond_.push_back(begin[with] + r);
-        if (guidance_ != 1) null_.push_back(begin[without] + r);
-      }
-    }
-  }
-  /// Where a sequence depends on the others: as published, all crops in their order, and then the same without their
-  /// texts.
-  void build_two_calls(std::span<const std::pair<Job, Job>> crops) {
-    const Index rows = crops_.offsets.rows();
-    for (Index call = 0; call < (guidance_ == 1 ? 1 : 2); ++call) {
-      std::vector<Index> lengths, which;
-      for (const auto& [with, without] : crops) {
-        if (with.length == 0) continue;
-        lengths.push_back(with.length);
-        which.push_back(call == 0 ? with.text : without.text);
-      }
-      const Offsets frames(lengths);
-      batches_.push_back(
-          {crops_.rows, frames, Offsets::equal(frames.count(), 1), encoded_text<B>(*denoiser_, gather(texts_, which))});
-      for (Index r = 0; r < rows; ++r) (call == 0 ? cond_ : null_).push_back(call * rows + r);
-    }
-  }
-  static Offsets joined(const Offsets& a, const Offsets& b) {
-    std::vector<Index> lengths;
-    for (const Offsets* o : {&a, &b}) {
-      for (Index i = 0; i < o->count(); ++i) lengths.push_back(o->length(i));
-    }
-    return Offsets(lengths);
   }
 
   const D* denoiser_;
@@ -294,14 +225,10 @@ Tensor<B, 2> sample_collage(const Collage<B, D>& collage, const GaussianDiffusio
 
 /// Every interval of a plan as a motion of its own, for text-to-motion without a timeline and for the SINC baselines.
 /// With `frames` > 0 all of them have that many frames.
-inline BatchPlan independent_plan(const BatchPlan& plan, Index frames = 0) {
-  std::vector<TimelinePlan> alone;
-  for (const TimelinePlan& p : plan.timelines) {
-    for (const Interval& i : p.timeline.intervals) {
-      alone.push_back(plan_timeline({{{i.text, 0, frames > 0 ? frames : i.end - i.start, BodyParts::all()}}}));
-    }
-  }
-  return batch_plans(std::move(alone));
-}
+BatchPlan independent_plan(const BatchPlan& plan, Index frames = 0);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/compose/collage.ipp>
+#endif

@@ -7,8 +7,7 @@
 /// Differs  from STMC (Petrovich et al. 2024), section 3.3, where each text is one crop
 #pragma once
 
-#include <motionlang/compose/handovers.hpp>
-#include <motionlang/compose/long_texts.hpp>
+#include <motionlang/compose/timeline.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -19,8 +18,10 @@ inline constexpr double longest_whole_text = 8;
 inline constexpr double shortest_part = 0.5;
 
 /// cut_at_handovers, divide_long_texts. Throws what they throw.
-inline Timeline cut_texts(const Timeline& timeline, double fps) {
-  return divide_long_texts(cut_at_handovers(timeline, frame_at(shortest_part, fps)), frame_at(longest_whole_text, fps));
-}
+Timeline cut_texts(const Timeline& timeline, double fps);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/compose/cut_texts.ipp>
+#endif

@@ -10,40 +10,16 @@
 /// Differs  from STMC (Petrovich et al. 2024), section 3.3, where each text is one crop
 #pragma once
 
-#include <motionlang/compose/intervals.hpp>
-#include <motionlang/compose/sinc_assignment.hpp>
+#include <motionlang/compose/timeline.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Cuts every text at the times at which it gets or loses body parts, unless a stretch would be shorter than `least`
 /// frames. Throws config_error 101 if too many texts lie over each other.
-inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
-  const auto pieces = elementary_pieces(timeline);
-  std::vector<PartOwners> owners;
-  FirstWins ties;
-  for (const Piece& piece : pieces) {
-    owners.push_back(piece.intervals.empty() ? PartOwners{} : assign_parts(timeline, piece.intervals, ties));
-  }
-  least = std::max<Index>(least, 1);
-  Timeline out;
-  for (Index i = 0; i < std::ssize(timeline.intervals); ++i) {
-    Interval rest = timeline.intervals[static_cast<std::size_t>(i)];
-    for (std::size_t k = 1; k < pieces.size(); ++k) {
-      const Index cut = pieces[k].start;
-      const bool changes = [&] {
-        for (std::size_t p = 0; p < body_part_count; ++p) {
-          if ((owners[k][p] == i) != (owners[k - 1][p] == i)) return true;
-        }
-        return false;
-      }();
-      if (!changes || cut - rest.start < least || rest.end - cut < least) continue;
-      out.intervals.push_back(rest);
-      out.intervals.back().end = cut;
-      rest.start = cut;
-    }
-    out.intervals.push_back(rest);
-  }
-  return out;
-}
+Timeline cut_at_handovers(const Timeline& timeline, Index least);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/compose/handovers.ipp>
+#endif

@@ -24,10 +24,7 @@ struct Overlap {
   Index left = 0, right = 0;
 
   /// Throws config_error 101 if it is negative or beyond `latest_time`.
-  static Overlap of_frames(Index total) {
-    if (total < 0 || total > latest_time) raise<config_error>(101, "Overlap: ", total, " frames");
-    return {total / 2, total - total / 2};
-  }
+  static Overlap of_frames(Index total);
   static Overlap of_seconds(double total, double fps) { return of_frames(frame_at(total, fps)); }
 
   /// [max(s - l, 0), min(e + r, frames))
@@ -39,3 +36,7 @@ struct Overlap {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/compose/overlap.ipp>
+#endif

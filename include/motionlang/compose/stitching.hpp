@@ -33,21 +33,19 @@ struct CropRows {
 
   /// With crop_frames > 0 every crop has exactly that many frames, whatever follows its range (MDM); the motions need
   /// as many rows behind their end. A crop without frames has no rows.
-  static CropRows of(const BatchPlan& plan, Index crop_frames = 0) {
-    CropRows out;
-    out.stride = plan.frames + crop_frames;
-    std::vector<Index> lengths;
-    for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
-      for (const Crop& c : plan.timelines[m].crops) {
-        const Index n = crop_frames > 0 && c.range.size() > 0 ? crop_frames : c.range.size();
-        for (Index i = 0; i < n; ++i) out.rows.push_back(static_cast<Index>(m) * out.stride + c.range.start + i);
-        lengths.push_back(n);
-      }
-    }
-    out.offsets = Offsets(lengths);
-    return out;
-  }
+  static CropRows of(const BatchPlan& plan, Index crop_frames = 0);
 };
+
+namespace detail {
+
+/// Rows of crops that are added to rows of motions for one part, with 1 or -1 each.
+struct PartMoves {
+  std::vector<Index> from, to;
+  std::vector<signed char> sign;
+};
+PartMoves moves_of_part(const BatchPlan& plan, const Offsets& crops, Index stride, BodyPart part);
+
+}  // namespace detail
 
 /// Puts crops together: for each body part the additions of the plan, then its subtractions.
 ///     motion[to, part] = sum crops[from, part] - sum transitions[from, part]
@@ -64,22 +62,9 @@ class Stitcher {
     for (int p = 0; p < body_part_count; ++p) {
       Part part;
       part.mask = detail::part_mask<B>(layout, static_cast<BodyPart>(p));
-      std::vector<typename B::scalar> sign;
-      for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
-        auto take = [&](const std::vector<Slice>& slices, double s) {
-          for (const Slice& slice : slices) {
-            if (slice.part != static_cast<BodyPart>(p)) continue;
-            const Index from = crops.begin(plan.first_crop[m] + slice.crop) + slice.from.start;
-            for (Index i = 0; i < slice.to.size(); ++i) {
-              part.from.push_back(from + i);
-              part.to.push_back(static_cast<Index>(m) * stride + slice.to.start + i);
-              sign.push_back(static_cast<typename B::scalar>(s));
-            }
-          }
-        };
-        take(plan.timelines[m].add, 1);
-        take(plan.timelines[m].subtract, -1);
-      }
+      auto moves = detail::moves_of_part(plan, crops, stride, static_cast<BodyPart>(p));
+      const std::vector<typename B::scalar> sign(moves.sign.begin(), moves.sign.end());
+      part.from = std::move(moves.from), part.to = std::move(moves.to);
       part.sign = Tensor<B, 2>::from(sign, {static_cast<Index>(sign.size()), 1});
       parts_.push_back(std::move(part));
     }
@@ -133,3 +118,7 @@ Tensor<B, 2> interpolate_transitions(const BatchPlan& plan, const FeatureLayout&
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/compose/stitching.ipp>
+#endif

@@ -6,7 +6,6 @@
 #pragma once
 
 #include <algorithm>  // min, max
-#include <cmath>      // trunc
 #include <string>     // texts
 #include <vector>     // intervals
 
@@ -53,13 +52,7 @@ using TimelineInSeconds = BasicTimeline<double>;
 inline constexpr Index latest_time = 1'000'000'000;
 
 /// trunc(fps * seconds), calculated in double as the published readers do. Throws config_error 101 if it is not a time.
-inline Index frame_at(double seconds, double fps) {
-  const double frame = std::trunc(fps * seconds);
-  if (!(std::abs(frame) <= static_cast<double>(latest_time))) {
-    raise<config_error>(101, "frame_at: ", seconds, " s at ", fps, " frames per second is out of range");
-  }
-  return static_cast<Index>(frame);
-}
+Index frame_at(double seconds, double fps);
 
 /// Moves a timeline so that it begins at 0.
 template <class T>
@@ -71,26 +64,13 @@ void shift_to_zero(BasicTimeline<T>& timeline) {
 }
 
 /// Frames of a timeline, shifted to 0 after the conversion. Throws config_error 101.
-inline Timeline to_frames(const TimelineInSeconds& timeline, double fps) {
-  Timeline out;
-  for (const auto& i : timeline.intervals) {
-    out.intervals.push_back({i.text, frame_at(i.start, fps), frame_at(i.end, fps), i.parts, i.place});
-  }
-  shift_to_zero(out);
-  return out;
-}
+Timeline to_frames(const TimelineInSeconds& timeline, double fps);
 
 /// Seconds of a timeline, such that to_frames gives the same frames back. Throws config_error 101.
-inline TimelineInSeconds to_seconds(const Timeline& timeline, double fps) {
-  const auto seconds = [&](Index frame) {
-    double t = static_cast<double>(frame) / fps;
-    while (frame_at(t, fps) < frame) t = std::nextafter(t, HUGE_VAL);  // the quotient was rounded down
-    return t;
-  };
-  TimelineInSeconds out;
-  for (const auto& i : timeline.intervals)
-    out.intervals.push_back({i.text, seconds(i.start), seconds(i.end), i.parts, i.place});
-  return out;
-}
+TimelineInSeconds to_seconds(const Timeline& timeline, double fps);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/compose/timeline.ipp>
+#endif

@@ -9,10 +9,11 @@
 ///             and one addition per term in the order written: what the published code does, and what parity needs.
 #pragma once
 
-#include <span>  // one step per sample
+#include <cmath>   // sqrt
+#include <span>    // one step per sample
+#include <vector>  // coefficients
 
 #include <motionlang/core/buffer_pool.hpp>
-#include <motionlang/diffusion/respacing.hpp>
 #include <motionlang/diffusion/schedule.hpp>
 #include <motionlang/tensor/ops.hpp>
 
@@ -41,68 +42,33 @@ class GaussianDiffusion {
   }
   /// The process that keeps only some steps (respacing.hpp): beta'_i = 1 - abar[S_i] / abar[S_{i-1}]. The network still
   /// receives the original numbers. Throws config_error 104, 105.
-  GaussianDiffusion respaced(std::span<const Index> kept) const {
-    std::vector<double> betas;
-    double last = 1;
-    for (Index t : kept) {
-      if (t < 0 || t >= steps()) raise<config_error>(105, "respacing: step ", t, " of ", steps());
-      betas.push_back(1 - abar(t) / last);
-      last = abar(t);
-    }
-    GaussianDiffusion d{BetaList{betas}};
-    d.network_t_.clear();
-    for (Index t : kept) d.network_t_.push_back(network_t(t));
-    return d;
-  }
+  GaussianDiffusion respaced(std::span<const Index> kept) const;
 
   Index steps() const { return static_cast<Index>(beta_.size()); }
-  /// The number that the network is told at index t of this process.
+  /// The number that the network receives at index t of this process.
   Index network_t(Index t) const { return network_t_[at(t)]; }
 
   double beta(Index t) const { return beta_[at(t)]; }
   double alpha(Index t) const { return 1 - beta_[at(t)]; }
   double abar(Index t) const { return abar_[at(t)]; }
   /// 1 / abar. Throws config_error 104 where nothing of x0 is left: neither noise nor score tell anything of it.
-  double inverse_abar(Index t) const {
-    if (!(abar(t) > 0)) raise<config_error>(104, "GaussianDiffusion: step ", t, " keeps nothing of x0 (abar is 0)");
-    return 1 / abar(t);
-  }
+  double inverse_abar(Index t) const;
   double abarp(Index t) const { return t == 0 ? 1 : abar_[at(t) - 1]; }
   double abarn(Index t) const { return t + 1 == steps() ? 0 : abar_[at(t) + 1]; }
   /// Variance of the posterior: beta_t (1 - abarp_t) / (1 - abar_t); 0 at t = 0.
   double posterior_variance(Index t) const { return beta(t) * (1 - abarp(t)) / (1 - abar(t)); }
   /// Its logarithm, with index 1 in place of index 0.
-  double posterior_log_variance(Index t) const {
-    return steps() == 1 ? std::log(1e-20) : std::log(posterior_variance(t == 0 ? 1 : t));
-  }
-  double large_variance(Index t) const {
-    return t == 0 ? posterior_variance(std::min<Index>(1, steps() - 1)) : beta(t);
-  }
+  double posterior_log_variance(Index t) const;
+  double large_variance(Index t) const;
   /// Weights of x0 and x_t in the posterior mean.
   double c0(Index t) const { return beta(t) * std::sqrt(abarp(t)) / (1 - abar(t)); }
   double ct(Index t) const { return (1 - abarp(t)) * std::sqrt(alpha(t)) / (1 - abar(t)); }
 
   /// Factor of the noise in an ancestral step; 0 at t = 0.
-  double noise_factor(Index t, NoiseScale scale, Variance variance = Variance::fixed_small) const {
-    if (t == 0) return 0;
-    if (scale == NoiseScale::posterior_variance)
-      return variance == Variance::fixed_small ? posterior_variance(t) : large_variance(t);
-    return std::exp(0.5 *
-                    (variance == Variance::fixed_small ? posterior_log_variance(t) : std::log(large_variance(t))));
-  }
+  double noise_factor(Index t, NoiseScale scale, Variance variance = Variance::fixed_small) const;
 
  private:
-  void build(std::vector<double> betas) {
-    double product = 1;
-    for (std::size_t t = 0; t < betas.size(); ++t) {
-      if (!(betas[t] > 0 && betas[t] <= 1))
-        raise<config_error>(104, "diffusion schedule: beta[", t, "] = ", betas[t], " is not in (0, 1]");
-      product *= 1 - betas[t];
-      abar_.push_back(product);
-    }
-    if (betas.empty()) raise<config_error>(104, "diffusion schedule: no steps");
-    beta_ = std::move(betas);
-  }
+  void build(std::vector<double> betas);
   std::size_t at(Index t) const {
     if (t < 0 || t >= steps()) raise<shape_error>(203, "GaussianDiffusion: step ", t, " of ", steps());
     return static_cast<std::size_t>(t);
@@ -216,3 +182,7 @@ Tensor<B, R> convert_prediction(const GaussianDiffusion& d, Prediction from, Pre
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/diffusion/gaussian.ipp>
+#endif

@@ -7,7 +7,10 @@
 ///     fix(x0, t)    -> the clean estimate that is used (inpainting, stitching); identity if not given
 #pragma once
 
+#include <algorithm>    // min
+#include <cmath>        // sqrt
 #include <string_view>  // names
+#include <vector>       // old values
 
 #include <motionlang/core/progress.hpp>
 #include <motionlang/core/rng.hpp>
@@ -24,10 +27,7 @@ struct StepOptions {
 };
 
 /// The process with so many of its steps, evenly kept; all of them for 0. Throws config_error 105.
-inline GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps) {
-  if (steps == 0 || steps == process.steps()) return process;
-  return process.respaced(respace(process.steps(), std::vector<Index>{steps}));
-}
+GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps);
 
 /// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a
 /// batch it sees the same noise. draw: 0 for the initial tensor, 1, 2, ... for the steps.
@@ -51,15 +51,9 @@ struct SamplingOptions {
   NoiseScale noise_scale = NoiseScale::posterior_variance;
   bool clip = false;
 };
-inline std::string_view to_string(SamplingOptions::Sampler sampler) {
-  return sampler == SamplingOptions::Sampler::ddim ? "ddim" : "ddpm";
-}
+std::string_view to_string(SamplingOptions::Sampler sampler);
 /// "ddpm" or "ddim". Throws config_error 103.
-inline SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler") {
-  if (name == "ddpm") return SamplingOptions::Sampler::ddpm;
-  if (name == "ddim") return SamplingOptions::Sampler::ddim;
-  raise<config_error>(103, where, " '", name, "' is neither ddpm nor ddim");
-}
+SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler");
 
 /// Names of the steps in the literature: x0 (clean estimate), mean of the posterior, x_{t-1}.
 template <Backend B, int R>
@@ -223,3 +217,7 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/diffusion/sampler.ipp>
+#endif

@@ -2,10 +2,7 @@
 /// Noise schedules: how much noise step t adds.
 #pragma once
 
-#include <algorithm>  // min, max
-#include <cmath>      // cos, sqrt, pow
-#include <numbers>    // pi
-#include <vector>     // lists of betas
+#include <vector>  // lists of betas
 
 #include <motionlang/core/shape.hpp>
 
@@ -28,10 +25,7 @@ struct LinearSchedule {
   Index steps = 1000;
   double scale_betas = 1;
 
-  double beta(Index t) const {
-    const double c = scale_betas * 1000 / static_cast<double>(steps), low = c * 0.0001, high = c * 0.02;
-    return steps == 1 ? low : low + (high - low) * static_cast<double>(t) / static_cast<double>(steps - 1);
-  }
+  double beta(Index t) const;
 };
 
 /// Linear in the square root, as latent diffusion has it.
@@ -39,11 +33,7 @@ struct ScaledLinearSchedule {
   Index steps = 1000;
   double b0 = 0.00085, b1 = 0.012;
 
-  double beta(Index t) const {
-    const double a = std::sqrt(b0), b = std::sqrt(b1);
-    const double r = steps == 1 ? a : a + (b - a) * static_cast<double>(t) / static_cast<double>(steps - 1);
-    return r * r;
-  }
+  double beta(Index t) const;
 };
 
 /// Nichol and Dhariwal (2021), eq. 17; the schedule of MDM and, with 100 steps, of STMC (the thesis cites Chen 2023,
@@ -53,14 +43,7 @@ struct CosineSchedule {
   Index steps = 100;
   double s = 0.008;
 
-  double beta(Index t) const {
-    auto f = [&](double u) {
-      const double c = std::cos((u + s) / (1 + s) * std::numbers::pi / 2);
-      return c * c;
-    };
-    const double n = static_cast<double>(steps), i = static_cast<double>(t);
-    return std::min(1 - f((i + 1) / n) / f(i / n), 0.999);
-  }
+  double beta(Index t) const;
 };
 
 /// Chen (2023), what the thesis cites; no published checkpoint uses it.
@@ -70,14 +53,8 @@ struct ChenCosineSchedule {
   Index steps = 100;
   double start = 0, end = 1, tau = 1, clip_min = 1e-9;
 
-  double alpha_bar(double u) const {
-    auto v = [&](double x) { return std::pow(std::cos((x * (end - start) + start) * std::numbers::pi / 2), 2 * tau); };
-    return std::clamp((v(1) - v(u)) / (v(1) - v(0)), clip_min, 1.0);
-  }
-  double beta(Index t) const {
-    const double n = static_cast<double>(steps), i = static_cast<double>(t);
-    return std::min(1 - alpha_bar((i + 1) / n) / alpha_bar(i / n), 0.999);
-  }
+  double alpha_bar(double u) const;
+  double beta(Index t) const;
 };
 
 /// Any list, for example the betas of a respaced process.
@@ -92,3 +69,7 @@ static_assert(Schedule<LinearSchedule> && Schedule<ScaledLinearSchedule> && Sche
               Schedule<ChenCosineSchedule> && Schedule<BetaList>);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/diffusion/schedule.ipp>
+#endif

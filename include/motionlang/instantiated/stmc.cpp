@@ -8,6 +8,4 @@ using B = ml::EigenBackend<float>;
 
 template struct ml::Stmc<B>;
 template ml::Stmc<B> ml::load_stmc<B>(const ml::FilePath&);
-template std::vector<ml::Timeline> ml::detail::parse_timelines_as<ml::Index>(std::string_view,
-                                                                             const ml::TimelineTextOptions&);
 template ml::Motion ml::stmc_motion<B>(const ml::Tensor<B, 2>&, double);

@@ -15,18 +15,7 @@ struct Conv1dOptions {
 
 /// Rows that a sequence of n rows becomes: floor((n + 2 padding - dilation (kernel - 1) - 1) / stride) + 1.
 /// Throws config_error 101 for options that mean nothing, shape_error 205 if the kernel does not fit into the sequence.
-inline Index conv1d_length(Index n, Index kernel, const Conv1dOptions& o) {
-  if (kernel < 1 || o.stride < 1 || o.padding < 0 || o.dilation < 1) {
-    raise<config_error>(101, "conv1d: kernel ", kernel, ", stride ", o.stride, ", padding ", o.padding, ", dilation ",
-                        o.dilation);
-  }
-  const Index last = n + 2 * o.padding - o.dilation * (kernel - 1) - 1;
-  if (last < 0) {
-    raise<shape_error>(205, "conv1d: a sequence of ", n, " rows with padding ", o.padding, " is shorter than kernel ",
-                       kernel, " with dilation ", o.dilation);
-  }
-  return last / o.stride + 1;
-}
+Index conv1d_length(Index n, Index kernel, const Conv1dOptions& o);
 
 ///     y[t] = act(bias + sum_j W[:, :, j] x[t stride + j dilation - padding]),   x = 0 outside of its sequence
 /// x packed (rows, in), weight (out, in, kernel), bias (out) or null -> packed (rows', out). Every sequence is
@@ -93,3 +82,7 @@ struct Conv1d {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/nn/conv1d.ipp>
+#endif

@@ -10,10 +10,10 @@
 ///         tm2t.md 4.3, 5.2
 #pragma once
 
-#include <algorithm>  // nth_element, sort
-#include <cmath>      // exp, log, pow
-#include <limits>     // infinity
-#include <numeric>    // accumulate, iota
+#include <algorithm>  // nth_element, max_element
+#include <array>      // one number
+#include <cmath>      // exp
+#include <vector>     // symbols
 
 #include <motionlang/core/rng.hpp>
 #include <motionlang/tensor/arg_max.hpp>
@@ -74,20 +74,7 @@ std::vector<std::vector<double>> next_probabilities(const Tensor<B, 2>& logits, 
 inline Index most_probable(std::span<const double> p) { return std::max_element(p.begin(), p.end()) - p.begin(); }
 
 /// The first symbol whose cumulative share is greater than u. Throws numeric_error 302 if nothing has any.
-inline Index draw(std::span<const double> p, double u) {
-  const double all = std::accumulate(p.begin(), p.end(), 0.0);
-  if (!(all > 0))
-    raise<numeric_error>(302, "decoding: no symbol that may follow has a probability; take a larger top_k");
-  double sum = 0;
-  Index last = 0;
-  for (Index i = 0; i < std::ssize(p); ++i) {
-    const double share = p[static_cast<std::size_t>(i)] / all;
-    if (share == 0) continue;
-    sum += share, last = i;
-    if (sum > u) break;
-  }
-  return last;
-}
+Index draw(std::span<const double> p, double u);
 
 }  // namespace detail
 
@@ -126,11 +113,7 @@ struct Decoded {
   std::vector<Index> lengths;
 
   /// What counts, without the marks.
-  IdSequences written() const {
-    std::vector<std::vector<Index>> out;
-    for (std::size_t i = 0; i < ids.size(); ++i) out.emplace_back(ids[i].begin() + 1, ids[i].begin() + 1 + lengths[i]);
-    return IdSequences::from(out);
-  }
+  IdSequences written() const;
 };
 
 /// next     takes `count` beginnings of one length
@@ -186,6 +169,18 @@ struct BeamSearch {
   std::vector<std::size_t> order{};       // of the beams, the answer first
 };
 
+namespace detail {
+
+/// Throws config_error 101 for options that mean nothing.
+void require_beams(const BeamOptions& o);
+/// The best continuations of all beams by one symbol, of which p are the probabilities.
+void continue_beams(BeamSearch& found, const std::vector<std::vector<double>>& p, const BeamOptions& o);
+bool all_ended(const BeamSearch& found, const BeamOptions& o);
+/// Lengths, order and answer.
+void order_beams(BeamSearch& found, const BeamOptions& o);
+
+}  // namespace detail
+
 ///     answer = arg max of score / length^alpha over the beams
 /// Each beam is continued by the symbols that are most probable after it, and the best of all continuations go on;
 /// until all have ended. Beams that have ended are continued, too, and go on losing score, as published.
@@ -194,53 +189,19 @@ struct BeamSearch {
 /// Throws  config_error 101 for options that mean nothing
 template <class Next>
 BeamSearch beam_search(Next&& next, const BeamOptions& o) {
-  if (o.beams < 1 || o.max_length < 2) raise<config_error>(101, "beam_search: ", o.beams, " beams of ", o.max_length);
-  struct Candidate {
-    std::size_t beam;
-    Index id;
-    double score;
-  };
-  auto best_first = [](const Candidate& a, const Candidate& b) { return a.score > b.score; };
+  detail::require_beams(o);
   BeamSearch out{{}, {{o.begin}}, {0}, {}};
-  auto ended = [&](const std::vector<Index>& beam) { return std::find(beam.begin(), beam.end(), o.end) != beam.end(); };
   for (Index length = 1; length < o.max_length; ++length) {
-    const auto p = detail::next_probabilities(next(IdSequences::from(out.beams)), 0);
-    if (o.beams > std::ssize(p[0]))
-      raise<config_error>(101, "beam_search: ", o.beams, " beams, ", p[0].size(), " symbols");
-    std::vector<Candidate> candidates;
-    for (std::size_t b = 0; b < p.size(); ++b) {
-      std::vector<Candidate> own;
-      for (std::size_t i = 0; i < p[b].size(); ++i)
-        own.push_back({b, static_cast<Index>(i), out.scores[b] + std::log(p[b][i])});
-      std::stable_sort(own.begin(), own.end(), best_first);
-      candidates.insert(candidates.end(), own.begin(), own.begin() + o.beams);
-    }
-    std::stable_sort(candidates.begin(), candidates.end(), best_first);
-    std::vector<std::vector<Index>> beams;
-    out.scores.clear();
-    for (Index b = 0; b < o.beams; ++b) {
-      const Candidate& c = candidates[static_cast<std::size_t>(b)];
-      beams.push_back(out.beams[c.beam]);
-      beams.back().push_back(c.id);
-      out.scores.push_back(c.score);
-    }
-    out.beams = std::move(beams);
+    detail::continue_beams(out, detail::next_probabilities(next(IdSequences::from(out.beams)), 0), o);
     // As published the first step is not looked at: at least two symbols are written.
-    if (length > 1 && std::all_of(out.beams.begin(), out.beams.end(), ended)) break;
+    if (length > 1 && detail::all_ended(out, o)) break;
   }
-  auto value = [&](std::size_t b) { return out.scores[b] / std::pow(static_cast<double>(out.lengths[b]), o.alpha); };
-  for (std::size_t b = 0; b < out.beams.size(); ++b) {
-    auto& beam = out.beams[b];
-    const Index first_end = std::find(beam.begin(), beam.end(), o.end) - beam.begin() + 1;
-    out.lengths.push_back(ended(beam) ? first_end : o.max_length);
-    beam.resize(static_cast<std::size_t>(o.max_length), o.pad);
-    out.order.push_back(b);
-  }
-  std::stable_sort(out.order.begin(), out.order.end(),
-                   [&](std::size_t a, std::size_t b) { return value(a) > value(b); });
-  const std::size_t best = out.order.front();
-  out.ids.assign(out.beams[best].begin(), out.beams[best].begin() + out.lengths[best]);
+  detail::order_beams(out, o);
   return out;
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/nn/decoding.ipp>
+#endif

@@ -2,6 +2,9 @@
 /// Gated recurrent unit, several layers, PyTorch's gates and names.
 #pragma once
 
+#include <string>       // keys
+#include <string_view>  // keys
+
 #include <motionlang/core/sort.hpp>
 #include <motionlang/nn/linear.hpp>
 #include <motionlang/tensor/index.hpp>
@@ -115,8 +118,8 @@ struct GruLayer {
   }
 };
 
-/// A stack of layers; every layer starts from zeros unless it is told otherwise. Official keys are weight_ih_l0, ...:
-/// see `gru_key`.
+/// A stack of layers; every layer starts from zeros unless the caller passes a state. Official keys are
+/// weight_ih_l0, ...: see `gru_key`.
 template <Backend B>
 struct Gru {
   std::vector<GruLayer<B>> layers;
@@ -156,12 +159,10 @@ struct Gru {
 
 /// "gru.layers.2.weight_ih" -> "gru.weight_ih_l2", at any depth: PyTorch numbers the parameters instead of nesting
 /// them. Other paths stay. `name`: what the model calls its Gru.
-inline std::string gru_key(const std::string& path, std::string_view name = "gru") {
-  const std::string nested = concat_text(name, ".layers.");
-  const auto at = path.find(nested);
-  if (at == path.npos || (at > 0 && path[at - 1] != '.')) return path;
-  const auto number = at + nested.size(), dot = path.find('.', number);
-  return concat_text(path.substr(0, at), name, path.substr(dot), "_l", path.substr(number, dot - number));
-}
+std::string gru_key(const std::string& path, std::string_view name = "gru");
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/nn/gru.ipp>
+#endif

@@ -2,13 +2,12 @@
 /// Initial values of parameters, as PyTorch draws them (the distributions, not the same numbers).
 #pragma once
 
-#include <cmath>    // sqrt
-#include <cstdlib>  // calloc
-#include <memory>   // owner of zeros
-#include <string>   // name of a file
-#include <utility>  // exchange
+#include <algorithm>  // fill
+#include <cmath>      // sqrt
+#include <cstdlib>    // calloc
+#include <memory>     // owner of zeros
+#include <string>     // name of a file
 
-#include <motionlang/core/thread_object.hpp>
 #include <motionlang/tensor/tensor.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -18,32 +17,17 @@ MOTIONLANG_NAMESPACE_BEGIN
 class ParameterRoom {
  public:
   /// file: its name in messages; numbers: of all its tensors
-  ParameterRoom(std::string file, Index numbers)
-      : file_(std::move(file)), numbers_(numbers), before_(std::exchange(innermost(), this)) {}
-  ~ParameterRoom() { innermost() = before_; }
+  ParameterRoom(std::string file, Index numbers);
+  ~ParameterRoom();
   ParameterRoom(const ParameterRoom&) = delete;
   ParameterRoom& operator=(const ParameterRoom&) = delete;
 
   /// Throws config_error 102 if there is no room for a parameter of this shape.
-  static void take(const Shape& shape) {
-    if (innermost() != nullptr) innermost()->take_numbers(shape);
-  }
+  static void take(const Shape& shape);
 
  private:
-  static ParameterRoom*& innermost() {
-    struct Innermost {
-      ParameterRoom* room = nullptr;
-    };
-    return thread_object<Innermost, ParameterRoom>().room;
-  }
-  void take_numbers(const Shape& shape) {
-    double count = 1;  // may be beyond Index
-    for (const Index n : shape.sizes()) count *= static_cast<double>(n);
-    taken_ += count;
-    if (taken_ > 2 * static_cast<double>(numbers_) + (1 << 24))
-      raise<config_error>(102, file_, ": ", counted(numbers_, "number"), ", a network of its sizes has at least ",
-                          taken_, ", with a tensor ", shape);
-  }
+  static ParameterRoom*& innermost();
+  void take_numbers(const Shape& shape);
 
   std::string file_;
   Index numbers_;
@@ -133,3 +117,7 @@ Tensor<B, R> constant_init(const Shape& shape, double value) {
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/nn/init.ipp>
+#endif

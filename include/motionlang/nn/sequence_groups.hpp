@@ -21,42 +21,13 @@ using SequenceShares = PoolVector<Index>;
 /// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread
 /// has a twentieth more than the mean, and that is at least the 128 rows from which on it pays to read all weights in
 /// every thread. None if there is no such number.
-inline SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads) {
-  SequenceShares out;
-  if (threads == 1) return out;
-  PoolVector<Index> rows(static_cast<std::size_t>(threads)), thread_of;
-  Index total = 0;
-  std::size_t shared = 0;
-  for (Index s : order) {
-    Index* const fewest = std::min_element(rows.begin(), rows.end());
-    thread_of.push_back(fewest - rows.begin());
-    *fewest += offsets.length(s);
-    total += offsets.length(s);
-    const Index most = *std::max_element(rows.begin(), rows.end());
-    if (total >= 128 * threads && most * threads * 20 <= total * 21) shared = thread_of.size();
-  }
-  for (std::size_t i = 0; i < shared; ++i) out.push_back(thread_of[i]);
-  return out;
-}
+SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads);
 
 /// All sequences, the longest first: shares become more equal.
-inline PoolVector<Index> longest_first(const Offsets& offsets) {
-  PoolVector<Index> order;
-  for (Index s = 0; s < offsets.count(); ++s) order.push_back(s);
-  sort(order, [&](Index a, Index b) {
-    return offsets.length(a) != offsets.length(b) ? offsets.length(a) > offsets.length(b) : a < b;
-  });
-  return order;
-}
+PoolVector<Index> longest_first(const Offsets& offsets);
 
 /// The first sequences that have at most so many rows together; at least one. There must be one.
-inline std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows) {
-  std::size_t size = 0;
-  Index sum = 0;
-  do sum += offsets.length(order[size++]);
-  while (size < order.size() && sum + offsets.length(order[size]) <= rows);
-  return order.first(size);
-}
+std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows);
 
 /// Calls put(group) for the sequences that each thread has, in groups of at most so many rows. All threads at once.
 template <class F>
@@ -130,3 +101,7 @@ Tensor<B, 2> in_groups(const Sequences<B>& x, const Offsets& results, const Cont
 
 }  // namespace detail
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/nn/sequence_groups.ipp>
+#endif

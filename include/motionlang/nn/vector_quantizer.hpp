@@ -2,8 +2,6 @@
 /// Vectors to the nearest entry of a codebook, and back: motions become words of a finite vocabulary.
 #pragma once
 
-#include <cmath>  // exp, log
-
 #include <motionlang/nn/embedding.hpp>
 #include <motionlang/tensor/arg_max.hpp>
 #include <motionlang/tensor/gradient.hpp>
@@ -12,16 +10,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// How many codes are in use, as it were:  exp(-sum_k p_k log(p_k + 1e-10)),   p_k: share of code k
-inline double code_perplexity(std::span<const Index> codes, Index codebook) {
-  std::vector<double> count(static_cast<std::size_t>(codebook));
-  for (Index k : codes) count.at(static_cast<std::size_t>(k)) += 1;
-  double entropy = 0;
-  for (double n : count) {
-    const double p = n / static_cast<double>(std::max<std::size_t>(1, codes.size()));
-    entropy -= p * std::log(p + 1e-10);
-  }
-  return std::exp(entropy);
-}
+double code_perplexity(std::span<const Index> codes, Index codebook);
 
 /// What becomes of vectors z.
 template <Backend B>
@@ -70,3 +59,7 @@ struct VectorQuantizer {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/nn/vector_quantizer.ipp>
+#endif

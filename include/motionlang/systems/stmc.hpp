@@ -5,14 +5,33 @@
 ///         motion generation" (2024). Works at test time with any denoiser of explicit poses; no training.
 #pragma once
 
-#include <map>  // texts that are the same
+#include <algorithm>  // fill_n
+#include <string>     // texts
+#include <vector>     // lengths
 
 #include <motionlang/compose/collage.hpp>
 #include <motionlang/core/rows_together.hpp>
-#include <motionlang/features/smplrifke.hpp>
 #include <motionlang/systems/detail/stmc_class.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The texts of a plan, each once; "" is the first one.
+struct DifferentTexts {
+  std::vector<std::string> texts{""};
+  std::vector<Index> which;  // of every interval
+
+  explicit DifferentTexts(const BatchPlan& plan);
+};
+
+/// Frames of all crops, in batch order.
+std::vector<Index> crop_lengths(const BatchPlan& plan);
+
+/// SMPL RIFKE features as a motion that starts facing pi.
+Motion published_motion(std::span<const double> features, double fps);
+
+}  // namespace detail
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate(std::span<const Timeline> timelines, const Philox& rng,
@@ -108,33 +127,21 @@ GaussianDiffusion Stmc<B, D, E>::process(std::optional<Index> wanted) const {
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 auto Stmc<B, D, E>::encode(const BatchPlan& plan) const -> PlanTexts {
-  std::vector<std::string> texts{""};
-  std::vector<Index> which;  // of every interval
-  std::map<std::string_view, Index> known{{"", 0}};
-  for (const TimelinePlan& p : plan.timelines) {
-    for (const Interval& i : p.timeline.intervals) {
-      const auto [place, is_new] = known.emplace(i.text, std::ssize(texts));
-      if (is_new) texts.push_back(i.text);
-      which.push_back(place->second);
-    }
-  }
+  const detail::DifferentTexts different(plan);
   const detail::RowsTogether beside_any_others(detail::RowsTogether::few);
-  auto features = text_encoder.template encode<B>(std::span<const std::string>(texts));
+  auto features = text_encoder.template encode<B>(std::span<const std::string>(different.texts));
   features.tokens.rows = text_normalizer.normalize(features.tokens.rows);
   if (denoiser.traits().empty_text_is_null) {
     std::vector<typename B::scalar> keep(static_cast<std::size_t>(features.tokens.rows.size(0)), 1);
     std::fill_n(keep.begin(), features.tokens.offsets.length(0), typename B::scalar{0});
     features.tokens.rows = features.tokens.rows * Tensor<B, 2>::from(keep, {std::ssize(keep), 1});
   }
-  return {gather(features, which), gather(features, std::vector<Index>{0})};
+  return {gather(features, different.which), gather(features, std::vector<Index>{0})};
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 Tensor<B, 2> Stmc<B, D, E>::stitch_independent(const BatchPlan& plan, const Tensor<B, 2>& x0, Index stride) const {
-  std::vector<Index> lengths;
-  for (const TimelinePlan& p : plan.timelines) {
-    for (const Crop& c : p.crops) lengths.push_back(c.range.size());
-  }
+  const std::vector<Index> lengths = detail::crop_lengths(plan);
   const auto all = reshape<3>(x0, {static_cast<Index>(lengths.size()), stride, layout.size});
   const auto clips = from_padded(all, std::span<const Index>(lengths));
   return Stitcher<B>(plan, layout, clips.offsets, plan.frames)(clips.rows);
@@ -143,7 +150,7 @@ Tensor<B, 2> Stmc<B, D, E>::stitch_independent(const BatchPlan& plan, const Tens
 template <Backend B>
 Motion stmc_motion(const Tensor<B, 2>& features, double fps) {
   const std::vector<double> values(features.span().begin(), features.span().end());
-  return smplrifke_to_motion<double>(values, {.first_angle = std::numbers::pi}, fps);
+  return detail::published_motion(values, fps);
 }
 
 /// The same model over another backend, with copies of all numbers.
@@ -169,3 +176,7 @@ void prepare(Stmc<B, D, E>& stmc) {
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/systems/stmc.ipp>
+#endif

@@ -35,15 +35,7 @@ struct KeptMotion {
 namespace detail {
 
 /// Positions of all these parts in a feature vector.
-inline std::vector<Index> positions_of(const FeatureLayout& layout, BodyParts parts) {
-  std::vector<Index> out;
-  for (int p = 0; p < body_part_count; ++p) {
-    if (!parts.has(static_cast<BodyPart>(p))) continue;
-    const std::vector<Index> own = layout.indices(static_cast<BodyPart>(p));
-    out.insert(out.end(), own.begin(), own.end());
-  }
-  return out;
-}
+std::vector<Index> positions_of(const FeatureLayout& layout, BodyParts parts);
 
 /// Normalised features where they are kept, over whatever is elsewhere.
 template <Backend B>
@@ -121,3 +113,7 @@ std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<c
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/systems/stmc_keep.ipp>
+#endif

@@ -43,17 +43,7 @@ namespace detail {
 
 /// The frames that are generated of each part: all but those of the gap before it. Throws config_error 101 where that
 /// leaves fewer than two, and for a negative gap.
-inline Offsets generated_frames(const Offsets& lengths, Index gap) {
-  if (gap < 0) raise<config_error>(101, "TEACH: a gap of ", gap, " frames");
-  PoolVector<Index> out;
-  for (Index i = 0; i < lengths.count(); ++i) {
-    out.push_back(lengths.length(i) - (i == 0 ? 0 : gap));
-    if (i > 0 && gap > 0 && out[static_cast<std::size_t>(i)] < 2)
-      raise<config_error>(101, "TEACH: action ", i, " of ", lengths.length(i), " frames with a gap of ", gap,
-                          " has to have two or more behind it");
-  }
-  return Offsets(std::span<const Index>(out));
-}
+Offsets generated_frames(const Offsets& lengths, Index gap);
 /// Parts, generated frames one behind the other, with rows of 0 in the gaps.
 template <Backend B>
 Sequences<B> with_gaps(const Tensor<B, 2>& frames, const Offsets& lengths, Index gap) {
@@ -188,3 +178,7 @@ SmplVelpMotion<typename B::scalar> teach_motion(const Normalizer<B>& normalizer,
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/systems/teach.ipp>
+#endif

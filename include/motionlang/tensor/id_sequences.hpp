@@ -2,7 +2,8 @@
 /// Sequences of symbols, packed like Sequences<B>: what models that read and write words or motion tokens take.
 #pragma once
 
-#include <algorithm>  // copy
+#include <span>    // lists
+#include <vector>  // ids
 
 #include <motionlang/core/offsets.hpp>
 
@@ -14,32 +15,13 @@ struct IdSequences {
 
   IdSequences() = default;
   /// Throws shape_error 207 unless the offsets end at the last id.
-  IdSequences(std::vector<Index> list, Offsets o) : ids(std::move(list)), offsets(std::move(o)) {
-    if (std::ssize(ids) != offsets.rows())
-      raise<shape_error>(207, "IdSequences: offsets for ", offsets.rows(), " ids, ", ids.size(), " are there");
-  }
-  static IdSequences from(const std::vector<std::vector<Index>>& lists) {
-    std::vector<Index> ids, lengths;
-    for (const auto& list : lists) {
-      ids.insert(ids.end(), list.begin(), list.end());
-      lengths.push_back(std::ssize(list));
-    }
-    return {std::move(ids), Offsets(lengths)};
-  }
+  IdSequences(std::vector<Index> list, Offsets o);
+  static IdSequences from(const std::vector<std::vector<Index>>& lists);
   static IdSequences one(std::span<const Index> list) {
     return {{list.begin(), list.end()}, Offsets{std::ssize(list)}};
   }
   /// Rows of `width` ids; those that are `pad` are left out. Throws shape_error 205 unless they are whole rows.
-  static IdSequences from_padded(std::span<const Index> padded, Index width, Index pad) {
-    if (width < 1 || std::ssize(padded) % width != 0)
-      raise<shape_error>(205, "IdSequences: ", padded.size(), " ids are no rows of ", width);
-    std::vector<std::vector<Index>> lists;
-    for (std::size_t i = 0; i < padded.size(); ++i) {
-      if (i % static_cast<std::size_t>(width) == 0) lists.emplace_back();
-      if (padded[i] != pad) lists.back().push_back(padded[i]);
-    }
-    return from(lists);
-  }
+  static IdSequences from_padded(std::span<const Index> padded, Index width, Index pad);
 
   Index count() const { return offsets.count(); }
   std::span<const Index> operator[](Index i) const {
@@ -48,16 +30,11 @@ struct IdSequences {
   }
   /// Each without its first or last ids: what is to be written, and what it is written after. Throws shape_error 207
   /// for a sequence that is shorter.
-  IdSequences without_ends(Index first, Index last) const {
-    std::vector<std::vector<Index>> lists;
-    for (Index i = 0; i < count(); ++i) {
-      const auto list = (*this)[i];
-      if (std::ssize(list) < first + last)
-        raise<shape_error>(207, "IdSequences: ", first + last, " ids less than ", list.size(), " in sequence ", i);
-      lists.emplace_back(list.begin() + first, list.end() - last);
-    }
-    return from(lists);
-  }
+  IdSequences without_ends(Index first, Index last) const;
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/tensor/id_sequences.ipp>
+#endif

@@ -97,11 +97,7 @@ Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
 }
 
 namespace detail {
-inline void check_rows(const char* op, std::span<const Index> rows, Index n) {
-  for (Index r : rows) {
-    if (r < 0 || r >= n) raise<shape_error>(203, op, ": row ", r, " of ", n);
-  }
-}
+void check_rows(const char* op, std::span<const Index> rows, Index n);
 }  // namespace detail
 
 /// out[i] = a[rows[i]]: picks along the first axis; rows may repeat. Throws shape_error 203.
@@ -121,3 +117,7 @@ requires(R > 0) Tensor<B, R> scatter_add(const Tensor<B, R>& a, std::span<const 
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/tensor/index.ipp>
+#endif

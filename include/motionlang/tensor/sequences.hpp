@@ -32,14 +32,7 @@ struct Sequences {
 };
 
 /// For every row the number of its sequence.
-inline PoolVector<Index> sequence_of_row(const Offsets& offsets) {
-  PoolVector<Index> owner;
-  owner.reserve(static_cast<std::size_t>(offsets.rows()));
-  for (Index s = 0; s < offsets.count(); ++s) {
-    for (Index i = 0; i < offsets.length(s); ++i) owner.push_back(s);
-  }
-  return owner;
-}
+PoolVector<Index> sequence_of_row(const Offsets& offsets);
 /// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width). Throws shape_error 204
 /// for another count.
 template <Backend B>
@@ -61,11 +54,7 @@ Sequences<B> repeat_sequence(const Tensor<B, 2>& rows, Index count) {
 namespace detail {
 
 /// The lengths of the sequences `which`: numbers that there are, in any order, with repetition.
-inline Offsets some_sequences(const Offsets& offsets, std::span<const Index> which) {
-  PoolVector<Index> lengths;
-  for (Index s : which) lengths.push_back(offsets.length(s));
-  return Offsets(std::span<const Index>(lengths));
-}
+Offsets some_sequences(const Offsets& offsets, std::span<const Index> which);
 /// The sequences `which`; without copying if these are all of them in order.
 template <Backend B>
 Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which) {
@@ -82,18 +71,26 @@ Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which)
   return {gather(x.rows, rows), offsets};
 }
 /// Number i times.length(i) times. Throws shape_error 204 for another number of times.
-inline PoolVector<Index> repeated_numbers(Index sequences, const Offsets& times) {
-  if (times.count() != sequences)
-    raise<shape_error>(204, "repeat_lengths: ", times.count(), " numbers of times for ", sequences, " sequences");
-  return sequence_of_row(times);
-}
+PoolVector<Index> repeated_numbers(Index sequences, const Offsets& times);
+
+/// Rows to pick, and how long the sequences of them are.
+struct PickedRows {
+  PoolVector<Index> rows;
+  Offsets offsets;
+};
+/// For concat_tokens, of the parts one behind the other. Throws shape_error 204 if the counts differ.
+PickedRows joined_sequences(std::span<const Offsets* const> parts);
+/// For last_rows. Throws shape_error 204, 207.
+PoolVector<Index> last_rows_of(const Offsets& offsets, const Offsets& tail);
+/// For from_padded: shape (batch, time, width), mask (batch, time). Throws shape_error 205.
+PickedRows valid_rows(const Shape& shape, std::span<const unsigned char> mask);
+/// The same for lengths. Throws shape_error 204, 205.
+std::vector<unsigned char> mask_of_lengths(const Shape& shape, std::span<const Index> lengths);
 
 }  // namespace detail
 
 /// Sequence i times.length(i) times, one after the other. Throws shape_error 204 for another number of times.
-inline Offsets repeat_lengths(const Offsets& offsets, const Offsets& times) {
-  return detail::some_sequences(offsets, detail::repeated_numbers(offsets.count(), times));
-}
+Offsets repeat_lengths(const Offsets& offsets, const Offsets& times);
 template <Backend B>
 Sequences<B> repeat_sequences(const Sequences<B>& x, const Offsets& times) {
   return detail::some_sequences(x, detail::repeated_numbers(x.count(), times));
@@ -104,34 +101,13 @@ Sequences<B> repeat_sequences(const Sequences<B>& x, const Offsets& times) {
 template <Backend B, class... T>
 Sequences<B> concat_tokens(const Sequences<B>& first, const T&... more) {
   const std::array<const Offsets*, 1 + sizeof...(T)> parts{&first.offsets, &more.offsets...};
-  for (const Offsets* part : parts) {
-    if (part->count() != first.count())
-      raise<shape_error>(204, "concat_tokens: ", first.count(), " sequences and ", part->count());
-  }
-  PoolVector<Index> pick, lengths;
-  for (Index s = 0; s < first.count(); ++s) {
-    Index start = 0, length = 0;  // of the part among all rows; of the joined sequence
-    for (const Offsets* part : parts) {
-      for (Index r = part->begin(s); r < part->end(s); ++r) pick.push_back(start + r);
-      start += part->rows();
-      length += part->length(s);
-    }
-    lengths.push_back(length);
-  }
-  return {gather(concat(0, first.rows, more.rows...), pick), Offsets(std::span<const Index>(lengths))};
+  auto joined = detail::joined_sequences(parts);
+  return {gather(concat(0, first.rows, more.rows...), joined.rows), std::move(joined.offsets)};
 }
 /// The last tail.length(i) rows of each sequence. Throws shape_error 204, 207.
 template <Backend B>
 Sequences<B> last_rows(const Sequences<B>& x, const Offsets& tail) {
-  if (tail.count() != x.count()) raise<shape_error>(204, "last_rows: ", x.count(), " sequences and ", tail.count());
-  PoolVector<Index> pick;
-  for (Index s = 0; s < x.count(); ++s) {
-    if (tail.length(s) > x.offsets.length(s)) {
-      raise<shape_error>(207, "last_rows: ", tail.length(s), " of ", x.offsets.length(s), " rows of sequence ", s);
-    }
-    for (Index r = x.offsets.end(s) - tail.length(s); r < x.offsets.end(s); ++r) pick.push_back(r);
-  }
-  return {gather(x.rows, pick), tail};
+  return {gather(x.rows, detail::last_rows_of(x.offsets, tail)), tail};
 }
 /// Each sequence without its first n rows.
 template <Backend B>
@@ -142,48 +118,18 @@ Sequences<B> drop_tokens(const Sequences<B>& x, Index n) {
 }
 
 /// true for the first lengths[i] of `longest` frames: (sequences, longest), row-major, 1 = valid.
-inline std::vector<unsigned char> lengths_to_mask(std::span<const Index> lengths) {
-  Index longest = 0;
-  for (Index n : lengths) longest = n > longest ? n : longest;
-  std::vector<unsigned char> mask;
-  for (Index n : lengths) {
-    for (Index i = 0; i < longest; ++i) mask.push_back(i < n ? 1 : 0);
-  }
-  return mask;
-}
+std::vector<unsigned char> lengths_to_mask(std::span<const Index> lengths);
 
 /// x (batch, time, width) and mask (batch, time; 0 = padding) to the valid rows. Padding need not be at the end.
 template <Backend B>
 Sequences<B> from_padded(const Tensor<B, 3>& x, std::span<const unsigned char> mask) {
-  const Index batch = x.size(0), time = x.size(1);
-  if (static_cast<Index>(mask.size()) != batch * time) {
-    raise<shape_error>(205, "from_padded: ", Index(mask.size()), " mask values for shape ", x.shape());
-  }
-  std::vector<Index> rows, lengths;
-  for (Index b = 0; b < batch; ++b) {
-    const auto before = static_cast<Index>(rows.size());
-    for (Index t = 0; t < time; ++t) {
-      if (mask[static_cast<std::size_t>(b * time + t)] != 0) rows.push_back(b * time + t);
-    }
-    lengths.push_back(static_cast<Index>(rows.size()) - before);
-  }
-  return {gather(reshape<2>(x, {batch * time, x.size(2)}), rows), Offsets(lengths)};
+  auto valid = detail::valid_rows(x.shape(), mask);
+  return {gather(reshape<2>(x, {x.size(0) * x.size(1), x.size(2)}), valid.rows), std::move(valid.offsets)};
 }
 /// The first lengths[i] frames of each. Throws shape_error 204, 205.
 template <Backend B>
 Sequences<B> from_padded(const Tensor<B, 3>& x, std::span<const Index> lengths) {
-  std::vector<unsigned char> mask(static_cast<std::size_t>(x.size(0) * x.size(1)));
-  if (static_cast<Index>(lengths.size()) != x.size(0)) {
-    raise<shape_error>(204, "from_padded: ", Index(lengths.size()), " lengths for shape ", x.shape());
-  }
-  for (Index b = 0; b < x.size(0); ++b) {
-    const Index length = lengths[static_cast<std::size_t>(b)];
-    if (length < 0 || length > x.size(1)) {
-      raise<shape_error>(205, "from_padded: length ", length, " of sequence ", b, " for shape ", x.shape());
-    }
-    for (Index t = 0; t < length; ++t) mask[static_cast<std::size_t>(b * x.size(1) + t)] = 1;
-  }
-  return from_padded(x, std::span<const unsigned char>(mask));
+  return from_padded(x, std::span<const unsigned char>(detail::mask_of_lengths(x.shape(), lengths)));
 }
 /// All sequences of a (batch, time, width) tensor at full length.
 template <Backend B>
@@ -208,3 +154,7 @@ Tensor<B, 3> to_padded(const Sequences<B>& x, double value = 0, Index time = 0) 
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/tensor/sequences.ipp>
+#endif

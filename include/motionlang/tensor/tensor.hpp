@@ -115,7 +115,7 @@ class Tensor {
 
 namespace detail {
 
-/// For operations whose result would not show it. Throws shape_error 206 for a tensor that is none yet.
+/// For operations whose result would not show it. Throws shape_error 206 for a tensor without numbers.
 template <Backend B, int R>
 void require_tensor(std::string_view op, const Tensor<B, R>& t) {
   if (t.shape().rank() != R) raise<shape_error>(206, op, ": no tensor yet, rank ", R, " expected");

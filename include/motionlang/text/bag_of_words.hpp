@@ -7,48 +7,24 @@
 /// Source  Salton, Buckley: "Term-weighting approaches in automatic text retrieval" (1988)
 #pragma once
 
-#include <cmath>  // log, sqrt
-#include <map>    // words
-#include <set>    // words of one text
+#include <map>          // words
+#include <string>       // words
+#include <string_view>  // texts
+#include <vector>       // rows
 
 #include <motionlang/text/text_encoder.hpp>
-#include <motionlang/text/word_piece.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 class BagOfWords {
  public:
   /// Counts each different text once. Words as WordPiece sees them.
-  explicit BagOfWords(std::span<const std::string> texts) {
-    const std::set<std::string> different(texts.begin(), texts.end());
-    std::map<std::string, Index> counts;
-    for (const std::string& t : different) {
-      const auto words = WordPiece::words(t);
-      for (const std::string& w : std::set<std::string>(words.begin(), words.end())) ++counts[w];
-    }
-    for (const auto& [word, count] : counts) {
-      const double rare = std::log((1.0 + static_cast<double>(different.size())) / (1.0 + static_cast<double>(count)));
-      words_.emplace(word, Word{static_cast<Index>(words_.size()), rare + 0.01});
-    }
-  }
+  explicit BagOfWords(std::span<const std::string> texts);
 
   /// Words, and one for all that are not known.
   Index width() const { return static_cast<Index>(words_.size()) + 1; }
 
-  std::vector<double> vector(std::string_view text) const {
-    std::vector<double> out(static_cast<std::size_t>(width()));
-    for (const std::string& w : WordPiece::words(text)) {
-      const auto found = words_.find(w);
-      if (found == words_.end())
-        out.back() += 1;
-      else
-        out[static_cast<std::size_t>(found->second.number)] += found->second.weight;
-    }
-    double squares = 0;
-    for (const double x : out) squares += x * x;
-    for (double& x : out) x /= std::max(std::sqrt(squares), 1e-12);
-    return out;
-  }
+  std::vector<double> vector(std::string_view text) const;
 
   /// A text without words is all zero.
   template <Backend B>
@@ -69,3 +45,7 @@ class BagOfWords {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/text/bag_of_words.ipp>
+#endif

@@ -10,12 +10,11 @@
 /// Differs  mojibake is not repaired (text_repair.hpp)
 #pragma once
 
-#include <memory>         // shared tables
-#include <mutex>          // the memory of words
-#include <queue>          // merges in their order
-#include <unordered_map>  // merges
+#include <memory>   // shared tables
+#include <string>   // pieces
+#include <utility>  // merges
+#include <vector>   // pieces
 
-#include <motionlang/text/text_repair.hpp>
 #include <motionlang/text/tokenizer.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -38,147 +37,8 @@ using BytePairMerges = std::vector<std::pair<std::string, std::string>>;
 
 namespace detail {
 
-/// The symbol of a byte in vocabularies: printable bytes stand for themselves, the others for U+0100 ... in their
-/// order.
-struct ByteSymbols {
-  std::array<std::string, 256> symbol;      // of a byte, UTF-8
-  std::array<unsigned char, 256> in_order;  // the bytes as the first ids have them: printable ones first
-  std::unordered_map<char32_t, unsigned char> byte;
-
-  ByteSymbols() {
-    std::size_t count = 0;
-    const auto printable = [](unsigned b) { return (b >= 0x21 && b <= 0x7E) || (b >= 0xA1 && b != 0xAD); };
-    char32_t next = 0x100;
-    for (const bool wanted : {true, false}) {
-      for (unsigned b = 0; b < 256; ++b) {
-        if (printable(b) != wanted) continue;
-        const char32_t c = wanted ? char32_t{b} : next++;
-        append_utf8(symbol[b], c);
-        in_order[count++] = static_cast<unsigned char>(b);
-        byte.emplace(c, static_cast<unsigned char>(b));
-      }
-    }
-  }
-  static const ByteSymbols& get() {
-    static const ByteSymbols symbols;
-    return symbols;
-  }
-};
-
-/// Byte pair encoding of single words: merges pairs of neighbours in the order of their rank. A constant table.
-class BytePairs {
- public:
-  /// Throws config_error 107, naming `source`, if a byte has no symbol and `unknown` < 0, or a merge names or makes no
-  /// piece.
-  BytePairs(const std::vector<std::string>& pieces, const BytePairMerges& merges, const std::string& word_end,
-            Index unknown, std::string_view source) {
-    std::unordered_map<std::string_view, Index> ids;
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      if (!ids.emplace(pieces[i], static_cast<Index>(i)).second)
-        raise<config_error>(107, source, ": piece '", pieces[i], "' stands twice, the second time as id ", i);
-    }
-    const auto id_of = [&](const std::string& piece) {
-      const auto found = ids.find(piece);
-      return found == ids.end() ? Index{-1} : found->second;
-    };
-    for (std::size_t b = 0; b < 256; ++b) {
-      const std::string& symbol = ByteSymbols::get().symbol[b];
-      for (const bool last : {false, true}) {
-        Index id = id_of(last ? symbol + word_end : symbol);
-        if (id < 0) id = unknown;
-        if (id < 0) raise<config_error>(107, source, ": no piece for byte ", b, last ? " at the end of a word" : "");
-        symbols_[last][b] = id;
-      }
-    }
-    for (std::size_t rank = 0; rank < merges.size(); ++rank) {
-      const auto& [left, right] = merges[rank];
-      const Index a = id_of(left), b = id_of(right), both = id_of(left + right);
-      for (const auto& [piece, id] : {std::pair(left, a), std::pair(right, b), std::pair(left + right, both)}) {
-        if (id < 0) raise<config_error>(107, source, ": merge ", rank, ": '", piece, "' is no piece");
-      }
-      if (!merges_.emplace(key(a, b), Merge{rank, both}).second)
-        raise<config_error>(107, source, ": merge ", rank, ": '", left, "' and '", right, "' stand twice");
-    }
-  }
-
-  /// Appends the ids of a word (bytes, not empty). O(n log n).
-  void append(std::vector<Index>& out, std::string_view word) const {
-    constexpr std::size_t none = static_cast<std::size_t>(-1);
-    struct Symbol {
-      Index id;  // -1: merged into the one before
-      std::size_t previous, next;
-    };
-    std::vector<Symbol> line(word.size());
-    for (std::size_t i = 0; i < word.size(); ++i)
-      line[i] = {symbols_[i + 1 == word.size()][static_cast<unsigned char>(word[i])], i - 1, i + 1};
-    line.front().previous = line.back().next = none;
-
-    struct Candidate {
-      std::size_t rank, at;
-      Index left, right, both;
-      bool operator>(const Candidate& o) const { return rank != o.rank ? rank > o.rank : at > o.at; }
-    };
-    std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> waiting;
-    const auto propose = [&](std::size_t at) {
-      if (at == none || line[at].next == none) return;
-      const Index left = line[at].id, right = line[line[at].next].id;
-      if (const auto m = merges_.find(key(left, right)); m != merges_.end())
-        waiting.push({m->second.rank, at, left, right, m->second.both});
-    };
-    for (std::size_t i = 0; i < word.size(); ++i) propose(i);
-    // All places of the pair of lowest rank, from left to right, before any pair that they give rise to.
-    for (std::vector<Candidate> round; !waiting.empty(); round.clear()) {
-      for (const std::size_t rank = waiting.top().rank; !waiting.empty() && waiting.top().rank == rank; waiting.pop())
-        round.push_back(waiting.top());
-      for (const Candidate& c : round) {
-        Symbol& left = line[c.at];
-        if (left.id != c.left || left.next == none || line[left.next].id != c.right) continue;
-        Symbol& right = line[left.next];
-        left.id = c.both, right.id = -1;
-        left.next = right.next;
-        if (left.next != none) line[left.next].previous = c.at;
-        propose(left.previous), propose(c.at);
-      }
-    }
-    for (std::size_t i = 0; i != none; i = line[i].next) out.push_back(line[i].id);
-  }
-
- private:
-  struct Merge {
-    std::size_t rank;
-    Index both;
-  };
-  static std::uint64_t key(Index a, Index b) {
-    return static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b);
-  }
-  std::array<std::array<Index, 256>, 2> symbols_{};  // [at the end of the word][byte]
-  std::unordered_map<std::uint64_t, Merge> merges_;
-};
-
-/// The ids of words that have been seen. Forgets all of them when it is full. One thread at a time.
-class WordCache {
- public:
-  explicit WordCache(std::size_t most) : most_(most) {}
-  static constexpr std::size_t longest = 64;  // bytes of a word that is kept
-
-  const std::vector<Index>* find(std::string_view word) const {
-    const auto found = ids_.find(word);
-    return found == ids_.end() ? nullptr : &found->second;
-  }
-  void keep(std::string_view word, std::span<const Index> ids) {
-    if (word.size() > longest || most_ == 0) return;
-    if (ids_.size() >= most_) ids_.clear();
-    ids_.emplace(std::string(word), std::vector<Index>(ids.begin(), ids.end()));
-  }
-  std::mutex mutex;  // for the owner
-
- private:
-  struct Hash : std::hash<std::string_view> {
-    using is_transparent = void;
-  };
-  std::size_t most_;
-  std::unordered_map<std::string, std::vector<Index>, Hash, std::equal_to<>> ids_;
-};
+class BytePairs;
+class WordCache;
 
 }  // namespace detail
 
@@ -186,41 +46,12 @@ class ClipTokenizer {
  public:
   /// OpenAI's ids: 256 symbols of bytes, the same at the end of words, the merges, begin, end.
   explicit ClipTokenizer(const BytePairMerges& merges, ClipTokenizerOptions options = {},
-                         std::string_view source = "ClipTokenizer")
-      : ClipTokenizer(openai_pieces(merges, options), merges, options, source) {}
+                         std::string_view source = "ClipTokenizer");
   /// Any ids. `added` instead of begin and end, as a tokenizer.json lists them: they are looked for before the words
-  /// are. Throws config_error 107, naming `source`, if begin or end is no piece, a piece stands twice or a merge needs
+  /// are. Throws config_error 107, naming `source`, if begin or end is no piece, a piece is duplicated or a merge needs
   /// a piece that there is not; 101 if options.longest leaves no room for the frame
   ClipTokenizer(std::vector<std::string> pieces, const BytePairMerges& merges, ClipTokenizerOptions options = {},
-                std::string_view source = "ClipTokenizer", const std::vector<AddedToken>& added = {})
-      : options_(std::move(options)) {
-    const auto id_of = [&](const std::string& piece) {
-      return static_cast<Index>(std::find(pieces.begin(), pieces.end(), piece) - pieces.begin());
-    };
-    const Index count = static_cast<Index>(pieces.size());
-    begin_ = id_of(options_.begin), end_ = id_of(options_.end);
-    for (const Index id : {begin_, end_}) {
-      if (id == count)
-        raise<config_error>(107, source, ": ", count, " pieces lack '", id == begin_ ? options_.begin : options_.end,
-                            "'");
-    }
-    const Index unknown = options_.unknown.empty() ? count : id_of(options_.unknown);
-    pairs_ = std::make_shared<const detail::BytePairs>(pieces, merges, options_.word_end,
-                                                       unknown == count ? Index{-1} : unknown, source);
-    pieces_ = std::make_shared<const std::vector<std::string>>(std::move(pieces));
-    cache_ = std::make_shared<detail::WordCache>(options_.cached_words);
-    std::vector<AddedToken> before, after;
-    for (AddedToken t : added) {
-      if (t.id < 0 || t.id >= count) raise<config_error>(107, source, ": id ", t.id, " among ", count, " pieces");
-      if (t.normalized) t.content = cleaned(t.content);
-      (t.normalized ? after : before).push_back(std::move(t));
-    }
-    raw_ = detail::AddedTokenSearch(std::move(before));
-    cleaned_ = detail::AddedTokenSearch(std::move(after));
-    using enum FramePart::Kind;
-    set_frames({{token, begin_}, {text_a}, {token, end_}},
-               {{token, begin_}, {text_a}, {token, end_}, {token, end_}, {text_b}, {token, end_}}, source);
-  }
+                std::string_view source = "ClipTokenizer", const std::vector<AddedToken>& added = {});
 
   const ClipTokenizerOptions& options() const { return options_; }
   const std::vector<std::string>& vocabulary() const { return *pieces_; }
@@ -231,172 +62,36 @@ class ClipTokenizer {
   Index pad_id() const { return options_.cleaning == ClipCleaning::original ? 0 : end_; }
 
   /// Other frames than begin, text, end. Throws config_error 107 for ids that are no pieces, 101 as the constructor.
-  void set_frames(std::vector<FramePart> single, std::vector<FramePart> pair, std::string_view source) {
-    for (const auto* frame : {&single, &pair}) {
-      for (const FramePart& part : *frame) {
-        if (part.kind == FramePart::token && (part.id < 0 || part.id >= size()))
-          raise<config_error>(107, source, ": id ", part.id, " among ", size(), " pieces");
-      }
-      if (options_.longest < static_cast<Index>(detail::frame_size(*frame)))
-        raise<config_error>(101, source, ": at most ", options_.longest, " ids, the frame has ",
-                            detail::frame_size(*frame));
-    }
-    single_ = std::move(single), pair_ = std::move(pair);
-  }
+  void set_frames(std::vector<FramePart> single, std::vector<FramePart> pair, std::string_view source);
 
   /// The framed ids of a text, at most options().longest: a text that is longer loses its last words, or throws
   /// config_error 101.
-  std::vector<Index> encode(std::string_view text) const {
-    return detail::framed_text("ClipTokenizer", single_, encode_words(text), options_.longest, options_.truncate);
-  }
+  std::vector<Index> encode(std::string_view text) const;
   /// Two texts in one frame; never cut.
-  TokenPair encode_pair(std::string_view a, std::string_view b) const {
-    return detail::framed_pair("ClipTokenizer", pair_, encode_words(a), encode_words(b), options_.longest);
-  }
+  TokenPair encode_pair(std::string_view a, std::string_view b) const;
   /// Without a frame, of any length.
-  std::vector<Index> encode_words(std::string_view text) const {
-    std::vector<Index> ids;
-    const std::unique_lock lock(cache_->mutex, std::try_to_lock);  // a second thread does without the cache
-    detail::WordCache* cache = lock.owns_lock() ? cache_.get() : nullptr;
-    const auto special = [&](Index id) { ids.push_back(id); };
-    raw_.split(
-        text,
-        [&](std::string_view part) {
-          const std::string clean = cleaned(part);
-          cleaned_.split(
-              clean, [&](std::string_view words) { append_words(ids, words, cache); }, special);
-        },
-        special);
-    return ids;
-  }
+  std::vector<Index> encode_words(std::string_view text) const;
 
   /// The text that ids spell, in lower case with a blank behind every word; begin and end are left out. Throws
-  /// shape_error 203 for an id that is none.
-  std::string decode(std::span<const Index> ids) const {
-    std::string out;
-    for (const Index id : ids) {
-      if (id < 0 || id >= size()) raise<shape_error>(203, "ClipTokenizer: id ", id, " of ", size());
-      if (id == begin_ || id == end_ || raw_.has(id) || cleaned_.has(id)) continue;
-      std::string_view piece = (*pieces_)[static_cast<std::size_t>(id)];
-      const bool last = !options_.word_end.empty() && piece.ends_with(options_.word_end);
-      if (last) piece.remove_suffix(options_.word_end.size());
-      for (std::size_t at = 0; at < piece.size();) {
-        const auto byte = detail::ByteSymbols::get().byte.find(decode_utf8(piece, at));
-        if (byte != detail::ByteSymbols::get().byte.end()) out += static_cast<char>(byte->second);
-      }
-      if (last) out += ' ';
-    }
-    if (out.ends_with(' ')) out.pop_back();
-    return out;
-  }
+  /// shape_error 203 for an id that is not one of the vocabulary.
+  std::string decode(std::span<const Index> ids) const;
 
   /// The text of which words are taken.
-  std::string cleaned(std::string_view text) const {
-    std::string kept;
-    if (options_.cleaning == ClipCleaning::original) {
-      kept = repair_text(text);
-      if (kept.find('&') != kept.npos) kept = html_unescape(html_unescape(kept));
-      text = kept;
-    }
-    const bool ascii =
-        std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
-    std::string out;
-    out.reserve(text.size());
-    if (ascii) {
-      for (const char c : text) {
-        const bool white = (char_class(static_cast<unsigned char>(c)) & CharClass::white_space) != 0;
-        if (!white)
-          out += static_cast<char>(lower_case(char32_t{static_cast<unsigned char>(c)}));
-        else if (!out.empty() && out.back() != ' ')
-          out += ' ';
-      }
-      if (out.ends_with(' ')) out.pop_back();
-      return out;
-    }
-    std::u32string single;
-    const bool original = options_.cleaning == ClipCleaning::original;
-    const std::u32string all = to_utf32(text);
-    for (const char32_t c : original ? all : nfc(all)) {
-      if ((char_class(c) & CharClass::white_space) == 0)
-        single += c;
-      else if (!single.empty() && single.back() != U' ')
-        single += U' ';
-    }
-    if (single.ends_with(U' ')) single.pop_back();
-    return to_utf8(lower_case(single, original));
-  }
+  std::string cleaned(std::string_view text) const;
 
  private:
-  static std::vector<std::string> openai_pieces(const BytePairMerges& merges, const ClipTokenizerOptions& options) {
-    const detail::ByteSymbols& symbols = detail::ByteSymbols::get();
-    std::vector<std::string> pieces;
-    for (const char* end : {"", options.word_end.c_str()}) {
-      for (const unsigned char b : symbols.in_order) pieces.push_back(symbols.symbol[b] + end);
-    }
-    for (const auto& [left, right] : merges) pieces.push_back(left + right);
-    pieces.insert(pieces.end(), {options.begin, options.end});
-    return pieces;
-  }
+  static std::vector<std::string> openai_pieces(const BytePairMerges& merges, const ClipTokenizerOptions& options);
 
   /// What a word may begin with, in the order in which it is tried. Without case, as the original compares, the long s
   /// is an s.
-  std::size_t literal_at(std::string_view text) const {
-    if (text.front() != '<' && text.front() != '\'') return 0;
-    for (const std::string_view literal :
-         {"<|startoftext|>", "<|endoftext|>", "'s", "'t", "'re", "'ve", "'m", "'ll", "'d"}) {
-      if (const std::size_t size = folded_prefix(text, literal); size != 0) return size;
-    }
-    return 0;
-  }
-  std::size_t folded_prefix(std::string_view text, std::string_view literal) const {
-    std::size_t at = 0;
-    for (const char c : literal) {
-      if (at < text.size() && text[at] == c)
-        ++at;
-      else if (c == 's' && options_.cleaning == ClipCleaning::original && text.substr(at).starts_with("\xC5\xBF"))
-        at += 2;
-      else
-        return 0;
-    }
-    return at;
-  }
+  std::size_t literal_at(std::string_view text) const;
+  std::size_t folded_prefix(std::string_view text, std::string_view literal) const;
 
   /// Words: the literals, runs of letters, single numbers, runs of what is neither nor white space. U+0345 is lost in
   /// the original: it is no letter, but without case it is the iota, which is one, so that neither kind of run takes
   /// it.
-  void append_words(std::vector<Index>& ids, std::string_view text, detail::WordCache* cache) const {
-    const auto kind_of = [&](char32_t c) {
-      if (c == 0x345 && options_.cleaning == ClipCleaning::original) return CharClass::white_space;
-      return char_class(c) & (CharClass::letter | CharClass::number | CharClass::white_space);
-    };
-    for (std::size_t at = 0; at < text.size();) {
-      const std::size_t begin = at;
-      if (const std::size_t size = literal_at(text.substr(at)); size != 0) {
-        at += size;
-      } else {
-        const unsigned kind = kind_of(decode_utf8(text, at));
-        if (kind == CharClass::white_space) continue;
-        for (std::size_t next = at; kind != CharClass::number && at < text.size(); at = next) {
-          if (kind_of(decode_utf8(text, next)) != kind) break;
-        }
-      }
-      append_word(ids, text.substr(begin, at - begin), cache);
-    }
-  }
-  void append_word(std::vector<Index>& ids, std::string_view word, detail::WordCache* cache) const {
-    const bool marks = raw_.empty() && cleaned_.empty();  // added tokens have been taken out already
-    if (marks && (word == options_.begin || word == options_.end)) {
-      ids.push_back(word == options_.begin ? begin_ : end_);
-      return;
-    }
-    if (const auto* known = cache != nullptr ? cache->find(word) : nullptr; known != nullptr) {
-      ids.insert(ids.end(), known->begin(), known->end());
-      return;
-    }
-    const std::size_t before = ids.size();
-    pairs_->append(ids, word);
-    if (cache != nullptr) cache->keep(word, std::span(ids).subspan(before));
-  }
+  void append_words(std::vector<Index>& ids, std::string_view text, detail::WordCache* cache) const;
+  void append_word(std::vector<Index>& ids, std::string_view word, detail::WordCache* cache) const;
 
   ClipTokenizerOptions options_;
   std::shared_ptr<const std::vector<std::string>> pieces_;
@@ -410,3 +105,7 @@ class ClipTokenizer {
 static_assert(Tokenizer<ClipTokenizer>);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/text/clip_tokenizer.ipp>
+#endif

@@ -27,35 +27,21 @@ struct NoTagger {};
 
 /// The words joined by single blanks, "ing" after the second verb unless it ends so. Naive as published: "run" becomes
 /// "runing". Of a word its form in the sentence is wanted, not its lemma; verbs have the tag "VERB".
-inline std::string second_verb_to_gerund(std::span<const TaggedWord> words) {
-  std::string out;
-  int verbs = 0;
-  for (const TaggedWord& w : words) {
-    if (!out.empty()) out += ' ';
-    out += w.word;
-    if (w.tag == "VERB" && ++verbs == 2 && !w.word.ends_with("ing")) out += "ing";
-  }
-  return out;
-}
+std::string second_verb_to_gerund(std::span<const TaggedWord> words);
+
+namespace detail {
+
+/// Without a tagger.
+std::string sentence_of_labels(std::span<const std::string> labels, Conjunction conjunction);
+
+}  // namespace detail
 
 /// No label: an empty sentence.
 template <class Tagger = NoTagger>
 std::string join_labels(std::span<const std::string> labels, Conjunction conjunction, Tagger&& tagger = {}) {
-  using enum Conjunction;
-  const bool several = labels.size() > 1;
-  const std::string_view between = conjunction == while_   ? " while "
-                                   : conjunction == during ? " during "
-                                   : conjunction == comma  ? ", "
-                                                           : " and ";
-  std::string out;
-  for (const std::string& label : labels) {
-    if (&label != labels.data()) out += between;
-    out += label;
-  }
-  if (several && conjunction == simultaneously) out = "simultaneously " + out;
-  if (several && conjunction == same_time) out += " at the same time";
+  std::string out = detail::sentence_of_labels(labels, conjunction);
   if constexpr (!std::is_same_v<std::remove_cvref_t<Tagger>, NoTagger>) {
-    if (!labels.empty() && (conjunction == while_ || conjunction == during)) {
+    if (!labels.empty() && (conjunction == Conjunction::while_ || conjunction == Conjunction::during)) {
       const std::vector<TaggedWord> words = tagger(std::string_view(out));
       return second_verb_to_gerund(words);
     }
@@ -64,3 +50,7 @@ std::string join_labels(std::span<const std::string> labels, Conjunction conjunc
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/text/joined_labels.ipp>
+#endif

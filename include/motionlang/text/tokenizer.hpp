@@ -32,15 +32,7 @@ struct TokenBatch {
 
   /// (texts, width), filled up with `pad` on the right; width 0: that of the longest text. Throws shape_error 204 if a
   /// text is longer.
-  std::vector<Index> padded(Index pad, Index width = 0) const {
-    if (width == 0) width = longest();
-    if (width < longest()) raise<shape_error>(204, "padded: width ", width, ", a text of ", longest(), " ids");
-    std::vector<Index> out(static_cast<std::size_t>(count() * width), pad);
-    auto from = ids.begin();
-    for (std::size_t i = 0; i < lengths.size(); from += lengths[i], ++i)
-      std::copy_n(from, lengths[i], out.begin() + static_cast<std::ptrdiff_t>(i) * width);
-    return out;
-  }
+  std::vector<Index> padded(Index pad, Index width = 0) const;
 };
 
 template <Tokenizer T>
@@ -69,12 +61,7 @@ namespace detail {
 class AddedTokenSearch {
  public:
   AddedTokenSearch() = default;
-  explicit AddedTokenSearch(std::vector<AddedToken> tokens) : tokens_(std::move(tokens)) {
-    std::erase_if(tokens_, [](const AddedToken& t) { return t.content.empty(); });
-    std::stable_sort(tokens_.begin(), tokens_.end(),
-                     [](const AddedToken& a, const AddedToken& b) { return a.content.size() > b.content.size(); });
-    for (const AddedToken& t : tokens_) begins_[static_cast<unsigned char>(t.content.front())] = true;
-  }
+  explicit AddedTokenSearch(std::vector<AddedToken> tokens);
   bool empty() const { return tokens_.empty(); }
   bool has(Index id) const {
     return std::any_of(tokens_.begin(), tokens_.end(), [&](const AddedToken& t) { return t.id == id; });
@@ -98,12 +85,7 @@ class AddedTokenSearch {
   }
 
  private:
-  const AddedToken* match(std::string_view text) const {
-    for (const AddedToken& t : tokens_) {
-      if (text.starts_with(t.content)) return &t;
-    }
-    return nullptr;
-  }
+  const AddedToken* match(std::string_view text) const;
 
   std::vector<AddedToken> tokens_;
   std::array<bool, 256> begins_{};
@@ -128,46 +110,23 @@ struct TokenPair {
 
 namespace detail {
 
-inline TokenPair framed(std::span<const FramePart> frame, std::span<const Index> a, std::span<const Index> b = {}) {
-  TokenPair out;
-  for (const FramePart& part : frame) {
-    if (part.kind == FramePart::token) {
-      out.ids.push_back(part.id);
-    } else {
-      const auto text = part.kind == FramePart::text_a ? a : b;
-      out.ids.insert(out.ids.end(), text.begin(), text.end());
-    }
-    out.types.resize(out.ids.size(), part.type);
-  }
-  return out;
-}
+TokenPair framed(std::span<const FramePart> frame, std::span<const Index> a, std::span<const Index> b = {});
 
 /// Ids that a frame adds to its texts.
-inline std::size_t frame_size(std::span<const FramePart> frame) {
-  return static_cast<std::size_t>(
-      std::count_if(frame.begin(), frame.end(), [](const FramePart& p) { return p.kind == FramePart::token; }));
-}
+std::size_t frame_size(std::span<const FramePart> frame);
 
 /// The ids of a text in its frame, no more than `longest`: what is beyond is cut off, or throws config_error 101 unless
 /// `truncate`.
-inline std::vector<Index> framed_text(std::string_view tokenizer, std::span<const FramePart> frame,
-                                      std::vector<Index> ids, Index longest, bool truncate) {
-  const std::size_t around = frame_size(frame), room = static_cast<std::size_t>(longest) - around;
-  if (ids.size() > room) {
-    if (!truncate) raise<config_error>(101, tokenizer, ": a text of ", ids.size() + around, " ids, at most ", longest);
-    ids.resize(room);
-  }
-  return framed(frame, ids).ids;
-}
+std::vector<Index> framed_text(std::string_view tokenizer, std::span<const FramePart> frame, std::vector<Index> ids,
+                               Index longest, bool truncate);
 /// Two texts in one frame; never cut. Throws config_error 101 beyond `longest` ids.
-inline TokenPair framed_pair(std::string_view tokenizer, std::span<const FramePart> frame, std::span<const Index> a,
-                             std::span<const Index> b, Index longest) {
-  TokenPair out = framed(frame, a, b);
-  if (std::ssize(out.ids) > longest)
-    raise<config_error>(101, tokenizer, ": a text of ", out.ids.size(), " ids, at most ", longest);
-  return out;
-}
+TokenPair framed_pair(std::string_view tokenizer, std::span<const FramePart> frame, std::span<const Index> a,
+                      std::span<const Index> b, Index longest);
 
 }  // namespace detail
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/text/tokenizer.ipp>
+#endif

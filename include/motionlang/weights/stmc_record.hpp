@@ -7,6 +7,7 @@
 ///            end, body parts as bits; their texts are metadata text/0/0, ...
 #pragma once
 
+#include <motionlang/compose/detail/seconds_text.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/file/detail/content_hash.hpp>
 #include <motionlang/systems/stmc_edit.hpp>

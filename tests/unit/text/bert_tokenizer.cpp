@@ -117,7 +117,7 @@ TEST_CASE("BertTokenizer: decoding") {
 }
 
 TEST_CASE("BertTokenizer: vocabularies that cannot work") {
-  CHECK_ERROR(BertTokenizer({"[UNK]", "[CLS]", "[SEP]", "a", "a"}), "piece 'a' stands twice, the second time as id 4");
+  CHECK_ERROR(BertTokenizer({"[UNK]", "[CLS]", "[SEP]", "a", "a"}), "piece 'a' is duplicated, the second time as id 4");
   CHECK_ERROR(BertTokenizer({"[UNK]", "[CLS]", "a"}),
               "[motionlang.config.107] BertTokenizer: a vocabulary of 3 pieces lacks '[SEP]'");
   CHECK_ERROR(BertTokenizer({"[UNK]", "[CLS]", "[SEP]", ""}), "piece 3 is empty");

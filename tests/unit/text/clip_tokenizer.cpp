@@ -1,6 +1,8 @@
 // CLIP's tokenizer with a few merges: ids, cleaning, frames, threads. The repair of texts. Spec text-encoders.md 9 and
 // 12.2.
 #include <motionlang/text/clip_tokenizer.hpp>
+#include <motionlang/text/detail/byte_symbols.hpp>
+#include <motionlang/text/text_repair.hpp>
 
 #include <thread>
 
@@ -157,7 +159,7 @@ TEST_CASE("ClipTokenizer: decoding") {
 TEST_CASE("ClipTokenizer: vocabularies that cannot work") {
   CHECK_ERROR(ClipTokenizer(ml::BytePairMerges{{"w", "xyz"}}),
               "[motionlang.config.107] ClipTokenizer: merge 0: 'xyz' is no piece");
-  CHECK_ERROR(ClipTokenizer(ml::BytePairMerges{{"w", "a"}, {"w", "a"}}), "stands twice");
+  CHECK_ERROR(ClipTokenizer(ml::BytePairMerges{{"w", "a"}, {"w", "a"}}), "is duplicated");
   CHECK_ERROR(ClipTokenizer(std::vector<std::string>{"a"}, {}), "1 pieces lack '<|startoftext|>'");
   ClipTokenizerOptions options;
   options.unknown = "";

@@ -88,5 +88,5 @@ TEST_CASE("texts without words, unknown words, long texts") {
 TEST_CASE("vocabularies that cannot be are refused") {
   CHECK_ERROR(WordPiece(Words{}), "[motionlang.config.107] WordPiece");
   CHECK_ERROR(WordPiece({"[SEP]", "[CLS]", "[UNK]"}), "[motionlang.config.107]");
-  CHECK_ERROR(WordPiece({"[CLS]", "[SEP]", "[UNK]", "a", "b", "a"}), "piece 'a' stands twice");
+  CHECK_ERROR(WordPiece({"[CLS]", "[SEP]", "[UNK]", "a", "b", "a"}), "piece 'a' is duplicated");
 }

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+// Bodies of timeline_text.hpp.
+#pragma once
+
+#include <cmath>        // abs
+#include <type_traits>  // frames or seconds
+
+#include <motionlang/compose/detail/timeline_line.hpp>
+#include <motionlang/compose/timeline_text.hpp>
+#include <motionlang/core/text_lines.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// T = Index: frames at options.fps; T = double: seconds.
+template <class T>
+BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOptions& options) {
+  if (line.fields() < 3) line.fail(501, line.fields(), "expected 'text # start # end # body parts'");
+  const auto time = [&](std::size_t i) {
+    if constexpr (std::is_same_v<T, Index>) {
+      const double seconds = line.seconds(i);
+      if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, i, "'", line.field(i), "' is too late");
+      return frame_at(seconds, options.fps);
+    } else {
+      return line.seconds(i);
+    }
+  };
+  BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3), line.place(0)};
+  if (out.parts == BodyParts{} && !options.as_published) out.parts = BodyParts::all();
+  if (!(out.start < out.end) && !options.as_published) {
+    line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s ",
+              line.seconds(1) < line.seconds(2) ? "has no frame" : "is empty or ends before it starts");
+  }
+  return out;
+}
+
+template <class T>
+std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const TimelineTextOptions& options) {
+  if (!(options.fps > 0)) raise<config_error>(101, "parse_timelines: fps ", options.fps);
+  std::vector<BasicTimeline<T>> out;
+  bool inside = false;
+  for_each_line(text, [&](std::string_view line, Index number) {
+    const bool blank = trim(line).empty();
+    if (!blank) {
+      if (!inside) out.emplace_back();
+      out.back().intervals.push_back(parse_interval<T>(TimelineLine(line, number, options.name), options));
+    }
+    inside = !blank;
+  });
+  if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
+  for (auto& timeline : out) {
+    shift_to_zero(timeline);
+    for (const auto& i : timeline.intervals) {
+      if (i.end <= static_cast<T>(latest_time)) continue;
+      fail_at(502, options.name, i.place, "a timeline that lasts ", i.end, " is too long");
+    }
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<Timeline> parse_timelines(std::string_view text, const TimelineTextOptions& options) {
+  return detail::parse_timelines_as<Index>(text, options);
+}
+
+MOTIONLANG_BODY std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_view text,
+                                                                          const TimelineTextOptions& options) {
+  return detail::parse_timelines_as<double>(text, options);
+}
+
+MOTIONLANG_BODY Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options) {
+  auto all = parse_timelines(text, options);
+  if (all.size() > 1)
+    detail::fail_at(509, options.name, all[1].intervals.front().place, all.size(), " timelines where one is expected");
+  return std::move(all.front());
+}
+
+MOTIONLANG_BODY bool is_text_list(std::string_view text, const TimelineTextOptions& options) {
+  Index lines = 0, short_lines = 0, lines_with_parts = 0;
+  detail::for_each_line(text, [&](std::string_view content, Index number) {
+    if (detail::trim(content).empty()) return;
+    ++lines;
+    const detail::TimelineLine line(content, number, options.name);
+    if (line.fields() < 3)
+      ++short_lines;
+    else if (parse_body_part(line.field(2)))
+      ++lines_with_parts;
+  });
+  return options.as_published ? short_lines > 0 : lines > 0 && short_lines + lines_with_parts == lines;
+}
+
+MOTIONLANG_BODY std::vector<TimedText> parse_text_list(std::string_view text, const TimelineTextOptions& options) {
+  std::vector<TimedText> out;
+  detail::for_each_line(text, [&](std::string_view content, Index number) {
+    if (detail::trim(content).empty()) return;
+    const detail::TimelineLine line(content, number, options.name);
+    if (line.fields() < 2) line.fail(501, line.fields(), "expected 'text # duration'");
+    if (!options.as_published) line.parts(2);
+    const double seconds = line.seconds(1);
+    if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, 1, "'", line.field(1), "' is too long");
+    const Index frames = frame_at(seconds, options.fps);
+    if (frames <= 0 && !options.as_published) line.fail(504, 1, "a duration of ", line.field(1), " s has no frame");
+    out.push_back({line.text(), frames});
+  });
+  if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
+  return out;
+}
+
+MOTIONLANG_BODY std::string write_timelines(std::span<const TimelineInSeconds> timelines) {
+  using enum BodyPart;
+  std::string out;
+  for (const TimelineInSeconds& timeline : timelines) {
+    for (const IntervalInSeconds& i : timeline.intervals) {
+      if (i.text.find_first_of("#\r\n") != i.text.npos) {
+        raise<timeline_error>(510, "write_timelines: the text '", i.text, "' contains '#' or a line end");
+      }
+      out += i.text + " # ";
+      detail::append_python_float(out, i.start);
+      out += " # ";
+      detail::append_python_float(out, i.end);
+      for (BodyPart part : {head, left_arm, legs, right_arm, spine}) {
+        if (i.parts.has(part)) out += " # " + to_string(part);
+      }
+      out += '\n';
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string write_timeline(const TimelineInSeconds& timeline) {
+  return write_timelines(std::span(&timeline, 1));
+}
+
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,5 @@
+// SPDX-License-Identifier: MIT
+// Bodies of the headers in systems/, compiled once for motionlang::instantiated.
+#include <motionlang/systems/stmc.ipp>
+#include <motionlang/systems/stmc_keep.ipp>
+#include <motionlang/systems/teach.ipp>
