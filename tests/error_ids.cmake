@@ -22,7 +22,7 @@ function(read_all text)
   endforeach()
   set(${text} "${all}" PARENT_SCOPE)
 endfunction()
-read_all(library ${ROOT}/include/motionlang/*.hpp)
+read_all(library ${ROOT}/include/motionlang/*.hpp ${ROOT}/include/motionlang/*.ipp)
 read_all(tests ${ROOT}/tests/unit/*.cpp ${ROOT}/tests/laws/*.hpp ${ROOT}/tests/systems/*.cpp)
 
 set(mistakes "")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Bodies of vector_scan.hpp: the split of the work over threads, and who is compared exactly.
+// Bodies of row_scan.hpp: the split of the work over threads, and who is compared exactly.
 #pragma once
 
 #include <algorithm>  // max_element
@@ -9,8 +9,8 @@
 
 #include <motionlang/backend/kernel_ops.ipp>
 #include <motionlang/core/parallel.hpp>
+#include <motionlang/search/detail/row_scan.hpp>
 #include <motionlang/search/detail/scan_kernels.hpp>
-#include <motionlang/search/vector_scan.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
