@@ -18,11 +18,13 @@
 #pragma once
 
 #include <algorithm>      // find, none_of
+#include <map>            // files of shards
 #include <unordered_map>  // objects that were looked into
 
 #include <motionlang/file/detail/inflate.hpp>
 #include <motionlang/file/file_value.hpp>
 #include <motionlang/file/gzip.hpp>
+#include <motionlang/file/json.hpp>
 #include <motionlang/file/npz.hpp>
 #include <motionlang/file/pickle_arrays.hpp>
 #include <motionlang/file/safetensors.hpp>
