@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Bodies of the headers in datasets/, compiled once for motionlang::instantiated.
 #include <motionlang/datasets/amass_releases.ipp>
-#include <motionlang/datasets/annotations.ipp>
-#include <motionlang/datasets/babel.ipp>
 #include <motionlang/datasets/babel_segment.ipp>
-#include <motionlang/datasets/body_part_table.ipp>
 #include <motionlang/datasets/guo_clip.ipp>
 #include <motionlang/datasets/humanml3d_folder.ipp>
 #include <motionlang/datasets/humanml3d_source.ipp>
 #include <motionlang/datasets/humanml3d_texts.ipp>
-#include <motionlang/datasets/kit_recordings.ipp>
 #include <motionlang/datasets/motion_tokens.ipp>
 #include <motionlang/datasets/simultaneous_segments.ipp>
 #include <motionlang/datasets/sinc_items.ipp>

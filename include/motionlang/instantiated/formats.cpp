@@ -9,12 +9,7 @@
 #include <motionlang/formats/bvh_text.ipp>
 #include <motionlang/formats/detail/figure_mesh.ipp>
 #include <motionlang/formats/detail/figure_pose.ipp>
-#include <motionlang/formats/detail/gltf_animation.ipp>
-#include <motionlang/formats/detail/gltf_skeleton.ipp>
 #include <motionlang/formats/figure.ipp>
-#include <motionlang/formats/glb_reader.ipp>
-#include <motionlang/formats/glb_rig.ipp>
-#include <motionlang/formats/glb_writer.ipp>
 #include <motionlang/formats/mdm_results.ipp>
 #include <motionlang/formats/merged_body.ipp>
 #include <motionlang/formats/motion_npy.ipp>

@@ -6,4 +6,3 @@
 #include <motionlang/view/inspection_page.ipp>
 #include <motionlang/view/search_page.ipp>
 #include <motionlang/view/track.ipp>
-#include <motionlang/view/viewer.ipp>

@@ -1,0 +1,6 @@
+// SPDX-License-Identifier: MIT
+// Bodies of the headers in datasets/ that need nlohmann/json.hpp, compiled once for motionlang::instantiated.
+#include <motionlang/datasets/annotations.ipp>
+#include <motionlang/datasets/babel.ipp>
+#include <motionlang/datasets/body_part_table.ipp>
+#include <motionlang/datasets/kit_recordings.ipp>

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: MIT
+// Bodies of the headers in formats/ that need nlohmann/json.hpp, compiled once for motionlang::instantiated.
+#include <motionlang/formats/detail/gltf_animation.ipp>
+#include <motionlang/formats/detail/gltf_skeleton.ipp>
+#include <motionlang/formats/glb_reader.ipp>
+#include <motionlang/formats/glb_rig.ipp>
+#include <motionlang/formats/glb_writer.ipp>

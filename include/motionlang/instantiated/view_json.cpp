@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: MIT
+// Bodies of the headers in view/ that need nlohmann/json.hpp, compiled once for motionlang::instantiated.
+#include <motionlang/view/viewer.ipp>
