@@ -10,6 +10,7 @@
 #include <new>
 
 #include <motionlang/file/pickle.hpp>
+#include <motionlang/file/torch_file.hpp>
 #include <motionlang/weights/weight_file.hpp>
 
 #include "../support/joblib_dump.hpp"

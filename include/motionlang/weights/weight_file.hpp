@@ -46,7 +46,10 @@ WeightFile open_weights(const FilePath& path, const WeightOptions& options = {})
 
 namespace detail {
 class WeightReader;
-}
+/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`. Looks how long it is before it
+/// allocates.
+std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::size_t limit, const std::string& name);
+}  // namespace detail
 
 /// Tensors of a file, sorted by name, and what else it says. A tensor in dictionaries is called by their keys, joined
 /// with '.' in PyTorch's files and with '/' in others; a tensor on its own is called "array".

@@ -408,9 +408,8 @@ inline bool is_zlib(std::span<const std::byte> bytes) {
   return first == 0x78 && (first * 256 + second) % 31 == 0;
 }
 
-/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`. Looks how long it is before it
-/// allocates.
-inline std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::size_t limit, const std::string& name) {
+MOTIONLANG_BODY std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::size_t limit,
+                                                 const std::string& name) {
   ByteCount size;
   inflate_to(size, bytes.subspan(2), limit, name);
   Inflated unpacked = inflate(bytes.subspan(2), limit, name, size.bytes);

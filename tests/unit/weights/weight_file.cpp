@@ -4,6 +4,7 @@
 
 #include <motionlang/file/key_report.hpp>
 #include <motionlang/file/npy.hpp>
+#include <motionlang/file/torch_file.hpp>
 #include <motionlang/file/zip.hpp>
 #include <motionlang/weights/weight_file.hpp>
 
