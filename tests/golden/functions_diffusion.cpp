@@ -3,6 +3,7 @@
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>
 #include <motionlang/diffusion/guidance.hpp>
+#include <motionlang/diffusion/respacing.hpp>
 #include <motionlang/loss/reconstruction.hpp>
 
 #include "tensors.hpp"

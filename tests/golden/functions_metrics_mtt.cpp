@@ -1,5 +1,6 @@
 // Golden functions: STMC's evaluation on MTT.
 #include <motionlang/compose/mtt_timelines.hpp>
+#include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/metrics/mtt.hpp>
 
 #include "geometry.hpp"

@@ -2,6 +2,8 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/compose/collage.hpp>
 
+#include <map>
+
 #include "../../support/check_error.hpp"
 #include "../../support/tensors.hpp"
 

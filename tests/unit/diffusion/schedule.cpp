@@ -1,6 +1,7 @@
 // Schedules and respacing: end values, the published and the corrected noise, what is refused. The laws are in
 // tests/laws.
 #include <motionlang/diffusion/gaussian.hpp>
+#include <motionlang/diffusion/respacing.hpp>
 
 #include "../../support/check_error.hpp"
 
