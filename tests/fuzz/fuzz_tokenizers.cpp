@@ -4,6 +4,7 @@
 // refused with an error of the library; any text gets ids of the vocabulary.
 #include <cstdint>
 
+#include <motionlang/text/text_repair.hpp>
 #include <motionlang/text/unicode.hpp>
 #include <motionlang/weights/text_network_file.hpp>
 #include <motionlang/weights/tokenizer_json.hpp>
