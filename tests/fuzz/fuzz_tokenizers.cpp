@@ -6,6 +6,8 @@
 
 #include <motionlang/file/gzip.hpp>
 #include <motionlang/file/json.hpp>
+#include <motionlang/text/text_repair.hpp>
+#include <motionlang/text/unicode.hpp>
 #include <motionlang/weights/text_network_file.hpp>
 #include <motionlang/weights/tokenizer_json.hpp>
 
