@@ -8,6 +8,7 @@
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/file/npy.hpp>
 #include <motionlang/formats/motion_npy.hpp>
+#include <motionlang/kinematics/motion_from_joints.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 

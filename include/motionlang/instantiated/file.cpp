@@ -8,12 +8,9 @@
 #include <motionlang/file/file_value.ipp>
 #include <motionlang/file/gzip.ipp>
 #include <motionlang/file/id_list.ipp>
-#include <motionlang/file/json.ipp>
-#include <motionlang/file/json_members.ipp>
 #include <motionlang/file/key_report.ipp>
 #include <motionlang/file/npy.ipp>
 #include <motionlang/file/npz.ipp>
-#include <motionlang/file/options_file.ipp>
 #include <motionlang/file/pickle.ipp>
 #include <motionlang/file/pickle_arrays.ipp>
 #include <motionlang/file/png.ipp>

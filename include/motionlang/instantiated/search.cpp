@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Bodies of the headers in search/, compiled once for motionlang::instantiated.
 #include <motionlang/search/motion_index.ipp>
-#include <motionlang/search/motion_index_file.ipp>
 #include <motionlang/search/motion_search.ipp>
 #include <motionlang/search/unit_rows.ipp>
 #include <motionlang/search/vector_graph.ipp>

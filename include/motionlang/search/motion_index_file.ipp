@@ -4,6 +4,7 @@
 
 #include <algorithm>  // sort
 
+#include <motionlang/file/detail/bytes.hpp>
 #include <motionlang/file/detail/content_hash.hpp>
 #include <motionlang/file/json.hpp>
 #include <motionlang/search/motion_index_file.hpp>

@@ -11,6 +11,7 @@
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/search/detail/row_scan.hpp>
 #include <motionlang/search/detail/scan_kernels.hpp>
+#include <motionlang/search/unit_rows.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {

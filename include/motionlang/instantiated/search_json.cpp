@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: MIT
+// Bodies of the headers in search/ that need nlohmann_json, compiled once for motionlang::instantiated.
+#include <motionlang/search/motion_index_file.ipp>
