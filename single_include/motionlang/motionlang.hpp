@@ -8,7 +8,7 @@
 ///
 ///     #include <motionlang/motionlang.hpp>
 ///     #include <motionlang/backend/eigen.hpp>    // or backend/xtensor.hpp
-///     #include <motionlang/io/bvh.hpp>           // and whichever of io/
+///     #include <motionlang/formats/bvh.hpp>           // and whichever of io/
 
 #ifndef MOTIONLANG_HAS_FWD_HPP  // <motionlang/fwd.hpp>
 #define MOTIONLANG_HAS_FWD_HPP
@@ -62,6 +62,11 @@
 #else
 #define MOTIONLANG_ABI v0_no_exceptions
 #endif
+
+/// In front of every definition in a file *.ipp, which has the bodies of the header of the same name. Without
+/// motionlang::instantiated, the header includes it and all are inline. With it, units see declarations only, and the
+/// library's own units (instantiated/*.cpp) include the files *.ipp.
+#define MOTIONLANG_BODY inline
 
 /// Opens and closes the namespace of the library. A macro, so that editors, clang-format and ctags need not know of the
 /// inline namespace: `ctags -R include` finds every name.
@@ -134,13 +139,306 @@ MOTIONLANG_NAMESPACE_END
 /// the module path. Text of files stands in it without control characters, and is UTF-8. The list of ids is `error_ids`
 /// below; every one has a test.
 
-#include <charconv>          // to_chars: messages without streams and without the locale
 #include <cstdio>            // fputs
 #include <cstdlib>           // abort
 #include <new>               // bad_alloc
 #include <stdexcept>         // runtime_error
 #include <utility>           // exchange, move
 #include <vector>            // diagnostics path
+
+#ifndef MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP  // <motionlang/core/standard_library.hpp>
+#define MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP
+/// What libc++ lacks of C++20, on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14), `from_chars` and
+/// `to_chars` of floating-point values. The same bits and the same characters as with every other standard library.
+
+#include <bit>       // bit_cast
+#include <charconv>  // from_chars, to_chars
+
+#ifndef __cpp_lib_to_chars
+
+#ifndef MOTIONLANG_HAS_CORE_DETAIL_DECIMAL_HPP  // <motionlang/core/detail/decimal.hpp>
+#define MOTIONLANG_HAS_CORE_DETAIL_DECIMAL_HPP
+/// Floating-point values as decimal text, by the C library alone: for standard libraries without `from_chars` and
+/// `to_chars` for them (standard_library.hpp), whose results these functions give to the last character.
+///
+/// strtod and printf of all C libraries round correctly, but their decimal point is the locale's. So strtod reads whole
+/// numbers with an exponent here, and whatever printf writes between digits is taken for a point. Slower than
+/// `to_chars`: a microsecond or two for a value.
+
+#include <cassert>       // formats
+#include <system_error>  // errc
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+inline bool is_decimal_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// digits x 10^exponent.
+struct Decimal {
+  std::string digits;
+  long long exponent = 0;
+
+  /// The nearest F; infinity if it is too large.
+  template <class F>
+  F value() const {
+    // Beyond these limits a value is zero or infinite, however many digits it has.
+    const long long e = exponent < -9999 ? -9999 : exponent > 9999 ? 9999 : exponent;
+    const std::string text = digits + "e" + std::to_string(e);
+    if constexpr (std::same_as<F, float>) return std::strtof(text.c_str(), nullptr);
+    static_assert(std::same_as<F, float> || std::same_as<F, double>);
+    return static_cast<F>(std::strtod(text.c_str(), nullptr));
+  }
+};
+
+/// Begins with `word` in letters of any case?
+inline bool starts_with_word(std::string_view text, std::string_view word) {
+  if (text.size() < word.size()) return false;
+  for (std::size_t i = 0; i < word.size(); ++i)
+    if ((text[i] | 0x20) != word[i]) return false;
+  return true;
+}
+
+/// Length of "inf", "infinity", "nan" or "nan(letters)" at the start of a text, and the value; 0 if there is none.
+template <class F>
+std::size_t read_word(std::string_view text, F& value) {
+  if (starts_with_word(text, "inf")) {
+    value = std::numeric_limits<F>::infinity();
+    return starts_with_word(text, "infinity") ? 8 : 3;
+  }
+  if (!starts_with_word(text, "nan")) return 0;
+  value = std::numeric_limits<F>::quiet_NaN();
+  if (text.size() < 4 || text[3] != '(') return 3;
+  constexpr std::string_view letters = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ_abcdefghijklmnopqrstuvwxyz";
+  const std::size_t end = text.find_first_not_of(letters, 4);
+  return end != text.npos && text[end] == ')' ? end + 1 : 3;
+}
+
+/// The exponent at `p`, which is moved behind it; 0 if there is none.
+inline long long read_exponent(const char*& p, const char* last) {
+  const char* at = p;
+  if (at == last || (*at | 0x20) != 'e') return 0;
+  const bool negative = ++at != last && *at == '-';
+  if (at != last && (*at == '-' || *at == '+')) ++at;
+  if (at == last || !is_decimal_digit(*at)) return 0;
+  long long out = 0;
+  for (; at != last && is_decimal_digit(*at); ++at)
+    if (out < 1'000'000'000'000'000) out = 10 * out + (*at - '0');  // no text has as many digits
+  p = at;
+  return negative ? -out : out;
+}
+
+/// The number at `p`, which is moved behind it; no digits if there is none.
+inline Decimal read_digits(const char*& p, const char* last) {
+  // More digits never decide: no value halfway between two doubles has more than 767. It only matters whether they are
+  // all zero, and one digit says so.
+  constexpr std::size_t most = 768;
+  Decimal out;
+  bool any = false, behind_point = false, more = false;
+  const char* at = p;
+  for (; at != last && (is_decimal_digit(*at) || (*at == '.' && !behind_point)); ++at) {
+    if (*at == '.') {
+      behind_point = true;
+      continue;
+    }
+    any = true;
+    const bool kept = out.digits.size() < most;
+    out.exponent += !kept - behind_point;
+    if (!kept)
+      more = more || *at != '0';
+    else if (!out.digits.empty() || *at != '0')
+      out.digits += *at;
+  }
+  if (!any) return out;
+  if (more) {
+    out.digits += '1';
+    --out.exponent;
+  }
+  if (out.digits.empty()) out.digits = "0";
+  p = at;
+  out.exponent += read_exponent(p, last);
+  return out;
+}
+
+/// As `std::from_chars`.
+template <class F>
+std::from_chars_result read_decimal(const char* first, const char* last, F& value) {
+  const bool negative = first != last && *first == '-';
+  const char* p = first + negative;
+  F size = 0;
+  const Decimal number = read_digits(p, last);
+  if (number.digits.empty()) {
+    const std::size_t length = read_word(std::string_view(p, static_cast<std::size_t>(last - p)), size);
+    if (length == 0) return {first, std::errc::invalid_argument};
+    p += length;
+  } else {
+    size = number.value<F>();
+    if (!std::isfinite(size) || (size == 0 && number.digits != "0")) return {p, std::errc::result_out_of_range};
+  }
+  value = negative ? -size : size;
+  return {p, std::errc{}};
+}
+
+/// What printf wrote, with a point in place of the locale's, which may have several bytes.
+inline std::string with_point(std::string_view printed) {
+  std::string out;
+  bool inside = false;
+  for (const char c : printed) {
+    const bool known = is_decimal_digit(c) || c == '-' || c == '+' || c == 'e';
+    if (known)
+      out += c;
+    else if (!inside)
+      out += '.';
+    inside = !known;
+  }
+  return out;
+}
+inline std::string printed(const char* format, int places, double x) {
+  char some[64];
+  const auto size = static_cast<std::size_t>(std::snprintf(some, sizeof some, format, places, x));
+  if (size < sizeof some) return with_point({some, size});
+  std::string all(size, ' ');
+  std::snprintf(all.data(), size + 1, format, places, x);
+  return with_point(all);
+}
+
+/// x > 0 to `count` digits, the nearest such number.
+inline Decimal rounded_decimal(double x, int count) {
+  const std::string text = printed("%.*e", count - 1, x);
+  const std::size_t e = text.find('e');
+  Decimal out{text.substr(0, 1), std::atoi(text.c_str() + e + 1) - (count - 1)};
+  if (count > 1) out.digits += text.substr(2, e - 2);
+  return out;
+}
+
+/// The next number of as many digits.
+inline Decimal next_decimal(Decimal d) {
+  std::size_t i = d.digits.size();
+  while (i > 0 && d.digits[i - 1] == '9') d.digits[--i] = '0';
+  if (i > 0)
+    ++d.digits[i - 1];
+  else
+    d.digits.insert(0, 1, '1');
+  return d;
+}
+
+/// The fewest digits that are read back as x > 0; the nearest to x of those.
+template <class F>
+Decimal shortest_decimal(F x) {
+  // A number of digits10 digits survives the way through a normal F. So the shortest, if it has no more digits than
+  // that, is what remains without the zeros at the end.
+  for (int count = x < std::numeric_limits<F>::min() ? 1 : std::numeric_limits<F>::digits10;; ++count) {
+    Decimal out = rounded_decimal(x, count);
+    // The gap above a power of two is twice the gap below. So the nearest number may be too far below, while the next
+    // one is near enough above.
+    if (out.value<F>() != x) out = next_decimal(std::move(out));
+    if (out.value<F>() != x) continue;
+    while (out.digits.size() > 1 && out.digits.ends_with('0')) {
+      out.digits.pop_back();
+      ++out.exponent;
+    }
+    return out;
+  }
+}
+
+/// d.ddde+xx
+inline std::string scientific_text(const Decimal& d) {
+  const long long exponent = d.exponent + static_cast<long long>(d.digits.size()) - 1;
+  std::string out = d.digits;
+  if (out.size() > 1) out.insert(1, ".");
+  out += exponent < 0 ? "e-" : "e+";
+  const std::string size = std::to_string(exponent < 0 ? -exponent : exponent);
+  return out + (size.size() < 2 ? "0" : "") + size;
+}
+/// ddd.ddd
+inline std::string fixed_text(const Decimal& d, double x) {
+  // The digits of a whole number are all written as they are.
+  if (d.exponent >= 0) return printed("%.*f", 0, x);
+  std::string out = d.digits;
+  const auto places = static_cast<std::size_t>(-d.exponent);
+  if (out.size() <= places) out.insert(0, places + 1 - out.size(), '0');
+  return out.insert(out.size() - places, ".");
+}
+
+/// What `std::to_chars` writes without a precision: fixed, scientific or, if not told, the shorter of the two.
+template <class F>
+std::string shortest_text(F x, std::chars_format format = {}) {
+  using enum std::chars_format;
+  assert(format == std::chars_format{} || format == fixed || format == scientific);
+  const std::string sign = std::signbit(x) ? "-" : "";
+  if (std::isnan(x)) return sign + "nan";
+  if (std::isinf(x)) return sign + "inf";
+  const F size = std::abs(x);
+  const Decimal d = size == 0 ? Decimal{"0"} : shortest_decimal(size);
+  const std::string with_exponent = scientific_text(d), without = fixed_text(d, size);
+  const bool shorter = format != fixed && with_exponent.size() < without.size();
+  return sign + (format == scientific || shorter ? with_exponent : without);
+}
+/// What it writes with a number of decimal places: fixed or scientific.
+template <class F>
+std::string text_with_places(F x, std::chars_format format, int places) {
+  using enum std::chars_format;
+  assert(format == fixed || format == scientific);
+  if (!std::isfinite(x)) return shortest_text(x);
+  return printed(format == fixed ? "%.*f" : "%.*e", places, x);
+}
+
+inline std::to_chars_result copy_text(const std::string& text, char* first, char* last) {
+  if (last - first < static_cast<std::ptrdiff_t>(text.size())) return {last, std::errc::value_too_large};
+  text.copy(first, text.size());
+  return {first + text.size(), std::errc{}};
+}
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+#ifdef __cpp_lib_bit_cast
+using std::bit_cast;
+#else
+template <class To, class From>
+constexpr To bit_cast(const From& from) {
+  return __builtin_bit_cast(To, from);
+}
+#endif
+
+#ifdef __cpp_lib_to_chars
+using std::from_chars;
+using std::to_chars;
+#else
+// Templates, because libc++ has some of the functions for floating-point values and deletes the others.
+template <std::integral N>
+std::from_chars_result from_chars(const char* first, const char* last, N& value, int base = 10) {
+  return std::from_chars(first, last, value, base);
+}
+template <std::floating_point F>
+std::from_chars_result from_chars(const char* first, const char* last, F& value) {
+  return read_decimal(first, last, value);
+}
+template <std::integral N>
+std::to_chars_result to_chars(char* first, char* last, N value) {
+  return std::to_chars(first, last, value);
+}
+template <std::floating_point F>
+std::to_chars_result to_chars(char* first, char* last, F value) {
+  return copy_text(shortest_text(value), first, last);
+}
+template <std::floating_point F>
+std::to_chars_result to_chars(char* first, char* last, F value, std::chars_format format) {
+  return copy_text(shortest_text(value, format), first, last);
+}
+template <std::floating_point F>
+std::to_chars_result to_chars(char* first, char* last, F value, std::chars_format format, int places) {
+  return copy_text(text_with_places(value, format, places), first, last);
+}
+#endif
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
+#endif
 
 #ifndef MOTIONLANG_HAS_CORE_THREAD_OBJECT_HPP  // <motionlang/core/thread_object.hpp>
 #define MOTIONLANG_HAS_CORE_THREAD_OBJECT_HPP
@@ -217,8 +515,32 @@ constexpr bool is_utf8(std::string_view text) {
   return true;
 }
 
+/// The longest beginning of a text that has at most so many bytes and ends between two characters.
+constexpr std::string_view utf8_head(std::string_view text, std::size_t bytes) {
+  if (text.size() <= bytes) return text;
+  for (std::size_t start = bytes - (bytes < 3 ? bytes : 3); start < bytes; ++start) {
+    std::size_t end = start;
+    if (decode_utf8(text, end) != invalid_code_point && end > bytes) return text.substr(0, start);
+  }
+  return text.substr(0, bytes);
+}
+
 /// Appends the bytes of a code point (up to U+10FFFF).
-inline void append_utf8(std::string& out, char32_t c) {
+void append_utf8(std::string& out, char32_t c);
+
+/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is
+/// in `keep` stays.
+std::string printable(std::string_view text, std::string_view keep = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_UTF8_IPP  // <motionlang/core/utf8.ipp>
+#define MOTIONLANG_HAS_CORE_UTF8_IPP
+// Bodies of utf8.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY void append_utf8(std::string& out, char32_t c) {
   const auto put = [&](char32_t b) { out += static_cast<char>(static_cast<unsigned char>(b)); };
   if (c < 0x80) {
     put(c);
@@ -231,9 +553,7 @@ inline void append_utf8(std::string& out, char32_t c) {
   }
 }
 
-/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is
-/// in `keep` stays.
-inline std::string printable(std::string_view text, std::string_view keep = {}) {
+MOTIONLANG_BODY std::string printable(std::string_view text, std::string_view keep) {
   std::string out;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t start = at;
@@ -246,6 +566,7 @@ inline std::string printable(std::string_view text, std::string_view keep = {}) 
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -346,8 +667,13 @@ void append(std::string& out, T b) {
 template <class N>
 requires((std::integral<N> || std::floating_point<N>)&&!std::same_as<N, bool> &&
          !std::same_as<N, char>) void append(std::string& out, N n) {
+  if constexpr (std::floating_point<N>) {  // 10000000, not 1e+07: as far as whole numbers are exact
+    constexpr N exact = N(1ull << std::numeric_limits<N>::digits);
+    if (n > -exact && n < exact && n != 0 && n == N(static_cast<long long>(n)))
+      return append(out, static_cast<long long>(n));
+  }
   char digits[64];
-  out.append(digits, std::to_chars(digits, digits + sizeof digits, n).ptr);
+  out.append(digits, detail::to_chars(digits, digits + sizeof digits, n).ptr);
 }
 /// Anything with a `to_string` found by name lookup (shapes, enumerations).
 template <class T>
@@ -369,11 +695,7 @@ template <class T>
 TextPart text_part(const T& value) {
   return {&value, [](std::string& out, const void* v) { detail::append(out, *static_cast<const T*>(v)); }};
 }
-inline std::string concat_parts(std::initializer_list<TextPart> parts) {
-  std::string out;
-  for (const TextPart& p : parts) p.append(out, p.value);
-  return out;
-}
+std::string concat_parts(std::initializer_list<TextPart> parts);
 
 /// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
 struct ModulePath {
@@ -398,7 +720,7 @@ struct ModulePath {
 
 }  // namespace detail
 
-/// Text of all arguments, one after the other; numbers as `std::to_chars` writes them.
+/// Text of all arguments, one after the other; numbers as `std::to_chars` writes them, whole ones without an exponent.
 template <class... T>
 std::string concat_text(const T&... parts) {
   return detail::concat_parts({detail::text_part(parts)...});
@@ -420,6 +742,14 @@ template <class R>
 std::string join_text(const R& items, std::string_view between = ", ") {
   return join_text(
       items, between, [](const auto& item) -> const auto& { return item; });
+}
+
+/// A number of things: "1 frame", "2 frames"; of a word with another plural: counted(n, "pass", "passes").
+template <std::integral N>
+std::string counted(N n, std::string_view one, std::string_view several = {}) {
+  std::string out = concat_text(n, ' ', n == 1 || several.empty() ? one : several);
+  if (n != 1 && several.empty()) out += 's';
+  return out;
 }
 
 /// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
@@ -495,14 +825,12 @@ bool guard_all(const F& f, [[maybe_unused]] const H& handle) {
   return true;
 }
 
+/// The message of an error of a family.
+std::string error_text(std::string_view family, int id, std::initializer_list<TextPart> parts);
+
 template <class E>
 [[noreturn]] void raise_parts(int id, std::initializer_list<TextPart> parts) {
-  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + printable(concat_parts(parts), "\n");
-#ifdef MOTIONLANG_DIAGNOSTICS
-  const auto& path = ModulePath::names();
-  for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
-#endif
-  throw_exception(E(id, text));
+  throw_exception(E(id, error_text(E::family, id, parts)));
 }
 
 }  // namespace detail
@@ -514,6 +842,34 @@ template <class E, class... T>
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_ERROR_IPP  // <motionlang/core/error.ipp>
+#define MOTIONLANG_HAS_CORE_ERROR_IPP
+// Bodies of error.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::string concat_parts(std::initializer_list<TextPart> parts) {
+  std::string out;
+  for (const TextPart& p : parts) p.append(out, p.value);
+  return out;
+}
+
+MOTIONLANG_BODY std::string error_text(std::string_view family, int id, std::initializer_list<TextPart> parts) {
+  std::string text = concat_text("[motionlang.", family, ".", id, "] ") + printable(concat_parts(parts), "\n");
+#ifdef MOTIONLANG_DIAGNOSTICS
+  const auto& path = ModulePath::names();
+  for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
+#endif
+  return text;
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -576,9 +932,7 @@ class Shape {
 namespace detail {
 
 /// "(2, 60, 512)"; a negative size stands for any.
-inline std::string shape_text(std::span<const Index> sizes) {
-  return concat_text("(", join_text(sizes, ", ", [](Index n) { return n < 0 ? "any" : concat_text(n); }), ")");
-}
+std::string shape_text(std::span<const Index> sizes);
 
 }  // namespace detail
 
@@ -608,6 +962,23 @@ constexpr Shape broadcast_shapes(const Shape& a, const Shape& b, const char* op)
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_SHAPE_IPP  // <motionlang/core/shape.ipp>
+#define MOTIONLANG_HAS_CORE_SHAPE_IPP
+// Bodies of shape.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::string shape_text(std::span<const Index> sizes) {
+  return concat_text("(", join_text(sizes, ", ", [](Index n) { return n < 0 ? "any" : concat_text(n); }), ")");
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -874,7 +1245,7 @@ inline Activation parse_activation(std::string_view name) {
   if (name == "gelu_new") return Activation::gelu_new;
   if (name == "sigmoid") return Activation::sigmoid;
   raise<config_error>(103, "activation '", name,
-                      "' is none of none, relu, gelu, silu, tanh, quick_gelu, gelu_new, sigmoid");
+                      "' is not one of none, relu, gelu, silu, tanh, quick_gelu, gelu_new, sigmoid");
 }
 
 constexpr std::string_view to_string(Activation a) {
@@ -893,88 +1264,9 @@ MOTIONLANG_NAMESPACE_END
 /// finds all its buffers in the pool from the second round on and takes nothing from the system.
 
 #include <atomic>       // reference counts
-#include <bit>          // bit_width
 #include <cstring>      // memcpy
 #include <memory>       // owner of foreign memory
 #include <type_traits>  // is_trivially_copyable
-
-#ifndef MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP  // <motionlang/core/large_memory.hpp>
-#define MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP
-/// Memory for what is read from end to end again and again, weights and tables: in pages of 2 MB where the system has
-/// them (Linux). Between small pages the processor stops to read ahead; a scan over large ones is up to 1.8 times as
-/// fast. It comes from the system itself and goes back there: a heap that mixes alignments of 2 MB with small things
-/// keeps the gaps (a quarter of the weights).
-
-#if defined(__linux__)
-#include <sys/mman.h>  // mmap, madvise
-#elif defined(_WIN32)
-#include <malloc.h>  // _aligned_malloc
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-/// The largest of the small ones that Linux has: addresses of which none is used cost nothing.
-inline constexpr std::size_t small_page = 65536, large_page = std::size_t{2} << 20;
-
-constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
-
-}  // namespace detail
-
-/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in
-/// large pages.
-inline void* take_memory(std::size_t bytes, [[maybe_unused]] std::size_t used) {
-#if defined(__linux__)
-  if (bytes >= detail::large_page) {
-    const std::size_t whole = detail::rounded_up(bytes, detail::small_page), room = whole + detail::large_page;
-    void* start = ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (start == MAP_FAILED) detail::raise_bad_alloc();
-    const auto address = reinterpret_cast<std::uintptr_t>(start);
-    const std::size_t before = detail::rounded_up(address, detail::large_page) - address, after = room - whole - before;
-    std::byte* memory = static_cast<std::byte*>(start) + before;
-    if (before > 0) ::munmap(start, before);
-    if (after > 0) ::munmap(memory + whole, after);
-    // a page that is partly used would be taken whole
-    const std::size_t large = used / detail::large_page * detail::large_page;
-    ::madvise(memory, large, MADV_HUGEPAGE);
-    ::madvise(memory + large, whole - large, MADV_NOHUGEPAGE);  // where the system takes large pages for everything
-    return memory;
-  }
-#endif
-#if defined(_WIN32)
-  void* memory = ::_aligned_malloc(bytes + 1, 64);
-#else
-  void* memory = std::aligned_alloc(64, detail::rounded_up(bytes + 1, 64));
-#endif
-  if (memory == nullptr) detail::raise_bad_alloc();
-  return memory;
-}
-
-/// Gives back what take_memory(bytes, ...) gave.
-inline void give_memory(void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
-#if defined(__linux__)
-  if (bytes >= detail::large_page) {
-    ::munmap(memory, detail::rounded_up(bytes, detail::small_page));
-    return;
-  }
-#endif
-#if defined(_WIN32)
-  ::_aligned_free(memory);
-#else
-  std::free(memory);
-#endif
-}
-
-/// Room for `count` numbers, not initialised.
-template <class T>
-std::shared_ptr<T[]> large_table(std::size_t count) {
-  const std::size_t bytes = count * sizeof(T);
-  return {static_cast<T*>(take_memory(bytes, bytes)), [bytes](T* p) { give_memory(p, bytes); }};
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -1012,20 +1304,12 @@ class BufferPool {
   }
 
   /// Returns all free buffers to the system.
-  void trim() {
-    for (auto& head : free_) {
-      while (head != nullptr) release(std::exchange(head, head->next));
-    }
-  }
+  void trim();
 
   /// How often this pool had to ask the system. Stands still in a loop that has settled.
   std::int64_t system_allocations() const { return system_allocations_; }
 
-  static void release(detail::Buffer* b) {
-    const int bucket = b->bucket;
-    b->~Buffer();
-    give_memory(b, sizeof(detail::Buffer) + bucket_bytes(bucket));
-  }
+  static void release(detail::Buffer* b);
 
   BufferPool(const BufferPool&) = delete;
   BufferPool& operator=(const BufferPool&) = delete;
@@ -1034,10 +1318,7 @@ class BufferPool {
   template <class T, class Tag>
   friend T& thread_object();
   BufferPool() = default;
-  ~BufferPool() {
-    gone_ = true;
-    trim();
-  }
+  ~BufferPool();
 
   detail::Buffer* reuse(int bucket, std::size_t bytes) {
     detail::Buffer*& head = free_[static_cast<std::size_t>(bucket)];
@@ -1049,14 +1330,7 @@ class BufferPool {
     ++system_allocations_;
     return make(bucket, bytes, number_);
   }
-  static detail::Buffer* make(int bucket, std::size_t bytes, std::uint32_t pool) {
-    void* memory = take_memory(sizeof(detail::Buffer) + bucket_bytes(bucket), sizeof(detail::Buffer) + bytes);
-    auto* b = new (memory) detail::Buffer;
-    b->data = static_cast<std::byte*>(memory) + sizeof(detail::Buffer);
-    b->bucket = bucket;
-    b->pool = pool;
-    return b;
-  }
+  static detail::Buffer* make(int bucket, std::size_t bytes, std::uint32_t pool);
 
   // Sizes 64 * {4, 5, 6, 7} * 2^k: at most a quarter of a buffer is unused.
   static int bucket_of(std::size_t bytes) {
@@ -1184,6 +1458,132 @@ class PoolVector {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_BUFFER_POOL_IPP  // <motionlang/core/buffer_pool.ipp>
+#define MOTIONLANG_HAS_CORE_BUFFER_POOL_IPP
+// Bodies of buffer_pool.hpp.
+
+#ifndef MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP  // <motionlang/core/large_memory.hpp>
+#define MOTIONLANG_HAS_CORE_LARGE_MEMORY_HPP
+/// Memory for what is read from end to end again and again, weights and tables: in pages of 2 MB where the system has
+/// them (Linux). Between small pages the processor stops to read ahead; a scan over large ones is up to 1.8 times as
+/// fast. It comes from the system itself and goes back there: a heap that mixes alignments of 2 MB with small things
+/// keeps the gaps (a quarter of the weights).
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The largest of the small ones that Linux has: addresses of which none is used cost nothing.
+inline constexpr std::size_t small_page = 65536, large_page = std::size_t{2} << 20;
+
+constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
+
+}  // namespace detail
+
+/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in
+/// large pages.
+void* take_memory(std::size_t bytes, std::size_t used);
+
+/// Gives back what take_memory(bytes, ...) gave.
+void give_memory(void* memory, std::size_t bytes) noexcept;
+
+/// Room for `count` numbers, not initialised.
+template <class T>
+std::shared_ptr<T[]> large_table(std::size_t count) {
+  const std::size_t bytes = count * sizeof(T);
+  return {static_cast<T*>(take_memory(bytes, bytes)), [bytes](T* p) { give_memory(p, bytes); }};
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_LARGE_MEMORY_IPP  // <motionlang/core/large_memory.ipp>
+#define MOTIONLANG_HAS_CORE_LARGE_MEMORY_IPP
+// Bodies of large_memory.hpp.
+
+#if defined(__linux__)
+#include <sys/mman.h>  // mmap, madvise
+#elif defined(_WIN32)
+#include <malloc.h>  // _aligned_malloc
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY void* take_memory(std::size_t bytes, [[maybe_unused]] std::size_t used) {
+#if defined(__linux__)
+  if (bytes >= detail::large_page) {
+    const std::size_t whole = detail::rounded_up(bytes, detail::small_page), room = whole + detail::large_page;
+    void* start = ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (start == MAP_FAILED) detail::raise_bad_alloc();
+    const auto address = reinterpret_cast<std::uintptr_t>(start);
+    const std::size_t before = detail::rounded_up(address, detail::large_page) - address, after = room - whole - before;
+    std::byte* memory = static_cast<std::byte*>(start) + before;
+    if (before > 0) ::munmap(start, before);
+    if (after > 0) ::munmap(memory + whole, after);
+    // a page that is partly used would be taken whole
+    const std::size_t large = used / detail::large_page * detail::large_page;
+    ::madvise(memory, large, MADV_HUGEPAGE);
+    ::madvise(memory + large, whole - large, MADV_NOHUGEPAGE);  // where the system takes large pages for everything
+    return memory;
+  }
+#endif
+#if defined(_WIN32)
+  void* memory = ::_aligned_malloc(bytes + 1, 64);
+#else
+  void* memory = std::aligned_alloc(64, detail::rounded_up(bytes + 1, 64));
+#endif
+  if (memory == nullptr) detail::raise_bad_alloc();
+  return memory;
+}
+
+MOTIONLANG_BODY void give_memory(void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
+#if defined(__linux__)
+  if (bytes >= detail::large_page) {
+    ::munmap(memory, detail::rounded_up(bytes, detail::small_page));
+    return;
+  }
+#endif
+#if defined(_WIN32)
+  ::_aligned_free(memory);
+#else
+  std::free(memory);
+#endif
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY void BufferPool::trim() {
+  for (auto& head : free_) {
+    while (head != nullptr) release(std::exchange(head, head->next));
+  }
+}
+
+MOTIONLANG_BODY void BufferPool::release(detail::Buffer* b) {
+  const int bucket = b->bucket;
+  b->~Buffer();
+  give_memory(b, sizeof(detail::Buffer) + bucket_bytes(bucket));
+}
+
+MOTIONLANG_BODY BufferPool::~BufferPool() {
+  gone_ = true;
+  trim();
+}
+
+MOTIONLANG_BODY detail::Buffer* BufferPool::make(int bucket, std::size_t bytes, std::uint32_t pool) {
+  void* memory = take_memory(sizeof(detail::Buffer) + bucket_bytes(bucket), sizeof(detail::Buffer) + bytes);
+  auto* b = new (memory) detail::Buffer;
+  b->data = static_cast<std::byte*>(memory) + sizeof(detail::Buffer);
+  b->bucket = bucket;
+  b->pool = pool;
+  return b;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_CONTEXT_HPP  // <motionlang/core/context.hpp>
@@ -1539,32 +1939,32 @@ MOTIONLANG_NAMESPACE_BEGIN
 constexpr float half_to_float(std::uint16_t h) {
   const std::uint32_t sign = std::uint32_t{h & 0x8000u} << 16, exponent = h >> 10 & 31u, fraction = h & 1023u;
   if (exponent == 0) {  // zero and subnormals: fraction * 2^-24
-    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(static_cast<float>(fraction) * 0x1p-24f) | sign);
+    return detail::bit_cast<float>(detail::bit_cast<std::uint32_t>(static_cast<float>(fraction) * 0x1p-24f) | sign);
   }
   const std::uint32_t wide = exponent == 31 ? 255 : exponent + (127 - 15);
-  return std::bit_cast<float>(sign | wide << 23 | fraction << 13);
+  return detail::bit_cast<float>(sign | wide << 23 | fraction << 13);
 }
 
 /// Nearest half, ties to even; too large becomes infinity.
 constexpr std::uint16_t float_to_half(float f) {
-  const auto bits = std::bit_cast<std::uint32_t>(f);
+  const auto bits = detail::bit_cast<std::uint32_t>(f);
   const std::uint32_t sign = bits >> 16 & 0x8000u, size = bits & 0x7FFFFFFFu;
   if (size > 0x7F800000u) return static_cast<std::uint16_t>(sign | 0x7E00u | (size >> 13 & 0x3FFu));  // quiet NaN
   if (size >= 0x477FF000u) return static_cast<std::uint16_t>(sign | 0x7C00u);  // 65520 and above: infinity
   if (size < 0x38800000u) {  // below 2^-14: adding 0.5 leaves multiples of 2^-24, rounded to even, in the low bits
-    const float sum = std::bit_cast<float>(size) + 0.5f;
-    return static_cast<std::uint16_t>(sign | (std::bit_cast<std::uint32_t>(sum) - 0x3F000000u));
+    const float sum = detail::bit_cast<float>(size) + 0.5f;
+    return static_cast<std::uint16_t>(sign | (detail::bit_cast<std::uint32_t>(sum) - 0x3F000000u));
   }
   const std::uint32_t rounded = size + 0xFFFu + (size >> 13 & 1u) - 0x38000000u;
   return static_cast<std::uint16_t>(sign | rounded >> 13);
 }
 
 /// Value of a bfloat16: the upper half of a float.
-constexpr float bfloat16_to_float(std::uint16_t b) { return std::bit_cast<float>(std::uint32_t{b} << 16); }
+constexpr float bfloat16_to_float(std::uint16_t b) { return detail::bit_cast<float>(std::uint32_t{b} << 16); }
 
 /// Nearest bfloat16, ties to even.
 constexpr std::uint16_t float_to_bfloat16(float f) {
-  const auto bits = std::bit_cast<std::uint32_t>(f);
+  const auto bits = detail::bit_cast<std::uint32_t>(f);
   if ((bits & 0x7FFFFFFFu) > 0x7F800000u) return static_cast<std::uint16_t>(bits >> 16 | 0x40u);  // quiet NaN
   return static_cast<std::uint16_t>((bits + 0x7FFFu + (bits >> 16 & 1u)) >> 16);
 }
@@ -1580,14 +1980,6 @@ MOTIONLANG_NAMESPACE_END
 /// MOTIONLANG_KERNELS (portable, avx2, avx512, avx512_bf16, amx) in the environment chooses instead of the processor.
 
 #if defined(__x86_64__)
-#include <cpuid.h>  // what the processor has
-#if defined(__linux__)
-#include <sys/syscall.h>  // arch_prctl
-#include <unistd.h>       // syscall
-#endif
-#endif
-
-#if defined(__x86_64__)
 // What a compiler may use in code for these sets (GCC and clang: target attribute), and what processor_has asks for.
 #define MOTIONLANG_AVX2 "avx2,fma"
 #define MOTIONLANG_AVX512 "avx512f,avx512vl,avx512dq,avx512bw," MOTIONLANG_AVX2
@@ -1601,12 +1993,58 @@ namespace detail {
 enum class Isa { portable, avx2, avx512, avx512_bf16, amx, best };
 
 #if defined(__x86_64__)
+bool has_amx_bf16();
+#endif
+
+bool processor_has(Isa isa);
+
+/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for an unknown name and for one that
+/// this processor lacks.
+Isa wanted_isa();
+
+// Clang inlines less into such functions than GCC, and what is not inlined stays narrow.
+#if defined(__x86_64__) && !defined(__clang__)
+#define MOTIONLANG_WIDER_COPIES
+/// avx512, avx2 or portable: the sets that differ for code with vectors only.
+Isa widest_vectors();
+template <class F>
+__attribute__((target(MOTIONLANG_AVX2), flatten)) void with_avx2(const F& f) {
+  f();
+}
+template <class F>
+__attribute__((target(MOTIONLANG_AVX512), flatten)) void with_avx512(const F& f) {
+  f();
+}
+#endif
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_INSTRUCTION_SET_IPP  // <motionlang/core/instruction_set.ipp>
+#define MOTIONLANG_HAS_CORE_INSTRUCTION_SET_IPP
+// Bodies of instruction_set.hpp.
+
+#if defined(__x86_64__)
+#include <cpuid.h>  // what the processor has
+#if defined(__linux__)
+#include <sys/syscall.h>  // arch_prctl
+#include <unistd.h>       // syscall
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+#if defined(__x86_64__)
 /// Bit of a register (EAX 0 ... EDX 3) that the CPUID instruction gives for leaf 7.
 inline bool cpuid_bit(unsigned subleaf, int register_number, int bit) {
   unsigned r[4] = {};
   return __get_cpuid_count(7, subleaf, &r[0], &r[1], &r[2], &r[3]) != 0 && (r[register_number] >> bit & 1u) != 0;
 }
-inline bool has_amx_bf16() { return cpuid_bit(0, 3, 24) && cpuid_bit(0, 3, 22); }
+MOTIONLANG_BODY bool has_amx_bf16() { return cpuid_bit(0, 3, 24) && cpuid_bit(0, 3, 22); }
+
 /// Programs must ask Linux for the registers of AMX once (ARCH_REQ_XCOMP_PERM, XFEATURE_XTILEDATA).
 inline bool may_use_amx() {
 #if defined(__linux__)
@@ -1617,7 +2055,7 @@ inline bool may_use_amx() {
 }
 #endif
 
-inline bool processor_has(Isa isa) {
+MOTIONLANG_BODY bool processor_has(Isa isa) {
 #if defined(__x86_64__)
   switch (isa) {
     case Isa::avx2:
@@ -1637,9 +2075,7 @@ inline bool processor_has(Isa isa) {
 #endif
 }
 
-/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for a name that is none, or that this processor
-/// lacks.
-inline Isa wanted_isa() {
+MOTIONLANG_BODY Isa wanted_isa() {
   static const Isa wanted = [] {
     const char* name = std::getenv("MOTIONLANG_KERNELS");
     if (name == nullptr || *name == 0) return Isa::best;
@@ -1654,29 +2090,19 @@ inline Isa wanted_isa() {
   return wanted;
 }
 
-// Clang inlines less into such functions than GCC, and what is not inlined stays narrow.
-#if defined(__x86_64__) && !defined(__clang__)
-#define MOTIONLANG_WIDER_COPIES
-/// avx512, avx2 or portable: what code with vectors only can be told apart by.
-inline Isa widest_vectors() {
+#ifdef MOTIONLANG_WIDER_COPIES
+MOTIONLANG_BODY Isa widest_vectors() {
   for (const Isa isa : {Isa::avx512, Isa::avx2}) {
     if (wanted_isa() >= isa && processor_has(isa)) return isa;
   }
   return Isa::portable;
-}
-template <class F>
-__attribute__((target(MOTIONLANG_AVX2), flatten)) void with_avx2(const F& f) {
-  f();
-}
-template <class F>
-__attribute__((target(MOTIONLANG_AVX512), flatten)) void with_avx512(const F& f) {
-  f();
 }
 #endif
 
 }  // namespace detail
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_LANE_HPP  // <motionlang/core/lane.hpp>
@@ -2095,21 +2521,14 @@ class Offsets {
   explicit Offsets(const std::vector<Index>& lengths) : Offsets(std::span<const Index>(lengths)) {}
   Offsets(std::initializer_list<Index> lengths) : Offsets(std::span<const Index>(lengths.begin(), lengths.size())) {}
   /// `count` sequences of equal length. Throws shape_error 207 if either is negative.
-  static Offsets equal(Index count, Index length) {
-    if (count < 0) raise<shape_error>(207, "Offsets: ", count, " sequences");
-    return Offsets(std::span<const Index>(PoolVector<Index>(static_cast<std::size_t>(count), length)));
-  }
+  static Offsets equal(Index count, Index length);
 
   Index count() const { return count_; }
   Index rows() const { return first()[count_]; }
   Index begin(Index i) const { return first()[i]; }
   Index end(Index i) const { return first()[i + 1]; }
   Index length(Index i) const { return end(i) - begin(i); }
-  Index longest() const {
-    Index n = 0;
-    for (Index i = 0; i < count(); ++i) n = length(i) > n ? length(i) : n;
-    return n;
-  }
+  Index longest() const;
   std::span<const Index> list() const { return {first(), static_cast<std::size_t>(count_) + 1}; }
   bool operator==(const Offsets& o) const {
     return count_ == o.count_ &&
@@ -2123,6 +2542,26 @@ class Offsets {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_OFFSETS_IPP  // <motionlang/core/offsets.ipp>
+#define MOTIONLANG_HAS_CORE_OFFSETS_IPP
+// Bodies of offsets.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Offsets Offsets::equal(Index count, Index length) {
+  if (count < 0) raise<shape_error>(207, "Offsets: ", count, " sequences");
+  return Offsets(std::span<const Index>(PoolVector<Index>(static_cast<std::size_t>(count), length)));
+}
+
+MOTIONLANG_BODY Index Offsets::longest() const {
+  Index n = 0;
+  for (Index i = 0; i < count(); ++i) n = length(i) > n ? length(i) : n;
+  return n;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
@@ -2133,6 +2572,70 @@ MOTIONLANG_NAMESPACE_END
 /// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
 /// then sleep, so that the many short regions of a transformer layer cost well below a microsecond each (on few cores)
 /// while an idle program costs nothing.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Runs task(context, i) for i = 0 ... count-1 on all threads and returns when all are done.
+void run_tasks(Index count, void (*task)(const void*, Index), const void* context);
+
+}  // namespace detail
+
+/// Threads that `parallel_for` uses, the caller included: processor_count(), at most 256, unless set.
+int thread_count();
+
+/// Threads that `parallel_for` uses here: one inside a task.
+int parallel_width();
+
+/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at
+/// once.
+int thread_number();
+
+/// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
+void set_thread_count(int threads);
+
+/// Calls f(i) for i = 0 ... count-1, in any order, on all threads. f must not depend on the order. Exceptions reach the
+/// caller (the first one). Inside a task it runs serially.
+template <class F>
+void parallel_for(Index count, const F& f) {
+  if (count <= 0) return;
+  detail::run_tasks(
+      count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
+}
+
+namespace detail {
+inline constexpr Index worth_a_thread = 16384;  // numbers
+}
+
+/// Calls f(first, last) for pieces of 0 ... count-1, in one piece what is not worth two threads (`cost` numbers per
+/// element). Of elements of many numbers, such as rows, every thread has as many: in the next region it finds what it
+/// wrote in its cache. Pieces of single numbers begin at the same places for any number of threads: vectors and what is
+/// left beside them are the same.
+template <class F>
+void parallel_ranges(Index count, Index cost, const F& f) {
+  const Index grain = std::max<Index>(1, detail::worth_a_thread / std::max<Index>(1, cost));
+  const Index pieces = (count + grain - 1) / grain, threads = parallel_width();
+  if (cost < 64 || pieces <= 1 || threads == 1)
+    return parallel_for(pieces, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
+  const Index equal = std::min(count, (pieces + threads - 1) / threads * threads);
+  parallel_for(equal, [&](Index i) { f(count * i / equal, count * (i + 1) / equal); });
+}
+
+/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the
+/// rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
+template <class F>
+void parallel_columns(Index rows, Index width, const F& f) {
+  const Index pieces = rows * width < detail::worth_a_thread ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
+  const auto begin = [&](Index i) { return i == pieces ? width : width * i / pieces / 16 * 16; };
+  parallel_for(pieces, [&](Index i) { f(begin(i), begin(i + 1)); });
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_PARALLEL_IPP  // <motionlang/core/parallel.ipp>
+#define MOTIONLANG_HAS_CORE_PARALLEL_IPP
+// Bodies of parallel.hpp.
 
 #include <condition_variable>  // sleeping workers
 #include <exception>           // exception_ptr: errors in tasks reach the caller
@@ -2156,55 +2659,75 @@ struct ControlGroups {
   std::string root = "/sys/fs/cgroup", processes = "/proc/self/cgroup";
 
   /// The smallest limit of the groups that this process is in, in processors, rounded up; at most `all`.
-  int processors(int all) const {
-    int least = all;
-    for_lines(processes, [&](const std::string& line) {  // number:controllers:path
-      const std::size_t first = line.find(':'), second = line.find(':', first + 1);
-      if (second == std::string::npos) return;
-      std::string controllers = line.substr(first, second - first + 1);
-      controllers.front() = controllers.back() = ',';
-      const bool second_version = controllers == ",,";
-      if (!second_version && controllers.find(",cpu,") == std::string::npos) return;
-      // The group, and those around it.
-      for (std::string path = line.substr(second + 1);; path.resize(path.rfind('/'))) {
-        if (path.ends_with('/')) path.pop_back();
-        const std::string folder = root + (second_version ? "" : "/cpu") + path;
-        least =
-            std::min(least, second_version ? limit(folder + "/cpu.max", "", all)
-                                           : limit(folder + "/cpu.cfs_quota_us", folder + "/cpu.cfs_period_us", all));
-        if (path.find('/') == std::string::npos) break;
-      }
-    });
-    return least;
-  }
+  int processors(int all) const;
 
  private:
   template <class F>
-  static void for_lines(const std::string& path, const F& f) {
-    std::FILE* const file = std::fopen(path.c_str(), "r");
-    if (file == nullptr) return;
-    char text[4096];
-    while (std::fgets(text, sizeof text, file) != nullptr) {
-      std::string line(text);
-      if (line.ends_with('\n')) line.pop_back();
-      f(line);
-    }
-    std::fclose(file);
-  }
+  static void for_lines(const std::string& path, const F& f);
   /// "quota period", both in microseconds, in one file or in two. A quota of "max" or -1 is none.
-  static int limit(const std::string& quota_file, const std::string& period_file, int all) {
-    double quota = 0, period = 0;
-    for_lines(quota_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf %lf", &quota, &period); });
-    if (!period_file.empty())
-      for_lines(period_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf", &period); });
-    return quota > 0 && period > 0 ? static_cast<int>(std::clamp(std::ceil(quota / period), 1.0, 1.0 * all)) : all;
-  }
+  static int limit(const std::string& quota_file, const std::string& period_file, int all);
 };
 
 }  // namespace detail
 
 /// At least 1.
-inline int processor_count() {
+int processor_count();
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_PROCESSORS_IPP  // <motionlang/core/processors.ipp>
+#define MOTIONLANG_HAS_CORE_PROCESSORS_IPP
+// Bodies of processors.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+template <class F>
+void ControlGroups::for_lines(const std::string& path, const F& f) {
+  std::FILE* const file = std::fopen(path.c_str(), "r");
+  if (file == nullptr) return;
+  char text[4096];
+  while (std::fgets(text, sizeof text, file) != nullptr) {
+    std::string line(text);
+    if (line.ends_with('\n')) line.pop_back();
+    f(line);
+  }
+  std::fclose(file);
+}
+
+MOTIONLANG_BODY int ControlGroups::processors(int all) const {
+  int least = all;
+  for_lines(processes, [&](const std::string& line) {  // number:controllers:path
+    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (second == std::string::npos) return;
+    std::string controllers = line.substr(first, second - first + 1);
+    controllers.front() = controllers.back() = ',';
+    const bool second_version = controllers == ",,";
+    if (!second_version && controllers.find(",cpu,") == std::string::npos) return;
+    // The group, and those around it.
+    for (std::string path = line.substr(second + 1);; path.resize(path.rfind('/'))) {
+      if (path.ends_with('/')) path.pop_back();
+      const std::string folder = root + (second_version ? "" : "/cpu") + path;
+      least = std::min(least, second_version ? limit(folder + "/cpu.max", "", all)
+                                             : limit(folder + "/cpu.cfs_quota_us", folder + "/cpu.cfs_period_us", all));
+      if (path.find('/') == std::string::npos) break;
+    }
+  });
+  return least;
+}
+
+MOTIONLANG_BODY int ControlGroups::limit(const std::string& quota_file, const std::string& period_file, int all) {
+  double quota = 0, period = 0;
+  for_lines(quota_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf %lf", &quota, &period); });
+  if (!period_file.empty())
+    for_lines(period_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf", &period); });
+  return quota > 0 && period > 0 ? static_cast<int>(std::clamp(std::ceil(quota / period), 1.0, 1.0 * all)) : all;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY int processor_count() {
   const int all = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 #if defined(__linux__)
   return detail::ControlGroups().processors(all);
@@ -2214,6 +2737,7 @@ inline int processor_count() {
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -2366,61 +2890,25 @@ class ThreadPool {
   std::exception_ptr failure_;
 };
 
+MOTIONLANG_BODY void run_tasks(Index count, void (*task)(const void*, Index), const void* context) {
+  ThreadPool::instance().run(count, task, context);
+}
+
 }  // namespace detail
 
-/// Threads that `parallel_for` uses, the caller included: processor_count(), at most 256, unless set.
-inline int thread_count() { return detail::ThreadPool::instance().size(); }
+MOTIONLANG_BODY int thread_count() { return detail::ThreadPool::instance().size(); }
 
-/// Threads that `parallel_for` uses here: one inside a task.
-inline int parallel_width() { return detail::ThreadPool::instance().width(); }
+MOTIONLANG_BODY int parallel_width() { return detail::ThreadPool::instance().width(); }
 
-/// Number of the thread that runs a task of `parallel_for`: 0 ... thread_count()-1, different for those that run at
-/// once.
-inline int thread_number() { return detail::ThreadPool::number(); }
+MOTIONLANG_BODY int thread_number() { return detail::ThreadPool::number(); }
 
-/// Changes the number of threads for the whole process. Not while work is running. Throws config_error 101.
-inline void set_thread_count(int threads) {
+MOTIONLANG_BODY void set_thread_count(int threads) {
   if (threads < 1 || threads > 1024) raise<config_error>(101, "set_thread_count: ", threads, " is not in 1 ... 1024");
   detail::ThreadPool::instance().resize(threads);
 }
 
-/// Calls f(i) for i = 0 ... count-1, in any order, on all threads. f must not depend on the order. Exceptions reach the
-/// caller (the first one). Inside a task it runs serially.
-template <class F>
-void parallel_for(Index count, const F& f) {
-  if (count <= 0) return;
-  detail::ThreadPool::instance().run(
-      count, [](const void* g, Index i) { (*static_cast<const F*>(g))(i); }, &f);
-}
-
-namespace detail {
-inline constexpr Index worth_a_thread = 16384;  // numbers
-}
-
-/// Calls f(first, last) for pieces of 0 ... count-1, in one piece what is not worth two threads (`cost` numbers per
-/// element). Of elements of many numbers, such as rows, every thread has as many: in the next region it finds what it
-/// wrote in its cache. Pieces of single numbers begin at the same places for any number of threads: vectors and what is
-/// left beside them are the same.
-template <class F>
-void parallel_ranges(Index count, Index cost, const F& f) {
-  const Index grain = std::max<Index>(1, detail::worth_a_thread / std::max<Index>(1, cost));
-  const Index pieces = (count + grain - 1) / grain, threads = parallel_width();
-  if (cost < 64 || pieces <= 1 || threads == 1)
-    return parallel_for(pieces, [&](Index i) { f(i * grain, std::min(count, (i + 1) * grain)); });
-  const Index equal = std::min(count, (pieces + threads - 1) / threads * threads);
-  parallel_for(equal, [&](Index i) { f(count * i / equal, count * (i + 1) / equal); });
-}
-
-/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the
-/// rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
-template <class F>
-void parallel_columns(Index rows, Index width, const F& f) {
-  const Index pieces = rows * width < detail::worth_a_thread ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
-  const auto begin = [&](Index i) { return i == pieces ? width : width * i / pieces / 16 * 16; };
-  parallel_for(pieces, [&](Index i) { f(begin(i), begin(i + 1)); });
-}
-
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_PRECISION_HPP  // <motionlang/core/precision.hpp>
@@ -2461,13 +2949,8 @@ inline std::atomic<Precision>& current_product_precision() {
 }
 }  // namespace detail
 
-inline Precision product_precision() { return detail::current_product_precision().load(std::memory_order_relaxed); }
-
-/// Changes the precision of products for the whole process. Weights that were prepared in another precision are packed
-/// anew at every use (but fp32 and bf16x3 use the same): set it before preparing a model.
-inline void set_product_precision(Precision p) {
-  detail::current_product_precision().store(p, std::memory_order_relaxed);
-}
+/// Precision of products, for the whole process: set_product_precision (backend/precision.hpp) changes it.
+inline Precision product_precision() { return detail::current_product_precision().load(std::memory_order_acquire); }
 
 MOTIONLANG_NAMESPACE_END
 #endif
@@ -2658,13 +3141,25 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// The value that n others are not above; n below the number of values.
-inline double nth_smallest(std::vector<double> values, std::size_t n) {
+double nth_smallest(std::vector<double> values, std::size_t n);
+/// The value below which a share of the values is; 0 of none.
+double quantile(std::vector<double> values, double share);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_QUANTILE_IPP  // <motionlang/core/quantile.ipp>
+#define MOTIONLANG_HAS_CORE_QUANTILE_IPP
+// Bodies of quantile.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY double nth_smallest(std::vector<double> values, std::size_t n) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(n);
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
-/// The value below which a share of the values is; 0 of none.
-inline double quantile(std::vector<double> values, double share) {
+
+MOTIONLANG_BODY double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   const auto n = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
   return nth_smallest(std::move(values), n);
@@ -2672,10 +3167,27 @@ inline double quantile(std::vector<double> values, double share) {
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
 #ifndef MOTIONLANG_HAS_CORE_ROUNDING_HPP  // <motionlang/core/rounding.hpp>
 #define MOTIONLANG_HAS_CORE_ROUNDING_HPP
 /// Decimal places as Python and NumPy round them: published tables are printed by one or the other.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Python's `round(x, places)`: the decimal number nearest to the binary value of x. 2.675 is a little less than it
+/// looks and becomes 2.67. Throws config_error 101 unless 0 <= places <= 15.
+double python_round(double x, int places);
+
+/// NumPy's `round(x, places)`: x 10^places to the nearest integer, halves to the even one, then back. 2.675 becomes
+/// 2.68, because the product is rounded before. Throws config_error 101 unless 0 <= places <= 15.
+double numpy_round(double x, int places);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_ROUNDING_IPP  // <motionlang/core/rounding.ipp>
+#define MOTIONLANG_HAS_CORE_ROUNDING_IPP
+// Bodies of rounding.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -2688,26 +3200,23 @@ inline void require_places(const char* function, int places) {
 
 }  // namespace detail
 
-/// Python's `round(x, places)`: the decimal number nearest to the binary value of x. 2.675 is a little less than it
-/// looks and becomes 2.67. Throws config_error 101 unless 0 <= places <= 15.
-inline double python_round(double x, int places) {
+MOTIONLANG_BODY double python_round(double x, int places) {
   detail::require_places("python_round", places);
   if (!std::isfinite(x)) return x;
   char digits[400];  // the largest double has 309 digits before the point
-  const char* end = std::to_chars(digits, digits + sizeof digits, x, std::chars_format::fixed, places).ptr;
-  std::from_chars(digits, end, x);
+  const char* end = detail::to_chars(digits, digits + sizeof digits, x, std::chars_format::fixed, places).ptr;
+  detail::from_chars(digits, end, x);
   return x;
 }
 
-/// NumPy's `round(x, places)`: x 10^places to the nearest integer, halves to the even one, then back. 2.675 becomes
-/// 2.68, because the product is rounded before. Throws config_error 101 unless 0 <= places <= 15.
-inline double numpy_round(double x, int places) {
+MOTIONLANG_BODY double numpy_round(double x, int places) {
   detail::require_places("numpy_round", places);
   const double scale = std::pow(10.0, places);
   return std::nearbyint(x * scale) / scale;
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_ROWS_TOGETHER_HPP  // <motionlang/core/rows_together.hpp>
@@ -2720,7 +3229,8 @@ namespace detail {
 /// While it lives, products of this thread count as parts of one of so many rows (0: each as what it is), unless
 /// another lives already. In bf16x3 the instructions depend on the number of rows, and with them the last digit: where
 /// that must not depend on how rows are shared by threads, or on what else is in a batch, say so by this. As `many`, a
-/// product of a few rows takes up to four times as long. Threads that help have to be told (for_products, in_groups).
+/// product of a few rows takes up to four times as long. Threads that help need one of
+/// their own (for_products, in_groups).
 class RowsTogether {
  public:
   static constexpr Index few = 1, many = 1 << 20;
@@ -2904,6 +3414,25 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// A backend's tensor, row-major numbers that fill(scalar*) writes: into the tensor itself where it can be written, so
+/// that a large table is not there twice.
+template <Backend B, class F>
+typename B::tensor written_tensor(const Shape& shape, const F& fill) {
+  using S = typename B::scalar;
+  if constexpr (requires(typename B::tensor t, const Shape& s) {
+                  { t.data() } -> std::same_as<S*>;
+                  t = typename B::tensor(s);
+                }) {
+    typename B::tensor t(shape);
+    fill(t.data());
+    return t;
+  } else {
+    PoolVector<S> values(static_cast<std::size_t>(shape.count()));
+    fill(values.data());
+    return B::from_span(values, shape);
+  }
+}
+
 template <Backend B, int Rank>
 class Tensor {
   static_assert(Rank >= 0 && Rank <= Shape::max_rank, "motionlang::Tensor: rank must be 0 ... 6");
@@ -2938,22 +3467,10 @@ class Tensor {
   static Tensor from(const std::vector<scalar>& values, const Shape& shape) {
     return from(std::span<const scalar>(values), shape);
   }
-  /// Row-major numbers that fill(scalar*) writes, into the tensor itself where the backend's tensors can be written: a
-  /// large table is not there twice.
+  /// Row-major numbers that fill(scalar*) writes (written_tensor).
   template <class F>
   static Tensor written(const Shape& shape, const F& fill) {
-    if constexpr (requires(typename B::tensor t, const Shape& s) {
-                    { t.data() } -> std::same_as<scalar*>;
-                    t = typename B::tensor(s);
-                  }) {
-      typename B::tensor t(checked(shape));
-      fill(t.data());
-      return Tensor(std::move(t));
-    } else {
-      PoolVector<scalar> values(static_cast<std::size_t>(checked(shape).count()));
-      fill(values.data());
-      return from(std::span<const scalar>(values), shape);
-    }
+    return Tensor(written_tensor<B>(checked(shape), fill));
   }
   /// Standard normal numbers.
   static Tensor randn(const Shape& shape, Rng auto& rng) {
@@ -2997,7 +3514,7 @@ class Tensor {
 
 namespace detail {
 
-/// For operations whose result would not show it. Throws shape_error 206 for a tensor that is none yet.
+/// For operations whose result would not show it. Throws shape_error 206 for a tensor without numbers.
 template <Backend B, int R>
 void require_tensor(std::string_view op, const Tensor<B, R>& t) {
   if (t.shape().rank() != R) raise<shape_error>(206, op, ": no tensor yet, rank ", R, " expected");
@@ -3326,11 +3843,7 @@ Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
 }
 
 namespace detail {
-inline void check_rows(const char* op, std::span<const Index> rows, Index n) {
-  for (Index r : rows) {
-    if (r < 0 || r >= n) raise<shape_error>(203, op, ": row ", r, " of ", n);
-  }
-}
+void check_rows(const char* op, std::span<const Index> rows, Index n);
 }  // namespace detail
 
 /// out[i] = a[rows[i]]: picks along the first axis; rows may repeat. Throws shape_error 203.
@@ -3350,6 +3863,25 @@ requires(R > 0) Tensor<B, R> scatter_add(const Tensor<B, R>& a, std::span<const 
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TENSOR_INDEX_IPP  // <motionlang/tensor/index.ipp>
+#define MOTIONLANG_HAS_TENSOR_INDEX_IPP
+// Bodies of index.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY void check_rows(const char* op, std::span<const Index> rows, Index n) {
+  for (Index r : rows) {
+    if (r < 0 || r >= n) raise<shape_error>(203, op, ": row ", r, " of ", n);
+  }
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -3375,14 +3907,7 @@ struct Sequences {
 };
 
 /// For every row the number of its sequence.
-inline PoolVector<Index> sequence_of_row(const Offsets& offsets) {
-  PoolVector<Index> owner;
-  owner.reserve(static_cast<std::size_t>(offsets.rows()));
-  for (Index s = 0; s < offsets.count(); ++s) {
-    for (Index i = 0; i < offsets.length(s); ++i) owner.push_back(s);
-  }
-  return owner;
-}
+PoolVector<Index> sequence_of_row(const Offsets& offsets);
 /// One row per sequence to one per row of the sequences: (sequences, width) -> (rows, width). Throws shape_error 204
 /// for another count.
 template <Backend B>
@@ -3404,11 +3929,7 @@ Sequences<B> repeat_sequence(const Tensor<B, 2>& rows, Index count) {
 namespace detail {
 
 /// The lengths of the sequences `which`: numbers that there are, in any order, with repetition.
-inline Offsets some_sequences(const Offsets& offsets, std::span<const Index> which) {
-  PoolVector<Index> lengths;
-  for (Index s : which) lengths.push_back(offsets.length(s));
-  return Offsets(std::span<const Index>(lengths));
-}
+Offsets some_sequences(const Offsets& offsets, std::span<const Index> which);
 /// The sequences `which`; without copying if these are all of them in order.
 template <Backend B>
 Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which) {
@@ -3425,18 +3946,26 @@ Sequences<B> some_sequences(const Sequences<B>& x, std::span<const Index> which)
   return {gather(x.rows, rows), offsets};
 }
 /// Number i times.length(i) times. Throws shape_error 204 for another number of times.
-inline PoolVector<Index> repeated_numbers(Index sequences, const Offsets& times) {
-  if (times.count() != sequences)
-    raise<shape_error>(204, "repeat_lengths: ", times.count(), " numbers of times for ", sequences, " sequences");
-  return sequence_of_row(times);
-}
+PoolVector<Index> repeated_numbers(Index sequences, const Offsets& times);
+
+/// Rows to pick, and how long the sequences of them are.
+struct PickedRows {
+  PoolVector<Index> rows;
+  Offsets offsets;
+};
+/// For concat_tokens, of the parts one behind the other. Throws shape_error 204 if the counts differ.
+PickedRows joined_sequences(std::span<const Offsets* const> parts);
+/// For last_rows. Throws shape_error 204, 207.
+PoolVector<Index> last_rows_of(const Offsets& offsets, const Offsets& tail);
+/// For from_padded: shape (batch, time, width), mask (batch, time). Throws shape_error 205.
+PickedRows valid_rows(const Shape& shape, std::span<const unsigned char> mask);
+/// The same for lengths. Throws shape_error 204, 205.
+std::vector<unsigned char> mask_of_lengths(const Shape& shape, std::span<const Index> lengths);
 
 }  // namespace detail
 
 /// Sequence i times.length(i) times, one after the other. Throws shape_error 204 for another number of times.
-inline Offsets repeat_lengths(const Offsets& offsets, const Offsets& times) {
-  return detail::some_sequences(offsets, detail::repeated_numbers(offsets.count(), times));
-}
+Offsets repeat_lengths(const Offsets& offsets, const Offsets& times);
 template <Backend B>
 Sequences<B> repeat_sequences(const Sequences<B>& x, const Offsets& times) {
   return detail::some_sequences(x, detail::repeated_numbers(x.count(), times));
@@ -3447,34 +3976,13 @@ Sequences<B> repeat_sequences(const Sequences<B>& x, const Offsets& times) {
 template <Backend B, class... T>
 Sequences<B> concat_tokens(const Sequences<B>& first, const T&... more) {
   const std::array<const Offsets*, 1 + sizeof...(T)> parts{&first.offsets, &more.offsets...};
-  for (const Offsets* part : parts) {
-    if (part->count() != first.count())
-      raise<shape_error>(204, "concat_tokens: ", first.count(), " sequences and ", part->count());
-  }
-  PoolVector<Index> pick, lengths;
-  for (Index s = 0; s < first.count(); ++s) {
-    Index start = 0, length = 0;  // of the part among all rows; of the joined sequence
-    for (const Offsets* part : parts) {
-      for (Index r = part->begin(s); r < part->end(s); ++r) pick.push_back(start + r);
-      start += part->rows();
-      length += part->length(s);
-    }
-    lengths.push_back(length);
-  }
-  return {gather(concat(0, first.rows, more.rows...), pick), Offsets(std::span<const Index>(lengths))};
+  auto joined = detail::joined_sequences(parts);
+  return {gather(concat(0, first.rows, more.rows...), joined.rows), std::move(joined.offsets)};
 }
 /// The last tail.length(i) rows of each sequence. Throws shape_error 204, 207.
 template <Backend B>
 Sequences<B> last_rows(const Sequences<B>& x, const Offsets& tail) {
-  if (tail.count() != x.count()) raise<shape_error>(204, "last_rows: ", x.count(), " sequences and ", tail.count());
-  PoolVector<Index> pick;
-  for (Index s = 0; s < x.count(); ++s) {
-    if (tail.length(s) > x.offsets.length(s)) {
-      raise<shape_error>(207, "last_rows: ", tail.length(s), " of ", x.offsets.length(s), " rows of sequence ", s);
-    }
-    for (Index r = x.offsets.end(s) - tail.length(s); r < x.offsets.end(s); ++r) pick.push_back(r);
-  }
-  return {gather(x.rows, pick), tail};
+  return {gather(x.rows, detail::last_rows_of(x.offsets, tail)), tail};
 }
 /// Each sequence without its first n rows.
 template <Backend B>
@@ -3485,48 +3993,18 @@ Sequences<B> drop_tokens(const Sequences<B>& x, Index n) {
 }
 
 /// true for the first lengths[i] of `longest` frames: (sequences, longest), row-major, 1 = valid.
-inline std::vector<unsigned char> lengths_to_mask(std::span<const Index> lengths) {
-  Index longest = 0;
-  for (Index n : lengths) longest = n > longest ? n : longest;
-  std::vector<unsigned char> mask;
-  for (Index n : lengths) {
-    for (Index i = 0; i < longest; ++i) mask.push_back(i < n ? 1 : 0);
-  }
-  return mask;
-}
+std::vector<unsigned char> lengths_to_mask(std::span<const Index> lengths);
 
 /// x (batch, time, width) and mask (batch, time; 0 = padding) to the valid rows. Padding need not be at the end.
 template <Backend B>
 Sequences<B> from_padded(const Tensor<B, 3>& x, std::span<const unsigned char> mask) {
-  const Index batch = x.size(0), time = x.size(1);
-  if (static_cast<Index>(mask.size()) != batch * time) {
-    raise<shape_error>(205, "from_padded: ", Index(mask.size()), " mask values for shape ", x.shape());
-  }
-  std::vector<Index> rows, lengths;
-  for (Index b = 0; b < batch; ++b) {
-    const auto before = static_cast<Index>(rows.size());
-    for (Index t = 0; t < time; ++t) {
-      if (mask[static_cast<std::size_t>(b * time + t)] != 0) rows.push_back(b * time + t);
-    }
-    lengths.push_back(static_cast<Index>(rows.size()) - before);
-  }
-  return {gather(reshape<2>(x, {batch * time, x.size(2)}), rows), Offsets(lengths)};
+  auto valid = detail::valid_rows(x.shape(), mask);
+  return {gather(reshape<2>(x, {x.size(0) * x.size(1), x.size(2)}), valid.rows), std::move(valid.offsets)};
 }
 /// The first lengths[i] frames of each. Throws shape_error 204, 205.
 template <Backend B>
 Sequences<B> from_padded(const Tensor<B, 3>& x, std::span<const Index> lengths) {
-  std::vector<unsigned char> mask(static_cast<std::size_t>(x.size(0) * x.size(1)));
-  if (static_cast<Index>(lengths.size()) != x.size(0)) {
-    raise<shape_error>(204, "from_padded: ", Index(lengths.size()), " lengths for shape ", x.shape());
-  }
-  for (Index b = 0; b < x.size(0); ++b) {
-    const Index length = lengths[static_cast<std::size_t>(b)];
-    if (length < 0 || length > x.size(1)) {
-      raise<shape_error>(205, "from_padded: length ", length, " of sequence ", b, " for shape ", x.shape());
-    }
-    for (Index t = 0; t < length; ++t) mask[static_cast<std::size_t>(b * x.size(1) + t)] = 1;
-  }
-  return from_padded(x, std::span<const unsigned char>(mask));
+  return from_padded(x, std::span<const unsigned char>(detail::mask_of_lengths(x.shape(), lengths)));
 }
 /// All sequences of a (batch, time, width) tensor at full length.
 template <Backend B>
@@ -3551,6 +4029,116 @@ Tensor<B, 3> to_padded(const Sequences<B>& x, double value = 0, Index time = 0) 
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TENSOR_SEQUENCES_IPP  // <motionlang/tensor/sequences.ipp>
+#define MOTIONLANG_HAS_TENSOR_SEQUENCES_IPP
+// Bodies of sequences.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY PoolVector<Index> sequence_of_row(const Offsets& offsets) {
+  PoolVector<Index> owner;
+  owner.reserve(static_cast<std::size_t>(offsets.rows()));
+  for (Index s = 0; s < offsets.count(); ++s) {
+    for (Index i = 0; i < offsets.length(s); ++i) owner.push_back(s);
+  }
+  return owner;
+}
+
+namespace detail {
+
+MOTIONLANG_BODY Offsets some_sequences(const Offsets& offsets, std::span<const Index> which) {
+  PoolVector<Index> lengths;
+  for (Index s : which) lengths.push_back(offsets.length(s));
+  return Offsets(std::span<const Index>(lengths));
+}
+
+MOTIONLANG_BODY PoolVector<Index> repeated_numbers(Index sequences, const Offsets& times) {
+  if (times.count() != sequences)
+    raise<shape_error>(204, "repeat_lengths: ", times.count(), " numbers of times for ", sequences, " sequences");
+  return sequence_of_row(times);
+}
+
+MOTIONLANG_BODY PickedRows joined_sequences(std::span<const Offsets* const> parts) {
+  const Index count = parts.front()->count();
+  for (const Offsets* part : parts) {
+    if (part->count() != count) raise<shape_error>(204, "concat_tokens: ", count, " sequences and ", part->count());
+  }
+  PoolVector<Index> pick, lengths;
+  for (Index s = 0; s < count; ++s) {
+    Index start = 0, length = 0;  // of the part among all rows; of the joined sequence
+    for (const Offsets* part : parts) {
+      for (Index r = part->begin(s); r < part->end(s); ++r) pick.push_back(start + r);
+      start += part->rows();
+      length += part->length(s);
+    }
+    lengths.push_back(length);
+  }
+  return {std::move(pick), Offsets(std::span<const Index>(lengths))};
+}
+
+MOTIONLANG_BODY PoolVector<Index> last_rows_of(const Offsets& offsets, const Offsets& tail) {
+  if (tail.count() != offsets.count())
+    raise<shape_error>(204, "last_rows: ", offsets.count(), " sequences and ", tail.count());
+  PoolVector<Index> pick;
+  for (Index s = 0; s < offsets.count(); ++s) {
+    if (tail.length(s) > offsets.length(s)) {
+      raise<shape_error>(207, "last_rows: ", tail.length(s), " of ", offsets.length(s), " rows of sequence ", s);
+    }
+    for (Index r = offsets.end(s) - tail.length(s); r < offsets.end(s); ++r) pick.push_back(r);
+  }
+  return pick;
+}
+
+MOTIONLANG_BODY PickedRows valid_rows(const Shape& shape, std::span<const unsigned char> mask) {
+  const Index batch = shape[0], time = shape[1];
+  if (static_cast<Index>(mask.size()) != batch * time) {
+    raise<shape_error>(205, "from_padded: ", Index(mask.size()), " mask values for shape ", shape);
+  }
+  PoolVector<Index> rows, lengths;
+  for (Index b = 0; b < batch; ++b) {
+    const auto before = static_cast<Index>(rows.size());
+    for (Index t = 0; t < time; ++t) {
+      if (mask[static_cast<std::size_t>(b * time + t)] != 0) rows.push_back(b * time + t);
+    }
+    lengths.push_back(static_cast<Index>(rows.size()) - before);
+  }
+  return {std::move(rows), Offsets(std::span<const Index>(lengths))};
+}
+
+MOTIONLANG_BODY std::vector<unsigned char> mask_of_lengths(const Shape& shape, std::span<const Index> lengths) {
+  std::vector<unsigned char> mask(static_cast<std::size_t>(shape[0] * shape[1]));
+  if (static_cast<Index>(lengths.size()) != shape[0]) {
+    raise<shape_error>(204, "from_padded: ", Index(lengths.size()), " lengths for shape ", shape);
+  }
+  for (Index b = 0; b < shape[0]; ++b) {
+    const Index length = lengths[static_cast<std::size_t>(b)];
+    if (length < 0 || length > shape[1]) {
+      raise<shape_error>(205, "from_padded: length ", length, " of sequence ", b, " for shape ", shape);
+    }
+    for (Index t = 0; t < length; ++t) mask[static_cast<std::size_t>(b * shape[1] + t)] = 1;
+  }
+  return mask;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Offsets repeat_lengths(const Offsets& offsets, const Offsets& times) {
+  return detail::some_sequences(offsets, detail::repeated_numbers(offsets.count(), times));
+}
+
+MOTIONLANG_BODY std::vector<unsigned char> lengths_to_mask(std::span<const Index> lengths) {
+  Index longest = 0;
+  for (Index n : lengths) longest = n > longest ? n : longest;
+  std::vector<unsigned char> mask;
+  for (Index n : lengths) {
+    for (Index i = 0; i < longest; ++i) mask.push_back(i < n ? 1 : 0);
+  }
+  return mask;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -3946,32 +4534,13 @@ struct IdSequences {
 
   IdSequences() = default;
   /// Throws shape_error 207 unless the offsets end at the last id.
-  IdSequences(std::vector<Index> list, Offsets o) : ids(std::move(list)), offsets(std::move(o)) {
-    if (std::ssize(ids) != offsets.rows())
-      raise<shape_error>(207, "IdSequences: offsets for ", offsets.rows(), " ids, ", ids.size(), " are there");
-  }
-  static IdSequences from(const std::vector<std::vector<Index>>& lists) {
-    std::vector<Index> ids, lengths;
-    for (const auto& list : lists) {
-      ids.insert(ids.end(), list.begin(), list.end());
-      lengths.push_back(std::ssize(list));
-    }
-    return {std::move(ids), Offsets(lengths)};
-  }
+  IdSequences(std::vector<Index> list, Offsets o);
+  static IdSequences from(const std::vector<std::vector<Index>>& lists);
   static IdSequences one(std::span<const Index> list) {
     return {{list.begin(), list.end()}, Offsets{std::ssize(list)}};
   }
   /// Rows of `width` ids; those that are `pad` are left out. Throws shape_error 205 unless they are whole rows.
-  static IdSequences from_padded(std::span<const Index> padded, Index width, Index pad) {
-    if (width < 1 || std::ssize(padded) % width != 0)
-      raise<shape_error>(205, "IdSequences: ", padded.size(), " ids are no rows of ", width);
-    std::vector<std::vector<Index>> lists;
-    for (std::size_t i = 0; i < padded.size(); ++i) {
-      if (i % static_cast<std::size_t>(width) == 0) lists.emplace_back();
-      if (padded[i] != pad) lists.back().push_back(padded[i]);
-    }
-    return from(lists);
-  }
+  static IdSequences from_padded(std::span<const Index> padded, Index width, Index pad);
 
   Index count() const { return offsets.count(); }
   std::span<const Index> operator[](Index i) const {
@@ -3980,19 +4549,56 @@ struct IdSequences {
   }
   /// Each without its first or last ids: what is to be written, and what it is written after. Throws shape_error 207
   /// for a sequence that is shorter.
-  IdSequences without_ends(Index first, Index last) const {
-    std::vector<std::vector<Index>> lists;
-    for (Index i = 0; i < count(); ++i) {
-      const auto list = (*this)[i];
-      if (std::ssize(list) < first + last)
-        raise<shape_error>(207, "IdSequences: ", first + last, " ids less than ", list.size(), " in sequence ", i);
-      lists.emplace_back(list.begin() + first, list.end() - last);
-    }
-    return from(lists);
-  }
+  IdSequences without_ends(Index first, Index last) const;
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TENSOR_ID_SEQUENCES_IPP  // <motionlang/tensor/id_sequences.ipp>
+#define MOTIONLANG_HAS_TENSOR_ID_SEQUENCES_IPP
+// Bodies of id_sequences.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY IdSequences::IdSequences(std::vector<Index> list, Offsets o)
+    : ids(std::move(list)), offsets(std::move(o)) {
+  if (std::ssize(ids) != offsets.rows())
+    raise<shape_error>(207, "IdSequences: offsets for ", offsets.rows(), " ids, ", ids.size(), " are there");
+}
+
+MOTIONLANG_BODY IdSequences IdSequences::from(const std::vector<std::vector<Index>>& lists) {
+  std::vector<Index> ids, lengths;
+  for (const auto& list : lists) {
+    ids.insert(ids.end(), list.begin(), list.end());
+    lengths.push_back(std::ssize(list));
+  }
+  return {std::move(ids), Offsets(lengths)};
+}
+
+MOTIONLANG_BODY IdSequences IdSequences::from_padded(std::span<const Index> padded, Index width, Index pad) {
+  if (width < 1 || std::ssize(padded) % width != 0)
+    raise<shape_error>(205, "IdSequences: ", padded.size(), " ids are no rows of ", width);
+  std::vector<std::vector<Index>> lists;
+  for (std::size_t i = 0; i < padded.size(); ++i) {
+    if (i % static_cast<std::size_t>(width) == 0) lists.emplace_back();
+    if (padded[i] != pad) lists.back().push_back(padded[i]);
+  }
+  return from(lists);
+}
+
+MOTIONLANG_BODY IdSequences IdSequences::without_ends(Index first, Index last) const {
+  std::vector<std::vector<Index>> lists;
+  for (Index i = 0; i < count(); ++i) {
+    const auto list = (*this)[i];
+    if (std::ssize(list) < first + last)
+      raise<shape_error>(207, "IdSequences: ", first + last, " ids less than ", list.size(), " in sequence ", i);
+    lists.emplace_back(list.begin() + first, list.end() - last);
+  }
+  return from(lists);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_TENSOR_MODULE_HPP  // <motionlang/tensor/module.hpp>
@@ -4010,32 +4616,154 @@ inline constexpr bool is_trainable = [] {
     return true;
 }();
 
+/// A tensor of a module, whatever its rank: its path, and its data to read or replace. (In a const module it is const.)
+template <Backend B, class Data = typename B::tensor>
+struct ModuleTensor {
+  std::string path;
+  int rank = 0;
+  void* tensor = nullptr;  // Tensor<B, rank>
+  Data* data = nullptr;
+
+  Shape shape() const { return B::shape(*data); }
+  /// The numbers, row-major.
+  std::span<const typename B::scalar> span() const { return B::to_span(*data); }
+};
+
 namespace detail {
 
-/// Passes the tensors among the leaves on to f. A type of its own: inside visit_tensors it would be another one for
-/// every module, and all that lies below would be compiled again.
-template <class F>
-struct TensorsOnly {
-  F& f;
-  template <class T>
-  void operator()(const std::string& path, T& leaf) const {
-    if constexpr (is_tensor<std::remove_const_t<T>>) f(path, leaf);
-  }
+/// What the tensors below a type have in common: their backend (void: there are none), and which ranks they have, a bit
+/// for each.
+template <class T>
+struct TensorsBelow {
+  using backend = void;
+  static constexpr unsigned ranks = 0;
 };
+template <class B, int R>
+struct TensorsBelow<Tensor<B, R>> {
+  using backend = B;
+  static constexpr unsigned ranks = 1U << R;
+};
+template <class T>
+struct TensorsBelow<std::vector<T>> : TensorsBelow<T> {};
+template <class T>
+struct TensorsBelow<std::optional<T>> : TensorsBelow<T> {};
+template <class M, class T, class Rest>
+struct TensorsBelow<FieldList<Field<M, T>, Rest>> {
+  using first = TensorsBelow<T>;
+  using others = TensorsBelow<Rest>;
+  using backend = std::conditional_t<first::ranks != 0, typename first::backend, typename others::backend>;
+  static constexpr unsigned ranks = first::ranks | others::ranks;
+};
+template <Module M>
+struct TensorsBelow<M> : TensorsBelow<decltype(M::fields())> {};
+
+/// Lists tensors. One function for every type of module, whatever is done with the tensors then: models are large, and
+/// each of their modules would be walked over again for every purpose.
+template <Backend B>
+class TensorLister {
+ public:
+  template <Module M>
+  void list(M& module) {
+    list_fields(M::fields(), module);
+  }
+  std::vector<ModuleTensor<B>> tensors;
+
+ private:
+  template <class Fields, class M>
+  [[gnu::always_inline]] void list_fields(const Fields& fields, M& module) {
+    if constexpr (!std::is_same_v<Fields, NoFields>) {
+      list_member(fields.first.name, module.*(fields.first.member));
+      list_fields(fields.rest, module);
+    }
+  }
+  template <class T>
+  [[gnu::always_inline]] void list_member(const char* name, T& member) {
+    if constexpr (TensorsBelow<T>::ranks != 0) {
+      const std::size_t length = open(name);
+      if constexpr (is_tensor<T>) {
+        add(T::rank, &member, member.mutable_data());
+      } else if constexpr (is_vector<T>) {
+        for (std::size_t i = 0; i < member.size(); ++i) list_member(std::to_string(i).c_str(), member[i]);
+      } else if constexpr (is_optional<T>) {
+        if (member) list_member("", *member);
+      } else {
+        list(member);
+      }
+      path_.resize(length);
+    }
+  }
+  std::size_t open(std::string_view name) {
+    const std::size_t length = path_.size();
+    if (length != 0 && !name.empty()) path_ += '.';
+    path_ += name;
+    return length;
+  }
+  void add(int rank, void* tensor, typename B::tensor& data) { tensors.push_back({path_, rank, tensor, &data}); }
+
+  std::string path_;
+};
+
+/// f(path, tensor) with the tensor's rank as a type again.
+template <class M, unsigned ranks, Backend B, class F, int R = 0>
+void with_rank(const ModuleTensor<B>& t, F& f) {
+  if constexpr ((ranks >> R & 1) != 0) {
+    using T = std::conditional_t<std::is_const_v<M>, const Tensor<B, R>, Tensor<B, R>>;
+    if (t.rank == R) return f(t.path, *static_cast<T*>(t.tensor));
+  }
+  if constexpr (ranks >> R > 1) with_rank<M, ranks, B, F, R + 1>(t, f);
+}
 
 }  // namespace detail
 
-/// Calls f(path, tensor) for all tensors of a module; other fields (sizes, options) are passed over.
+/// The backend of a module's tensors.
+template <Module M>
+using module_backend = typename detail::TensorsBelow<M>::backend;
+
+/// All tensors of a module in the order of its fields; other fields (sizes, options) are passed over.
+template <Module M>
+std::vector<ModuleTensor<module_backend<M>>> tensors_of(M& module) {
+  detail::TensorLister<module_backend<M>> lister;
+  lister.list(module);
+  return std::move(lister.tensors);
+}
+template <Module M>
+auto tensors_of(const M& module) {
+  using B = module_backend<M>;
+  std::vector<ModuleTensor<B, const typename B::tensor>> out;
+  for (auto& t : tensors_of(const_cast<M&>(module))) out.push_back({std::move(t.path), t.rank, t.tensor, t.data});
+  return out;
+}
+
+/// Calls f(path, tensor) for all tensors of a module.
 template <class M, class F>
+requires Module<std::remove_const_t<M>>
 void visit_tensors(M& module, F f) {
-  visit(module, detail::TensorsOnly<F>{f});
+  using Plain = std::remove_const_t<M>;
+  if constexpr (constexpr unsigned ranks = detail::TensorsBelow<Plain>::ranks; ranks != 0) {
+    for (const auto& t : tensors_of(const_cast<Plain&>(module))) detail::with_rank<M, ranks>(t, f);
+  }
+}
+
+/// Calls f(tensor of a, tensor of b), both `ModuleTensor`, for two modules of the same structure, perhaps over
+/// different backends. Throws shape_error 204 if they are not.
+template <class M, class N, class F>
+void zip_tensors(M& a, N& b, F f) {
+  const auto first = tensors_of(a);
+  const auto second = tensors_of(b);
+  if (first.size() != second.size())
+    raise<shape_error>(204, "zip_tensors: ", Index(first.size()), " and ", Index(second.size()), " tensors");
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    if (first[i].path != second[i].path)
+      raise<shape_error>(204, "zip_tensors: '", first[i].path, "' beside '", second[i].path, "'");
+    f(first[i], second[i]);
+  }
 }
 
 /// Numbers in all tensors of a module.
 template <Module M>
 Index parameter_count(const M& module) {
   Index n = 0;
-  visit_tensors(module, [&](const std::string&, const auto& t) { n += t.count(); });
+  for (const auto& t : tensors_of(module)) n += t.shape().count();
   return n;
 }
 
@@ -4091,34 +4819,32 @@ M<typename A::inner> to_inner(const M<A>& model) {
 namespace detail {
 
 /// Matrices, and what has the axes of a convolution's weight: (out, in, taps), (out, in, taps, 1).
-template <class B, int R>
-inline constexpr bool has_panels = PackingBackend<B>&& R >= 2 && R <= 4;
-
-/// Whether all numbers of the weight are finite.
-template <Backend B, int R>
-requires has_panels<B, R>
-bool pack_weight(const Tensor<B, R>& w) {
-  if constexpr (R == 4)
-    return B::prepare(B::reshape(w.data(), Shape{w.size(0), w.size(1), w.size(2) * w.size(3)}));
-  else
-    return B::prepare(w.data());
+template <class B>
+bool has_panels(int rank) {
+  return PackingBackend<B> && rank >= 2 && rank <= 4;
 }
 
-struct PrepareWeights {
-  template <Backend B, int R>
-  void operator()(const std::string&, Tensor<B, R>& t) const {
-    if constexpr (has_panels<B, R>) pack_weight(t);
-  }
-};
+/// Packs a weight; returns whether all its values are finite.
+template <PackingBackend B>
+bool pack_weight(const typename B::tensor& weight) {
+  const Shape shape = B::shape(weight);
+  if (shape.rank() < 4) return B::prepare(weight);
+  return B::prepare(B::reshape(weight, Shape{shape[0], shape[1], shape[2] * shape[3]}));
+}
 
 }  // namespace detail
 
 /// Makes a model ready for inference: weights of linear layers and convolutions are packed for the backend's kernels
-/// (and whatever else has two to four axes). The model must not
-/// be changed afterwards. Nothing happens on backends without such a layout.
+/// (and whatever else has two to four axes). The model must not be changed afterwards. Nothing happens on backends
+/// without such a layout.
 template <Module M>
 void prepare(M& model) {
-  visit_tensors(model, detail::PrepareWeights{});
+  using B = module_backend<M>;
+  if constexpr (PackingBackend<B>) {
+    for (const auto& t : tensors_of(model)) {
+      if (detail::has_panels<B>(t.rank)) detail::pack_weight<B>(*t.data);
+    }
+  }
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -5852,85 +6578,10 @@ MOTIONLANG_NAMESPACE_END
 ///     Motion cycle = make_loop(in_place(walk), 8).motion;
 ///     Motion whole = without_jump(motion, 20, 30);  // frame 20 follows on frame 19, frame 30 is as it was
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP  // <motionlang/kinematics/motion_tools.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP
-/// Editing clips: crop, resample, change speed, join, mirror, and take away the T-pose at the start of CMU files. Pure
-/// functions; the clip that is passed stays as it is.
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_JOINT_SIDES_HPP  // <motionlang/kinematics/joint_sides.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_JOINT_SIDES_HPP
-/// The side of the body that the name of a joint tells, and what its partner may be called.
-
-#include <cctype>       // tolower
-#include <iterator>     // begin
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Side of the body: a rest pose faces +Z, its left is at +X.
-enum class Side : int { middle, left, right };
-
-namespace detail {
-
-/// What parts the words of a name.
-inline bool is_separator(char c) { return c == '_' || c == '.' || c == '-' || c == ' '; }
-/// Where a letter stands alone inside of a name (J_Bip_L_Hand, "Bip01 L Thigh"), or npos.
-inline std::size_t lone_letter(std::string_view name, char letter) {
-  for (std::size_t at = 1; at + 1 < name.size(); ++at) {
-    if (name[at] == letter && is_separator(name[at - 1]) && is_separator(name[at + 1])) return at;
-  }
-  return name.npos;
-}
-
-/// The side that a joint's name tells: left, Left, l_, _L, .l, _L_, lHand, LHip and the same for the right.
-inline Side side_of_name(std::string_view name) {
-  auto lower = [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); };
-  auto is_capital = [](char c) { return c >= 'A' && c <= 'Z'; };
-  std::string small(name);
-  std::transform(small.begin(), small.end(), small.begin(), lower);
-  for (const auto& [side, word] : {std::pair{Side::left, std::string_view("left")}, {Side::right, "right"}}) {
-    const char letter = word.front();
-    if (small.find(word) != std::string::npos) return side;
-    if (name.size() < 2) continue;
-    const char second = name[1], before_last = name[name.size() - 2];
-    if (small.front() == letter && (second == '_' || second == '.' || is_capital(second))) return side;
-    if (small.back() == letter && is_separator(before_last)) return side;
-    if (lone_letter(small, letter) != small.npos) return side;
-  }
-  return Side::middle;
-}
-
-/// How names mark their side: words anywhere, single letters at either end or alone (lThigh, UpperArm_L, J_Bip_L_Hand).
-inline constexpr std::string_view side_words[][2] = {{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}};
-inline constexpr std::string_view side_letters[][2] = {{"l", "r"}, {"L", "R"}};
-
-inline bool has_side_word(std::string_view name) {
-  return std::any_of(std::begin(side_words), std::end(side_words), [&](const auto& pair) {
-    return name.find(pair[0]) != name.npos || name.find(pair[1]) != name.npos;
-  });
-}
-/// What the joint on the other side may be called. A letter may be a coincidence ("lowerback"): look the names up.
-inline std::vector<std::string> other_side(const std::string& name) {
-  std::vector<std::string> candidates;
-  auto replaced = [&](std::string_view mark, std::string_view other, std::size_t at) {
-    candidates.push_back(std::string(name).replace(at, mark.size(), other));
-  };
-  for (const int side : {0, 1}) {
-    for (const auto& pair : side_words) {
-      if (const auto at = name.find(pair[side]); at != name.npos) replaced(pair[side], pair[1 - side], at);
-    }
-    for (const auto& pair : side_letters) {
-      if (name.starts_with(pair[side])) replaced(pair[side], pair[1 - side], 0);
-      if (name.ends_with(pair[side])) replaced(pair[side], pair[1 - side], name.size() - 1);
-      if (const auto at = lone_letter(name, pair[side][0]); at != name.npos) replaced(pair[side], pair[1 - side], at);
-    }
-  }
-  return candidates;
-}
-
-}  // namespace detail
-
-MOTIONLANG_NAMESPACE_END
-#endif
+#ifndef MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_HPP  // <motionlang/kinematics/root_motion.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_HPP
+/// Where a clip stands and goes on the floor: moving a whole clip, clips in place, and the path of the root as a track
+/// of its own, as game engines want it. Y up, metres, radians; a turn to the left is positive.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_HPP  // <motionlang/kinematics/motion.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_MOTION_HPP
@@ -5944,7 +6595,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_KINEMATICS_FORWARD_HPP
 /// Forward kinematics: from local rotations to joint positions. One function for a single pose (S = float, double), for
 /// derivatives (Dual), for poses side by side in a register (Lane) and for a differentiable batch (Tensor; see
-/// lanes.hpp).
+/// forward_batch.hpp).
 ///
 ///     R_j = R_parent(j) L_j,   p_j = p_parent(j) + R_parent(j) offset_j,   R_0 = L_0, p_0 = root
 
@@ -5974,93 +6625,116 @@ struct Skeleton {
   std::vector<Vec3<double>> ends{};
 
   /// From joints in an order in which parents come first. Throws config_error 106.
-  static Skeleton from_joints(std::span<const Joint> joints) {
-    Skeleton s;
-    for (const Joint& j : joints) {
-      const int parent = j.parent.empty() ? -1 : s.find(j.parent);
-      if (!j.parent.empty() && parent < 0) {
-        raise<config_error>(106, "Skeleton: parent '", j.parent, "' of '", j.name, "' does not come before it");
-      }
-      s.names.push_back(j.name);
-      s.parents.push_back(parent);
-      s.offsets.push_back(j.offset);
-    }
-    s.validate();
-    return s;
-  }
+  static Skeleton from_joints(std::span<const Joint> joints);
   static Skeleton from_joints(std::initializer_list<Joint> joints) {
     return from_joints(std::span<const Joint>(joints.begin(), joints.size()));
   }
   /// From arrays. Throws config_error 106.
   static Skeleton from_arrays(std::vector<std::string> names, std::vector<int> parents,
-                              std::vector<Vec3<double>> offsets) {
-    Skeleton s{std::move(names), std::move(parents), std::move(offsets)};
-    s.validate();
-    return s;
-  }
+                              std::vector<Vec3<double>> offsets);
 
   int size() const { return static_cast<int>(parents.size()); }
 
   /// Number of a joint, or -1.
-  int find(std::string_view name) const {
-    for (std::size_t j = 0; j < names.size(); ++j) {
-      if (names[j] == name) return static_cast<int>(j);
-    }
-    return -1;
-  }
+  int find(std::string_view name) const;
   /// Number of a joint. Throws config_error 103.
-  int operator[](std::string_view name) const {
-    const int j = find(name);
-    if (j < 0)
-      raise<config_error>(103, "Skeleton: no joint '", name, "' among ", size(), " joints (root '",
-                          names.empty() ? "" : names.front(), "')");
-    return j;
-  }
+  int operator[](std::string_view name) const;
 
   int parent(int joint) const { return parents[static_cast<std::size_t>(joint)]; }
   const std::string& name(int joint) const { return names[static_cast<std::size_t>(joint)]; }
   const Vec3<double>& offset(int joint) const { return offsets[static_cast<std::size_t>(joint)]; }
 
   /// Children of a joint in order.
-  std::vector<int> children(int joint) const {
-    std::vector<int> out;
-    for (int j = joint + 1; j < size(); ++j) {
-      if (parent(j) == joint) out.push_back(j);
-    }
-    return out;
-  }
+  std::vector<int> children(int joint) const;
   /// Rest positions relative to the same origin as the root's offset.
-  std::vector<Vec3<double>> rest_positions() const {
-    std::vector<Vec3<double>> p(offsets);
-    for (int j = 1; j < size(); ++j) {
-      p[static_cast<std::size_t>(j)] = p[static_cast<std::size_t>(parent(j))] + offset(j);
-    }
-    return p;
-  }
+  std::vector<Vec3<double>> rest_positions() const;
 
   /// Throws config_error 106 unless the promises above hold.
-  void validate() const {
-    if (parents.empty()) raise<config_error>(106, "Skeleton: no joints");
-    if (names.size() != parents.size() || offsets.size() != parents.size()) {
-      raise<config_error>(106, "Skeleton: ", names.size(), " names, ", parents.size(), " parents, ", offsets.size(),
-                          " offsets");
-    }
-    if (!ends.empty() && ends.size() != parents.size())
-      raise<config_error>(106, "Skeleton: ", ends.size(), " ends of ", parents.size(), " joints");
-    for (int j = 0; j < size(); ++j) {
-      if (j == 0 ? parent(j) != -1 : parent(j) < 0 || parent(j) >= j) {
-        raise<config_error>(
-            106, "Skeleton: joint ", j, " '", name(j), "' has parent ", parent(j),
-            j == 0 ? "; the first joint must be the root (-1)" : "; it must be one of the joints before");
-      }
-      if (find(name(j)) != j) raise<config_error>(106, "Skeleton: two joints are called '", name(j), "'");
-    }
-  }
+  void validate() const;
   /// Poses of one fit the other: `ends` are of no account.
   bool operator==(const Skeleton& s) const { return names == s.names && parents == s.parents && offsets == s.offsets; }
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_IPP  // <motionlang/kinematics/skeleton.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_SKELETON_IPP
+// Bodies of skeleton.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Skeleton Skeleton::from_joints(std::span<const Joint> joints) {
+  Skeleton s;
+  for (const Joint& j : joints) {
+    const int parent = j.parent.empty() ? -1 : s.find(j.parent);
+    if (!j.parent.empty() && parent < 0) {
+      raise<config_error>(106, "Skeleton: parent '", j.parent, "' of '", j.name, "' does not come before it");
+    }
+    s.names.push_back(j.name);
+    s.parents.push_back(parent);
+    s.offsets.push_back(j.offset);
+  }
+  s.validate();
+  return s;
+}
+
+MOTIONLANG_BODY Skeleton Skeleton::from_arrays(std::vector<std::string> names, std::vector<int> parents,
+                                               std::vector<Vec3<double>> offsets) {
+  Skeleton s{std::move(names), std::move(parents), std::move(offsets)};
+  s.validate();
+  return s;
+}
+
+MOTIONLANG_BODY int Skeleton::find(std::string_view name) const {
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    if (names[j] == name) return static_cast<int>(j);
+  }
+  return -1;
+}
+
+MOTIONLANG_BODY int Skeleton::operator[](std::string_view name) const {
+  const int j = find(name);
+  if (j < 0)
+    raise<config_error>(103, "Skeleton: no joint '", name, "' among ", size(), " joints (root '",
+                        names.empty() ? "" : names.front(), "')");
+  return j;
+}
+
+MOTIONLANG_BODY std::vector<int> Skeleton::children(int joint) const {
+  std::vector<int> out;
+  for (int j = joint + 1; j < size(); ++j) {
+    if (parent(j) == joint) out.push_back(j);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<Vec3<double>> Skeleton::rest_positions() const {
+  std::vector<Vec3<double>> p(offsets);
+  for (int j = 1; j < size(); ++j) {
+    p[static_cast<std::size_t>(j)] = p[static_cast<std::size_t>(parent(j))] + offset(j);
+  }
+  return p;
+}
+
+MOTIONLANG_BODY void Skeleton::validate() const {
+  if (parents.empty()) raise<config_error>(106, "Skeleton: no joints");
+  if (names.size() != parents.size() || offsets.size() != parents.size()) {
+    raise<config_error>(106, "Skeleton: ", names.size(), " names, ", parents.size(), " parents, ", offsets.size(),
+                        " offsets");
+  }
+  if (!ends.empty() && ends.size() != parents.size())
+    raise<config_error>(106, "Skeleton: ", ends.size(), " ends of ", parents.size(), " joints");
+  for (int j = 0; j < size(); ++j) {
+    if (j == 0 ? parent(j) != -1 : parent(j) < 0 || parent(j) >= j) {
+      raise<config_error>(106, "Skeleton: joint ", j, " '", name(j), "' has parent ", parent(j),
+                          j == 0 ? "; the first joint must be the root (-1)" : "; it must be one of the joints before");
+    }
+    if (find(name(j)) != j) raise<config_error>(106, "Skeleton: two joints are called '", name(j), "'");
+  }
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -6159,237 +6833,71 @@ struct Motion {
   const Vec3<double>& root_at(Index frame) const { return root[static_cast<std::size_t>(frame)]; }
 
   /// Joint positions and rotations of one frame in the world.
-  void world(Index frame, JointTransforms<double>& result) const {
-    forward_kinematics(skeleton, rotations(frame), root_at(frame), result);
-  }
+  void world(Index frame, JointTransforms<double>& result) const;
   /// Joint positions of all frames, (frames, joints).
-  std::vector<Vec3<double>> positions() const {
-    std::vector<Vec3<double>> out;
-    out.reserve(local.size());
-    JointTransforms<double> t;
-    for (Index f = 0; f < frames(); ++f) {
-      world(f, t);
-      out.insert(out.end(), t.position.begin(), t.position.end());
-    }
-    return out;
-  }
-  /// Throws shape_error 205 if the arrays do not fit, config_error 101 for a frame rate that is none or at which times
-  /// overflow, numeric_error 301 on a value that is not finite and on a rotation of length 0.
-  void validate() const {
-    skeleton.validate();
-    if (local.size() != root.size() * static_cast<std::size_t>(skeleton.size())) {
-      raise<shape_error>(205, "Motion '", name, "': ", local.size(), " rotations for ", frames(), " frames of ",
-                         skeleton.size(), " joints");
-    }
-    for (int j = 0; j < skeleton.size(); ++j) {
-      const auto o =
-          skeleton.ends.empty() ? skeleton.offset(j) : skeleton.offset(j) + skeleton.ends[static_cast<std::size_t>(j)];
-      if (!std::isfinite(o.x + o.y + o.z))
-        raise<numeric_error>(301, "Motion '", name, "': the offset of joint '", skeleton.name(j), "' is not finite");
-    }
-    const double seconds_and_one_frame = static_cast<double>(frames() + 1) / fps;
-    if (!(fps > 0 && std::isfinite(fps) && std::isfinite(seconds_and_one_frame)))
-      raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
-    for (std::size_t f = 0; f < root.size(); ++f) {
-      const auto& r = root[f];
-      if (!std::isfinite(r.x + r.y + r.z))
-        raise<numeric_error>(301, "Motion '", name, "': root position of frame ", f, " is not finite");
-    }
-    for (std::size_t i = 0; i < local.size(); ++i) {
-      const auto& q = local[i];
-      const bool finite = std::isfinite(q.w + q.x + q.y + q.z);
-      if (!finite || dot(q, q) < 1e-12) {
-        const std::size_t joints = skeleton.parents.size();
-        raise<numeric_error>(301, "Motion '", name, "': rotation of joint '", skeleton.names[i % joints], "' in frame ",
-                             i / joints, finite ? " has length 0" : " is not finite");
-      }
-    }
-  }
+  std::vector<Vec3<double>> positions() const;
+  /// Throws shape_error 205 if the arrays do not fit, config_error 101 unless the frame rate is positive, or if times
+  /// overflow at it, numeric_error 301 on a value that is not finite and on a rotation of length 0.
+  void validate() const;
 };
 
 MOTIONLANG_NAMESPACE_END
-#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_IPP  // <motionlang/kinematics/motion.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_MOTION_IPP
+// Bodies of motion.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Frames first ... last - 1. Throws shape_error 203 unless 0 <= first <= last <= frames.
-inline Motion crop(const Motion& motion, Index first, Index last) {
-  if (first < 0 || last < first || last > motion.frames()) {
-    raise<shape_error>(203, "crop: frames ", first, " to ", last, " of a clip of ", motion.frames());
-  }
-  const Index joints = motion.skeleton.size();
-  return {motion.skeleton, motion.fps,
-          std::vector<Vec3<double>>(motion.root.begin() + first, motion.root.begin() + last),
-          std::vector<Quaternion<double>>(motion.local.begin() + first * joints, motion.local.begin() + last * joints),
-          motion.name};
+MOTIONLANG_BODY void Motion::world(Index frame, JointTransforms<double>& result) const {
+  forward_kinematics(skeleton, rotations(frame), root_at(frame), result);
 }
 
-/// The clip at another frame rate: frame i shows the moment i / fps, as long as the clip lasts (its last frame stands
-/// at (frames - 1) / old fps). Root positions are interpolated linearly, rotations along the shortest arc. Moments that
-/// coincide with a frame take it unchanged, so going up by a whole factor and down again gives the same clip.
-/// Throws config_error 101 unless fps > 0, and for more than max_rotations.
-inline Motion resample(const Motion& motion, double fps) {
-  if (!(fps > 0) || !std::isfinite(fps)) raise<config_error>(101, "resample: frame rate ", fps);
-  Motion out{motion.skeleton, fps, {}, {}, motion.name};
-  if (motion.frames() == 0) return out;
-  const double step = motion.fps / fps, rounding = 1e-6;  // frame times are not exact in decimal files
-  const auto last = static_cast<double>(motion.frames() - 1);
-  const double whole_frames = std::floor(last / step + rounding) + 1;
-  if (!(whole_frames * motion.skeleton.size() <= max_rotations)) {
-    raise<config_error>(101, "resample: '", motion.name, "' of ", motion.seconds(), " s at ", fps,
-                        " frames per second has ", whole_frames, " frames of ", motion.skeleton.size(),
-                        " joints, more than ", max_rotations, " rotations");
-  }
-  const auto frames = static_cast<Index>(whole_frames);
-  out.root.reserve(static_cast<std::size_t>(frames));
-  out.local.reserve(static_cast<std::size_t>(frames * motion.skeleton.size()));
-  for (Index i = 0; i < frames; ++i) {
-    const double moment = std::min(static_cast<double>(i) * step, last), whole = std::floor(moment + rounding);
-    const auto a = static_cast<Index>(whole), b = std::min(a + 1, motion.frames() - 1);
-    const double t = moment - whole < rounding ? 0 : moment - whole;
-    out.root.push_back((1 - t) * motion.root_at(a) + t * motion.root_at(b));
-    const auto from = motion.rotations(a), to = motion.rotations(b);
-    for (std::size_t j = 0; j < from.size(); ++j) out.local.push_back(t == 0 ? from[j] : slerp(from[j], to[j], t));
+MOTIONLANG_BODY std::vector<Vec3<double>> Motion::positions() const {
+  std::vector<Vec3<double>> out;
+  out.reserve(local.size());
+  JointTransforms<double> t;
+  for (Index f = 0; f < frames(); ++f) {
+    world(f, t);
+    out.insert(out.end(), t.position.begin(), t.position.end());
   }
   return out;
 }
 
-/// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor >
-/// 0, and for more than max_rotations.
-inline Motion change_speed(const Motion& motion, double factor) {
-  if (!(factor > 0) || !std::isfinite(factor)) raise<config_error>(101, "change_speed: factor ", factor);
-  Motion out = resample(motion, motion.fps / factor);
-  out.fps = motion.fps;
-  return out;
-}
-
-namespace detail {
-
-/// Throws config_error 102 unless both clips have one skeleton and one frame rate.
-inline void require_same_kind(std::string_view function, const Motion& first, const Motion& second) {
-  if (first.skeleton != second.skeleton || first.fps != second.fps) {
-    raise<config_error>(102, function, ": '", first.name, "' has ", first.skeleton.size(), " joints at ", first.fps,
-                        " frames per second, '", second.name, "' ", second.skeleton.size(), " at ", second.fps);
+MOTIONLANG_BODY void Motion::validate() const {
+  skeleton.validate();
+  if (local.size() != root.size() * static_cast<std::size_t>(skeleton.size())) {
+    raise<shape_error>(205, "Motion '", name, "': ", local.size(), " rotations for ", frames(), " frames of ",
+                       skeleton.size(), " joints");
   }
-}
-
-}  // namespace detail
-
-/// `second` after `first`, as they stand (no blending, no alignment: see blend.hpp). Throws config_error 102 if
-/// skeletons or frame rates differ.
-inline Motion concatenate(const Motion& first, const Motion& second) {
-  detail::require_same_kind("concatenate", first, second);
-  Motion out = first;
-  out.root.insert(out.root.end(), second.root.begin(), second.root.end());
-  out.local.insert(out.local.end(), second.local.begin(), second.local.end());
-  return out;
-}
-
-/// For each joint its partner on the other side, found by name; a joint in the middle is its own partner.
-/// Throws config_error 103 if a name says "left" or "right" and its partner is missing.
-inline std::vector<int> mirror_partners(const Skeleton& skeleton) {
-  std::vector<int> partners;
   for (int j = 0; j < skeleton.size(); ++j) {
-    const std::string& name = skeleton.name(j);
-    int partner = -1;
-    for (const std::string& candidate : detail::other_side(name)) {
-      if (partner < 0) partner = skeleton.find(candidate);
-    }
-    if (partner < 0 && detail::has_side_word(name))
-      raise<config_error>(103, "mirror_partners: '", name, "' has no partner");
-    partners.push_back(partner < 0 ? j : partner);
+    const auto o =
+        skeleton.ends.empty() ? skeleton.offset(j) : skeleton.offset(j) + skeleton.ends[static_cast<std::size_t>(j)];
+    if (!std::isfinite(o.x + o.y + o.z))
+      raise<numeric_error>(301, "Motion '", name, "': the offset of joint '", skeleton.name(j), "' is not finite");
   }
-  return partners;
-}
-
-/// The clip in a mirror that stands in the sagittal plane x = 0: left becomes right.
-///     p'_partner(j) = (-x, y, z)_j,   q'_partner(j) = (w, x, -y, -z)_j
-/// The skeleton is mirrored too, so that positions are exact images whatever its local axes; a symmetric one stays as
-/// it is. Throws config_error 102 if the partners do not pair up or their parents are not partners.
-inline Motion mirror(const Motion& motion, std::span<const int> partners) {
-  const Skeleton& skeleton = motion.skeleton;
-  const auto joints = static_cast<std::size_t>(skeleton.size());
-  if (partners.size() != joints) {
-    raise<config_error>(102, "mirror: ", partners.size(), " partners for ", joints, " joints");
+  const double seconds_and_one_frame = static_cast<double>(frames() + 1) / fps;
+  if (!(fps > 0 && std::isfinite(fps) && std::isfinite(seconds_and_one_frame)))
+    raise<config_error>(101, "Motion '", name, "': frame rate ", fps);
+  for (std::size_t f = 0; f < root.size(); ++f) {
+    const auto& r = root[f];
+    if (!std::isfinite(r.x + r.y + r.z))
+      raise<numeric_error>(301, "Motion '", name, "': root position of frame ", f, " is not finite");
   }
-  Motion out = motion;
-  for (std::size_t j = 0; j < joints; ++j) {
-    const int p = partners[j], parent = skeleton.parents[j];
-    const bool paired = p >= 0 && p < skeleton.size() && partners[static_cast<std::size_t>(p)] == static_cast<int>(j);
-    if (!paired || skeleton.parent(p) != (parent < 0 ? -1 : partners[static_cast<std::size_t>(parent)])) {
-      raise<config_error>(102, "mirror: joint '", skeleton.names[j], "' and its partner are not mirror images");
-    }
-    const auto mirrored = [](const Vec3<double>& v) { return Vec3<double>{-v.x, v.y, v.z}; };
-    out.skeleton.offsets[static_cast<std::size_t>(p)] = mirrored(skeleton.offsets[j]);
-    if (!skeleton.ends.empty()) out.skeleton.ends[static_cast<std::size_t>(p)] = mirrored(skeleton.ends[j]);
-  }
-  for (Vec3<double>& r : out.root) r.x = -r.x;
-  for (Index f = 0; f < motion.frames(); ++f) {
-    const auto from = motion.rotations(f);
-    const auto to = out.rotations(f);
-    for (std::size_t j = 0; j < joints; ++j) {
-      to[static_cast<std::size_t>(partners[j])] = {from[j].w, from[j].x, -from[j].y, -from[j].z};
+  for (std::size_t i = 0; i < local.size(); ++i) {
+    const auto& q = local[i];
+    const bool finite = std::isfinite(q.w + q.x + q.y + q.z);
+    if (!finite || dot(q, q) < 1e-12) {
+      const std::size_t joints = skeleton.parents.size();
+      raise<numeric_error>(301, "Motion '", name, "': rotation of joint '", skeleton.names[i % joints], "' in frame ",
+                           i / joints, finite ? " has length 0" : " is not finite");
     }
   }
-  return out;
-}
-/// With the partners that the names of the joints tell.
-inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partners(motion.skeleton)); }
-
-/// How many frames at the start are not performed but an inserted T-pose: exporters put the zero pose in front of CMU
-/// trials, and some blend out of it (Daz files, with a spline that swings over for as long again).
-///
-/// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
-/// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last
-/// digit counts as one frame. Returns 0 for skeletons whose zero pose is no T-pose: call it before retargeting.
-inline Index detect_t_pose_lead_in(const Motion& motion) {
-  const auto same = [&](Index f) {
-    return std::ranges::equal(motion.rotations(f), motion.rotations(0),
-                              [](const auto& p, const auto& q) { return distance(p, q) < 1e-6; });
-  };
-  Index held = 0;  // the last frame of the first pose
-  while (held + 1 < motion.frames() && same(held + 1)) ++held;
-  constexpr double zero_pose = 5 * degree, fastest = 0.5 * degree;
-  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
-  const Index left = motion.frames() - held;
-  const auto frames = static_cast<double>(left);  // a rate may be larger than any Index
-  const auto longest = static_cast<Index>(std::min(std::ceil(0.1 * motion.fps), frames));  // of a blend, frames
-  const Index seen = std::min(left - 1, longest + static_cast<Index>(std::min(motion.fps, frames)));
-  if (seen < 2 || joints < 2) return 0;
-  double from_zero = 0;
-  for (const auto& q : motion.rotations(0).subspan(1)) from_zero += distance(q, Quaternion<double>::identity());
-  if (from_zero / static_cast<double>(joints - 1) > zero_pose) return 0;
-
-  std::vector<double> step(static_cast<std::size_t>(seen));  // mean turn of a joint from frame held + f to the next
-  for (Index f = 0; f < seen; ++f) {
-    const auto a = motion.rotations(held + f), b = motion.rotations(held + f + 1);
-    double& turn = step[static_cast<std::size_t>(f)];
-    for (std::size_t j = 1; j < joints; ++j) turn += distance(a[j], b[j]) / static_cast<double>(joints - 1);
-  }
-  const double usual = nth_smallest(std::vector<double>(step.begin() + 1, step.end()), (step.size() - 1) / 2);
-  auto inserted = [&](Index f) {
-    const double turn = step[static_cast<std::size_t>(f)];
-    const double before = f == 0 ? turn : step[static_cast<std::size_t>(f - 1)];
-    return turn > 3 * usual && turn > fastest && turn > 0.65 * before;  // a blend slows down gradually
-  };
-  Index blend = 0;
-  while (blend < std::min(longest, seen) && inserted(blend)) ++blend;
-  if (blend == 0) return 0;
-  return held + (blend < 2 ? blend : std::min(2 * blend, left - 1));
-}
-
-/// The clip without those frames.
-inline Motion drop_lead_in(const Motion& motion) {
-  return crop(motion, detect_t_pose_lead_in(motion), motion.frames());
 }
 
 MOTIONLANG_NAMESPACE_END
 #endif
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_HPP  // <motionlang/kinematics/root_motion.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_HPP
-/// Where a clip stands and goes on the floor: moving a whole clip, clips in place, and the path of the root as a track
-/// of its own, as game engines want it. Y up, metres, radians; a turn to the left is positive.
+#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -6412,31 +6920,16 @@ struct Placement {
 
 /// What brings the root in frame `from` of one clip over the place and heading of the root in frame `to` of another.
 /// Heights stay. The frames exist.
-inline Placement placement_between(const Motion& clip, Index from, const Motion& other, Index to) {
-  Placement p{turn_between(clip.rotations(from)[0], other.rotations(to)[0]), {}};
-  const Vec3<double> way = other.root_at(to) - p(clip.root_at(from));
-  p.shift = {way.x, 0, way.z};
-  return p;
-}
+Placement placement_between(const Motion& clip, Index from, const Motion& other, Index to);
 
 /// The whole clip moved.
-inline Motion placed(const Motion& motion, const Placement& placement) {
-  Motion out = motion;
-  for (Vec3<double>& r : out.root) r = placement(r);
-  const Quaternion<double> turn = placement.rotation();
-  for (Index f = 0; f < out.frames(); ++f) out.rotations(f)[0] = turn * out.rotations(f)[0];
-  return out;
-}
+Motion placed(const Motion& motion, const Placement& placement);
 
 struct InPlaceOptions {
   bool keep_height = true;  // false: the root stays at the height of the first frame
 };
 /// The clip with its root over the origin, x = z = 0, in all frames. Rotations stay, headings with them.
-inline Motion in_place(const Motion& motion, const InPlaceOptions& options = {}) {
-  Motion out = motion;
-  for (Vec3<double>& r : out.root) r = {0, options.keep_height ? r.y : motion.root_at(0).y, 0};
-  return out;
-}
+Motion in_place(const Motion& motion, const InPlaceOptions& options = {});
 
 /// The way of a root over the floor.
 struct RootMotion {
@@ -6452,7 +6945,41 @@ struct ExtractedRoot {
 /// Takes the way of the root out of a clip. apply_root_motion puts it back.
 ///     position = (x, 0, z) of the root,   heading_f = turn_between(q_0, q_f)
 ///     pose: root (0, y, 0), rotation of the root Ry(-heading_f) q_f, all others as they are
-inline ExtractedRoot extract_root_motion(const Motion& motion) {
+ExtractedRoot extract_root_motion(const Motion& motion);
+
+/// A clip carried along a path, frame by frame. Throws shape_error 204 unless both have as many frames.
+Motion apply_root_motion(const Motion& pose, const RootMotion& path);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_IPP  // <motionlang/kinematics/root_motion.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_IPP
+// Bodies of root_motion.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Placement placement_between(const Motion& clip, Index from, const Motion& other, Index to) {
+  Placement p{turn_between(clip.rotations(from)[0], other.rotations(to)[0]), {}};
+  const Vec3<double> way = other.root_at(to) - p(clip.root_at(from));
+  p.shift = {way.x, 0, way.z};
+  return p;
+}
+
+MOTIONLANG_BODY Motion placed(const Motion& motion, const Placement& placement) {
+  Motion out = motion;
+  for (Vec3<double>& r : out.root) r = placement(r);
+  const Quaternion<double> turn = placement.rotation();
+  for (Index f = 0; f < out.frames(); ++f) out.rotations(f)[0] = turn * out.rotations(f)[0];
+  return out;
+}
+
+MOTIONLANG_BODY Motion in_place(const Motion& motion, const InPlaceOptions& options) {
+  Motion out = motion;
+  for (Vec3<double>& r : out.root) r = {0, options.keep_height ? r.y : motion.root_at(0).y, 0};
+  return out;
+}
+
+MOTIONLANG_BODY ExtractedRoot extract_root_motion(const Motion& motion) {
   ExtractedRoot out{{motion.fps, {}, {}}, in_place(motion)};
   for (Index f = 0; f < motion.frames(); ++f) {
     const Vec3<double>& r = motion.root_at(f);
@@ -6466,8 +6993,7 @@ inline ExtractedRoot extract_root_motion(const Motion& motion) {
   return out;
 }
 
-/// A clip carried along a path, frame by frame. Throws shape_error 204 unless both have as many frames.
-inline Motion apply_root_motion(const Motion& pose, const RootMotion& path) {
+MOTIONLANG_BODY Motion apply_root_motion(const Motion& pose, const RootMotion& path) {
   if (std::ssize(path.position) != pose.frames() || std::ssize(path.heading) != pose.frames()) {
     raise<shape_error>(204, "apply_root_motion: ", pose.frames(), " frames, a path of ", path.position.size(),
                        " positions and ", path.heading.size(), " headings");
@@ -6484,9 +7010,46 @@ inline Motion apply_root_motion(const Motion& pose, const RootMotion& path) {
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTHING_HPP  // <motionlang/kinematics/smoothing.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_SMOOTHING_HPP
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// `second` after `first`, with `frames` frames in which both play and one gives way to the other. The second clip is
+/// turned and moved over the floor so that in the middle of these frames both roots stand over one place and have one
+/// heading; heights are only blended. The result has frames(first) + frames(second) - frames frames.
+/// Throws config_error 102 if skeletons or frame rates differ, 101 unless 1 <= frames <= those of each clip.
+Motion blend_into(const Motion& first, const Motion& second, Index frames);
+
+/// The clip without the jump into frame `from`: that frame goes where the ones before it lead, and what this moves it
+/// by fades away until frame `to`, which is as it was. With to < from the same backwards in time: for the jump out of
+/// frame `from`. k is the frame before `from`, k' the one before that (k, where the clip has none).
+///     r'_i = r_i + w_i (2 r_k - r_k' - r_from),   q'_i = q_i exp(w_i log(q_from^-1 q_k q_k'^-1 q_k)),
+///     w_i = 1 - smoothstep(|i - from| / |to - from|)
+/// Source  "Inertialization", D. Bollo, GDC 2018; here with the weights of the other blends
+/// Throws  config_error 101 unless `from` and k are frames, and -1 <= to <= frames
+Motion without_jump(const Motion& motion, Index from, Index to);
+
+/// One round of a loop.
+struct LoopRound {
+  Motion motion;
+  Placement next;  // moves the clip of one round to that of the next
+};
+
+/// The clip as one round of a loop: its last `frames` frames are blended into its first ones and then cut off, so that
+/// after the last frame the first one, moved by `next`, is the natural following one. `next` turns and moves over the
+/// floor only; it is what brings the middle of the first frames over the middle of the last. A walk so goes on from
+/// round to round; make a clip in place first and `next` is at most a turn.
+/// Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
+LoopRound make_loop(const Motion& motion, Index frames);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_BLEND_IPP  // <motionlang/kinematics/blend.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_BLEND_IPP
+// Bodies of blend.hpp.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_GAUSSIAN_SMOOTH_HPP  // <motionlang/kinematics/gaussian_smooth.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_GAUSSIAN_SMOOTH_HPP
 /// Smoothing of curves over time.
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -6532,6 +7095,313 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP  // <motionlang/kinematics/motion_tools.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP
+/// Editing clips: crop, resample, change speed, join, mirror, and take away the T-pose at the start of CMU files. Pure
+/// functions; the clip that is passed stays as it is.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Frames first ... last - 1. Throws shape_error 203 unless 0 <= first <= last <= frames.
+Motion crop(const Motion& motion, Index first, Index last);
+
+/// The clip at another frame rate: frame i shows the moment i / fps, as long as the clip lasts (its last frame stands
+/// at (frames - 1) / old fps). Root positions are interpolated linearly, rotations along the shortest arc. Moments that
+/// coincide with a frame take it unchanged, so going up by a whole factor and down again gives the same clip.
+/// Throws config_error 101 unless fps > 0, and for more than max_rotations.
+Motion resample(const Motion& motion, double fps);
+
+/// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor >
+/// 0, and for more than max_rotations.
+Motion change_speed(const Motion& motion, double factor);
+
+namespace detail {
+
+/// Throws config_error 102 unless both clips have one skeleton and one frame rate.
+void require_same_kind(std::string_view function, const Motion& first, const Motion& second);
+
+}  // namespace detail
+
+/// `second` after `first`, as they stand (no blending, no alignment: see blend.hpp). Throws config_error 102 if
+/// skeletons or frame rates differ.
+Motion concatenate(const Motion& first, const Motion& second);
+
+/// For each joint its partner on the other side, found by name; a joint in the middle is its own partner.
+/// Throws config_error 103 if a name says "left" or "right" and its partner is missing.
+std::vector<int> mirror_partners(const Skeleton& skeleton);
+
+/// The clip in a mirror that stands in the sagittal plane x = 0: left becomes right.
+///     p'_partner(j) = (-x, y, z)_j,   q'_partner(j) = (w, x, -y, -z)_j
+/// The skeleton is mirrored too, so that positions are exact images whatever its local axes; a symmetric one stays as
+/// it is. Throws config_error 102 if the partners do not pair up or their parents are not partners.
+Motion mirror(const Motion& motion, std::span<const int> partners);
+/// With the partners that the names of the joints tell.
+inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partners(motion.skeleton)); }
+
+/// How many frames at the start are not performed but an inserted T-pose: exporters put the zero pose in front of CMU
+/// trials, and some blend out of it (Daz files, with a spline that swings over for as long again).
+///
+/// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
+/// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last
+/// digit counts as one frame. Returns 0 for skeletons whose zero pose is no T-pose: call it before retargeting.
+Index detect_t_pose_lead_in(const Motion& motion);
+
+/// The clip without those frames.
+inline Motion drop_lead_in(const Motion& motion) {
+  return crop(motion, detect_t_pose_lead_in(motion), motion.frames());
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_IPP  // <motionlang/kinematics/motion_tools.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_IPP
+// Bodies of motion_tools.hpp.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_JOINT_SIDES_HPP  // <motionlang/kinematics/joint_sides.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_JOINT_SIDES_HPP
+/// The side of the body that the name of a joint tells, and what its partner may be called.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Side of the body: a rest pose faces +Z, its left is at +X.
+enum class Side : int { middle, left, right };
+
+namespace detail {
+
+/// The side that a joint's name tells: left, Left, l_, _L, .l, _L_, lHand, LHip and the same for the right.
+Side side_of_name(std::string_view name);
+
+bool has_side_word(std::string_view name);
+/// What the joint on the other side may be called. A letter may be a coincidence ("lowerback"): look the names up.
+std::vector<std::string> other_side(const std::string& name);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_JOINT_SIDES_IPP  // <motionlang/kinematics/joint_sides.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_JOINT_SIDES_IPP
+// Bodies of joint_sides.hpp.
+
+#include <cctype>     // tolower
+#include <iterator>   // begin
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// What parts the words of a name.
+inline bool is_separator(char c) { return c == '_' || c == '.' || c == '-' || c == ' '; }
+
+/// Where a letter stands alone inside of a name (J_Bip_L_Hand, "Bip01 L Thigh"), or npos.
+inline std::size_t lone_letter(std::string_view name, char letter) {
+  for (std::size_t at = 1; at + 1 < name.size(); ++at) {
+    if (name[at] == letter && is_separator(name[at - 1]) && is_separator(name[at + 1])) return at;
+  }
+  return name.npos;
+}
+
+MOTIONLANG_BODY Side side_of_name(std::string_view name) {
+  auto lower = [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); };
+  auto is_capital = [](char c) { return c >= 'A' && c <= 'Z'; };
+  std::string small(name);
+  std::transform(small.begin(), small.end(), small.begin(), lower);
+  for (const auto& [side, word] : {std::pair{Side::left, std::string_view("left")}, {Side::right, "right"}}) {
+    const char letter = word.front();
+    if (small.find(word) != std::string::npos) return side;
+    if (name.size() < 2) continue;
+    const char second = name[1], before_last = name[name.size() - 2];
+    if (small.front() == letter && (second == '_' || second == '.' || is_capital(second))) return side;
+    if (small.back() == letter && is_separator(before_last)) return side;
+    if (lone_letter(small, letter) != small.npos) return side;
+  }
+  return Side::middle;
+}
+
+/// How names mark their side: words anywhere, single letters at either end or alone (lThigh, UpperArm_L, J_Bip_L_Hand).
+inline constexpr std::string_view side_words[][2] = {{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}};
+
+inline constexpr std::string_view side_letters[][2] = {{"l", "r"}, {"L", "R"}};
+
+MOTIONLANG_BODY bool has_side_word(std::string_view name) {
+  return std::any_of(std::begin(side_words), std::end(side_words), [&](const auto& pair) {
+    return name.find(pair[0]) != name.npos || name.find(pair[1]) != name.npos;
+  });
+}
+
+MOTIONLANG_BODY std::vector<std::string> other_side(const std::string& name) {
+  std::vector<std::string> candidates;
+  auto replaced = [&](std::string_view mark, std::string_view other, std::size_t at) {
+    candidates.push_back(std::string(name).replace(at, mark.size(), other));
+  };
+  for (const int side : {0, 1}) {
+    for (const auto& pair : side_words) {
+      if (const auto at = name.find(pair[side]); at != name.npos) replaced(pair[side], pair[1 - side], at);
+    }
+    for (const auto& pair : side_letters) {
+      if (name.starts_with(pair[side])) replaced(pair[side], pair[1 - side], 0);
+      if (name.ends_with(pair[side])) replaced(pair[side], pair[1 - side], name.size() - 1);
+      if (const auto at = lone_letter(name, pair[side][0]); at != name.npos) replaced(pair[side], pair[1 - side], at);
+    }
+  }
+  return candidates;
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Motion crop(const Motion& motion, Index first, Index last) {
+  if (first < 0 || last < first || last > motion.frames()) {
+    raise<shape_error>(203, "crop: frames ", first, " to ", last, " of a clip of ", motion.frames());
+  }
+  const Index joints = motion.skeleton.size();
+  return {motion.skeleton, motion.fps,
+          std::vector<Vec3<double>>(motion.root.begin() + first, motion.root.begin() + last),
+          std::vector<Quaternion<double>>(motion.local.begin() + first * joints, motion.local.begin() + last * joints),
+          motion.name};
+}
+
+MOTIONLANG_BODY Motion resample(const Motion& motion, double fps) {
+  if (!(fps > 0) || !std::isfinite(fps)) raise<config_error>(101, "resample: frame rate ", fps);
+  Motion out{motion.skeleton, fps, {}, {}, motion.name};
+  if (motion.frames() == 0) return out;
+  const double step = motion.fps / fps, rounding = 1e-6;  // frame times are not exact in decimal files
+  const auto last = static_cast<double>(motion.frames() - 1);
+  const double whole_frames = std::floor(last / step + rounding) + 1;
+  if (!(whole_frames * motion.skeleton.size() <= max_rotations)) {
+    raise<config_error>(101, "resample: '", motion.name, "' of ", motion.seconds(), " s at ", fps,
+                        " frames per second has ", whole_frames, " frames of ",
+                        counted(motion.skeleton.size(), "joint"), ", more than ", max_rotations, " rotations");
+  }
+  const auto frames = static_cast<Index>(whole_frames);
+  out.root.reserve(static_cast<std::size_t>(frames));
+  out.local.reserve(static_cast<std::size_t>(frames * motion.skeleton.size()));
+  for (Index i = 0; i < frames; ++i) {
+    const double moment = std::min(static_cast<double>(i) * step, last), whole = std::floor(moment + rounding);
+    const auto a = static_cast<Index>(whole), b = std::min(a + 1, motion.frames() - 1);
+    const double t = moment - whole < rounding ? 0 : moment - whole;
+    out.root.push_back((1 - t) * motion.root_at(a) + t * motion.root_at(b));
+    const auto from = motion.rotations(a), to = motion.rotations(b);
+    for (std::size_t j = 0; j < from.size(); ++j) out.local.push_back(t == 0 ? from[j] : slerp(from[j], to[j], t));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY Motion change_speed(const Motion& motion, double factor) {
+  if (!(factor > 0) || !std::isfinite(factor)) raise<config_error>(101, "change_speed: factor ", factor);
+  Motion out = resample(motion, motion.fps / factor);
+  out.fps = motion.fps;
+  return out;
+}
+
+namespace detail {
+
+MOTIONLANG_BODY void require_same_kind(std::string_view function, const Motion& first, const Motion& second) {
+  if (first.skeleton != second.skeleton || first.fps != second.fps) {
+    raise<config_error>(102, function, ": '", first.name, "' has ", counted(first.skeleton.size(), "joint"), " at ",
+                        first.fps, " frames per second, '", second.name, "' ", second.skeleton.size(), " at ",
+                        second.fps);
+  }
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Motion concatenate(const Motion& first, const Motion& second) {
+  detail::require_same_kind("concatenate", first, second);
+  Motion out = first;
+  out.root.insert(out.root.end(), second.root.begin(), second.root.end());
+  out.local.insert(out.local.end(), second.local.begin(), second.local.end());
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<int> mirror_partners(const Skeleton& skeleton) {
+  std::vector<int> partners;
+  for (int j = 0; j < skeleton.size(); ++j) {
+    const std::string& name = skeleton.name(j);
+    int partner = -1;
+    for (const std::string& candidate : detail::other_side(name)) {
+      if (partner < 0) partner = skeleton.find(candidate);
+    }
+    if (partner < 0 && detail::has_side_word(name))
+      raise<config_error>(103, "mirror_partners: '", name, "' has no partner");
+    partners.push_back(partner < 0 ? j : partner);
+  }
+  return partners;
+}
+
+MOTIONLANG_BODY Motion mirror(const Motion& motion, std::span<const int> partners) {
+  const Skeleton& skeleton = motion.skeleton;
+  const auto joints = static_cast<std::size_t>(skeleton.size());
+  if (partners.size() != joints) {
+    raise<config_error>(102, "mirror: ", partners.size(), " partners for ", counted(joints, "joint"));
+  }
+  Motion out = motion;
+  for (std::size_t j = 0; j < joints; ++j) {
+    const int p = partners[j], parent = skeleton.parents[j];
+    const bool paired = p >= 0 && p < skeleton.size() && partners[static_cast<std::size_t>(p)] == static_cast<int>(j);
+    if (!paired || skeleton.parent(p) != (parent < 0 ? -1 : partners[static_cast<std::size_t>(parent)])) {
+      raise<config_error>(102, "mirror: joint '", skeleton.names[j], "' and its partner are not mirror images");
+    }
+    const auto mirrored = [](const Vec3<double>& v) { return Vec3<double>{-v.x, v.y, v.z}; };
+    out.skeleton.offsets[static_cast<std::size_t>(p)] = mirrored(skeleton.offsets[j]);
+    if (!skeleton.ends.empty()) out.skeleton.ends[static_cast<std::size_t>(p)] = mirrored(skeleton.ends[j]);
+  }
+  for (Vec3<double>& r : out.root) r.x = -r.x;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const auto from = motion.rotations(f);
+    const auto to = out.rotations(f);
+    for (std::size_t j = 0; j < joints; ++j) {
+      to[static_cast<std::size_t>(partners[j])] = {from[j].w, from[j].x, -from[j].y, -from[j].z};
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY Index detect_t_pose_lead_in(const Motion& motion) {
+  const auto same = [&](Index f) {
+    return std::equal(motion.rotations(f).begin(), motion.rotations(f).end(), motion.rotations(0).begin(),
+                      [](const auto& p, const auto& q) { return distance(p, q) < 1e-6; });
+  };
+  Index held = 0;  // the last frame of the first pose
+  while (held + 1 < motion.frames() && same(held + 1)) ++held;
+  constexpr double zero_pose = 5 * degree, fastest = 0.5 * degree;
+  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
+  const Index left = motion.frames() - held;
+  const auto frames = static_cast<double>(left);  // a rate may be larger than any Index
+  const auto longest = static_cast<Index>(std::min(std::ceil(0.1 * motion.fps), frames));  // of a blend, frames
+  const Index seen = std::min(left - 1, longest + static_cast<Index>(std::min(motion.fps, frames)));
+  if (seen < 2 || joints < 2) return 0;
+  double from_zero = 0;
+  for (const auto& q : motion.rotations(0).subspan(1)) from_zero += distance(q, Quaternion<double>::identity());
+  if (from_zero / static_cast<double>(joints - 1) > zero_pose) return 0;
+
+  std::vector<double> step(static_cast<std::size_t>(seen));  // mean turn of a joint from frame held + f to the next
+  for (Index f = 0; f < seen; ++f) {
+    const auto a = motion.rotations(held + f), b = motion.rotations(held + f + 1);
+    double& turn = step[static_cast<std::size_t>(f)];
+    for (std::size_t j = 1; j < joints; ++j) turn += distance(a[j], b[j]) / static_cast<double>(joints - 1);
+  }
+  const double usual = nth_smallest(std::vector<double>(step.begin() + 1, step.end()), (step.size() - 1) / 2);
+  auto inserted = [&](Index f) {
+    const double turn = step[static_cast<std::size_t>(f)];
+    const double before = f == 0 ? turn : step[static_cast<std::size_t>(f - 1)];
+    return turn > 3 * usual && turn > fastest && turn > 0.65 * before;  // a blend slows down gradually
+  };
+  Index blend = 0;
+  while (blend < std::min(longest, seen) && inserted(blend)) ++blend;
+  if (blend == 0) return 0;
+  return held + (blend < 2 ? blend : std::min(2 * blend, left - 1));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
@@ -6542,6 +7412,7 @@ inline void add_mixed_frame(Motion& out, const Motion& a, Index in_a, const Moti
   const auto from = a.rotations(in_a), to = b.rotations(in_b);
   for (std::size_t j = 0; j < from.size(); ++j) out.local.push_back(slerp(from[j], to[j], share_of_b));
 }
+
 /// Share of the second clip in frame i of n blended frames.
 inline double share_of_second(Index i, Index n) {
   return smoothstep(static_cast<double>(i + 1) / static_cast<double>(n + 1));
@@ -6549,11 +7420,7 @@ inline double share_of_second(Index i, Index n) {
 
 }  // namespace detail
 
-/// `second` after `first`, with `frames` frames in which both play and one gives way to the other. The second clip is
-/// turned and moved over the floor so that in the middle of these frames both roots stand over one place and have one
-/// heading; heights are only blended. The result has frames(first) + frames(second) - frames frames.
-/// Throws config_error 102 if skeletons or frame rates differ, 101 unless 1 <= frames <= those of each clip.
-inline Motion blend_into(const Motion& first, const Motion& second, Index frames) {
+MOTIONLANG_BODY Motion blend_into(const Motion& first, const Motion& second, Index frames) {
   detail::require_same_kind("blend_into", first, second);
   if (frames < 1 || frames > std::min(first.frames(), second.frames())) {
     raise<config_error>(101, "blend_into: ", frames, " frames of clips of ", first.frames(), " and ", second.frames());
@@ -6567,14 +7434,7 @@ inline Motion blend_into(const Motion& first, const Motion& second, Index frames
   return concatenate(out, crop(next, frames, next.frames()));
 }
 
-/// The clip without the jump into frame `from`: that frame goes where the ones before it lead, and what this moves it
-/// by fades away until frame `to`, which is as it was. With to < from the same backwards in time: for the jump out of
-/// frame `from`. k is the frame before `from`, k' the one before that (k, where the clip has none).
-///     r'_i = r_i + w_i (2 r_k - r_k' - r_from),   q'_i = q_i exp(w_i log(q_from^-1 q_k q_k'^-1 q_k)),
-///     w_i = 1 - smoothstep(|i - from| / |to - from|)
-/// Source  "Inertialization", D. Bollo, GDC 2018; here with the weights of the other blends
-/// Throws  config_error 101 unless `from` and k are frames, and -1 <= to <= frames
-inline Motion without_jump(const Motion& motion, Index from, Index to) {
+MOTIONLANG_BODY Motion without_jump(const Motion& motion, Index from, Index to) {
   const Index step = to < from ? -1 : 1, k = from - step, last = motion.frames() - 1;
   if (std::min(from, k) < 0 || std::max(from, k) > last || to < -1 || to > last + 1) {
     raise<config_error>(101, "without_jump: frames ", from, " to ", to, " of a clip of ", motion.frames());
@@ -6596,18 +7456,7 @@ inline Motion without_jump(const Motion& motion, Index from, Index to) {
   return out;
 }
 
-/// One round of a loop.
-struct LoopRound {
-  Motion motion;
-  Placement next;  // moves the clip of one round to that of the next
-};
-
-/// The clip as one round of a loop: its last `frames` frames are blended into its first ones and then cut off, so that
-/// after the last frame the first one, moved by `next`, is the natural following one. `next` turns and moves over the
-/// floor only; it is what brings the middle of the first frames over the middle of the last. A walk so goes on from
-/// round to round; make a clip in place first and `next` is at most a turn.
-/// Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
-inline LoopRound make_loop(const Motion& motion, Index frames) {
+MOTIONLANG_BODY LoopRound make_loop(const Motion& motion, Index frames) {
   if (frames < 1 || frames > motion.frames() / 2) {
     raise<config_error>(101, "make_loop: ", frames, " frames to blend in a clip of ", motion.frames(), " at ",
                         motion.fps, " per second: at most half of it");
@@ -6624,12 +7473,13 @@ inline LoopRound make_loop(const Motion& motion, Index frames) {
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_HPP  // <motionlang/kinematics/body.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_HPP
 /// A body: its model, its surface, its hands; and what is public about the SMPL family: sizes, and the vertices that
-/// serve as extra joints. Bodies come from the user's own files (io/body_file.hpp) or from any skeleton
-/// (io/figure_body.hpp).
+/// serve as extra joints. Bodies come from the user's own files (formats/body_file.hpp) or from any skeleton
+/// (formats/figure_body.hpp).
 ///
 /// Source  spec body-models.md, sections 2, 4, 5
 
@@ -6644,7 +7494,7 @@ MOTIONLANG_NAMESPACE_END
 /// and joints can be differentiated by shape, rotations and translation.
 ///
 /// Source    Loper et al. (2015), eq. 2-12; spec body-models.md 1. The model's arrays come from the user's own file
-///           (io/body_file.hpp) or from a skeleton (io/figure_body.hpp).
+///           (formats/body_file.hpp) or from a skeleton (formats/figure_body.hpp).
 /// Notation  V vertices, J joints, K shape coefficients, N poses; beta -> betas, R_j -> rotations, tau -> translation
 /// Differs   from the smplx package: rest joints come from the regressor folded into template and shape directions,
 ///           which is the same sum in another order
@@ -7284,6 +8134,27 @@ MOTIONLANG_NAMESPACE_END
 /// Which joints of a known skeleton are the hips, knees, feet, shoulders, elbows, wrists and the head. The tables of
 /// retargeting say so.
 
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Numbers of joints; -1 where the skeleton has none.
+struct BodyJoints {
+  struct Pair {
+    int left = -1, right = -1;
+    bool known() const { return left >= 0 && right >= 0; }
+  };
+  int pelvis = -1, head = -1;
+  Pair hip, knee, ankle, toe, shoulder, elbow, wrist;
+};
+
+/// Nothing for a skeleton that no table fits.
+std::optional<BodyJoints> find_body_joints(const Skeleton& skeleton);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_BODY_JOINTS_IPP  // <motionlang/kinematics/body_joints.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_BODY_JOINTS_IPP
+// Bodies of body_joints.hpp.
+
 #ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_HPP  // <motionlang/kinematics/skeleton_tables.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_HPP
 /// Which joint of a known skeleton has the part of which joint of SMPL: the tables behind retargeting, and how to
@@ -7298,32 +8169,11 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// A joint's name without what programs put before it: namespaces ("hero:Hips"), and Mixamo's "mixamorig:", also as
 /// "mixamorig1:" and, where colons were lost, "mixamorig".
-inline std::string_view bare_joint_name(std::string_view name) {
-  name = name.substr(name.rfind(':') + 1);  // npos + 1 = 0
-  constexpr std::string_view mixamo = "mixamorig";
-  if (!name.starts_with(mixamo)) return name;
-  const std::size_t rest = name.find_first_not_of("0123456789_", mixamo.size());
-  return rest == name.npos ? name : name.substr(rest);
-}
-
-namespace detail {
-inline bool same_but_for_capitals(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
-}
-}  // namespace detail
+std::string_view bare_joint_name(std::string_view name);
 
 /// The number of a joint by its name, or else by its bare name, or else by that without regard to capital letters
 /// ("Hips" is "hips": Unity and Godot write VRM's names so); -1.
-inline int find_joint(const Skeleton& skeleton, std::string_view name) {
-  if (const int j = skeleton.find(name); j >= 0) return j;
-  int similar = -1;
-  for (int k = 0; k < skeleton.size(); ++k) {
-    const std::string_view bare = bare_joint_name(skeleton.name(k));
-    if (bare == name) return k;
-    if (similar < 0 && detail::same_but_for_capitals(bare, name)) similar = k;
-  }
-  return similar;
-}
+int find_joint(const Skeleton& skeleton, std::string_view name);
 
 /// One joint of SMPL and the joint of the known skeleton whose orientation it takes.
 struct MappedJoint {
@@ -7352,47 +8202,186 @@ struct SkeletonTable {
   /// skin is bound. Otherwise feet lean to the side with their shins.
   bool level_soles = false;
 
-  const MappedJoint* find(std::string_view target) const {
-    for (const MappedJoint& j : joints) {
-      if (j.target == target) return &j;
-    }
-    return nullptr;
-  }
+  const MappedJoint* find(std::string_view target) const;
   /// The first joint that the table needs and the skeleton lacks; empty if there is none.
-  std::string missing(const Skeleton& source) const {
-    for (const MappedJoint& j : joints) {
-      const bool optional = j.target.ends_with("_hand") || j.target.ends_with("_foot") || j.target.ends_with("_collar");
-      if (!optional && find_joint(source, j.source) < 0) return j.source;
-      if (!j.second.empty() && find_joint(source, j.second) < 0) return j.second;
-    }
-    return {};
-  }
+  std::string missing(const Skeleton& source) const;
   /// How many of its joints the skeleton has.
-  int found(const Skeleton& source) const {
-    int n = 0;
-    for (const MappedJoint& j : joints) n += find_joint(source, j.source) >= 0 ? 1 : 0;
-    return n;
-  }
+  int found(const Skeleton& source) const;
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLE_IPP  // <motionlang/kinematics/skeleton_table.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLE_IPP
+// Bodies of skeleton_table.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string_view bare_joint_name(std::string_view name) {
+  name = name.substr(name.rfind(':') + 1);  // npos + 1 = 0
+  constexpr std::string_view mixamo = "mixamorig";
+  if (!name.starts_with(mixamo)) return name;
+  const std::size_t rest = name.find_first_not_of("0123456789_", mixamo.size());
+  return rest == name.npos ? name : name.substr(rest);
+}
+
+namespace detail {
+
+inline bool same_but_for_capitals(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY int find_joint(const Skeleton& skeleton, std::string_view name) {
+  if (const int j = skeleton.find(name); j >= 0) return j;
+  int similar = -1;
+  for (int k = 0; k < skeleton.size(); ++k) {
+    const std::string_view bare = bare_joint_name(skeleton.name(k));
+    if (bare == name) return k;
+    if (similar < 0 && detail::same_but_for_capitals(bare, name)) similar = k;
+  }
+  return similar;
+}
+
+MOTIONLANG_BODY const MappedJoint* SkeletonTable::find(std::string_view target) const {
+  for (const MappedJoint& j : joints) {
+    if (j.target == target) return &j;
+  }
+  return nullptr;
+}
+
+MOTIONLANG_BODY std::string SkeletonTable::missing(const Skeleton& source) const {
+  for (const MappedJoint& j : joints) {
+    const bool optional = j.target.ends_with("_hand") || j.target.ends_with("_foot") || j.target.ends_with("_collar");
+    if (!optional && find_joint(source, j.source) < 0) return j.source;
+    if (!j.second.empty() && find_joint(source, j.second) < 0) return j.second;
+  }
+  return {};
+}
+
+MOTIONLANG_BODY int SkeletonTable::found(const Skeleton& source) const {
+  int n = 0;
+  for (const MappedJoint& j : joints) n += find_joint(source, j.source) >= 0 ? 1 : 0;
+  return n;
+}
+
+MOTIONLANG_NAMESPACE_END
 #endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr std::string_view own_table_hint =
+    "a file can name the joints and their axes: read_skeleton_table, --joints FILE of the program";
+
+}  // namespace detail
+
+/// The built-in tables.
+const std::vector<SkeletonTable>& skeleton_tables();
+
+/// The table whose joints the skeleton has; of several one by which it stands at rest, then the one with the most. Null
+/// if none fits.
+const SkeletonTable* find_skeleton_table(const Skeleton& source);
+/// The same. Throws config_error 103 with the joint that the closest table misses if none fits.
+const SkeletonTable& detect_skeleton_table(const Skeleton& source);
+/// A built-in table by name. Throws config_error 103.
+const SkeletonTable& skeleton_table(std::string_view name);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_IPP  // <motionlang/kinematics/skeleton_tables.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_IPP
+// Bodies of skeleton_tables.hpp.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_STANDING_SKELETON_HPP  // <motionlang/kinematics/standing_skeleton.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_STANDING_SKELETON_HPP
 /// A skeleton as it stands in its T-pose, by the axes that its table states.
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_STANDARD_HPP  // <motionlang/kinematics/standard.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_STANDARD_HPP
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// A joint of a limb and the one where its bone ends, by SMPL's names.
+struct LimbBone {
+  std::string_view joint, end;
+};
+
+/// Whether a text names two different axes, as "+x+y" does.
+bool is_axes(std::string_view axes);
+/// World rotation of a joint in a T-pose, from "+x+y": its local axes that point left and up.
+Quaternion<double> axes_rotation(const MappedJoint& joint);
+
+/// A skeleton as its table sees it, standing in its T-pose, turned by quarters of a circle about y until its left is
+/// nearest to +X. Where its limbs do not point to the sides or down, `bone` says where they point.
+class StandingSkeleton {
+ public:
+  Skeleton skeleton;
+  SkeletonTable table;
+  std::vector<Quaternion<double>> rotation;  // of each joint in the world
+
+  StandingSkeleton(const Skeleton& s, const SkeletonTable& t);
+
+  /// What says that it does not stand, facing forward: the head is not over the pelvis, the hips are not side by side,
+  /// or toes point back as left and right are exchanged. "" if it stands, or has no such joints.
+  std::string lies() const;
+
+  /// The joint with a role, a name of SMPL's; -1 if there is none.
+  int joint(std::string_view role) const {
+    const MappedJoint* row = table.find(role);
+    return row == nullptr ? -1 : find_joint(skeleton, row->source);
+  }
+  /// The role of a joint: that which it fills with the largest share, of several the last. "" if it has none.
+  std::string role(int joint) const;
+  /// A bone of a limb; zero without its joints. Where the table says that the zero pose is the T-pose although bones
+  /// are not straight: as in SMPL.
+  Vec3<double> bone(const LimbBone& limb) const;
+  double length(const LimbBone& limb) const;
+
+ private:
+  void face_forward();
+
+  std::vector<Vec3<double>> position_;
+};
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_STANDING_SKELETON_IPP  // <motionlang/kinematics/standing_skeleton.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_STANDING_SKELETON_IPP
+// Bodies of standing_skeleton.hpp.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_KNOWN_SKELETONS_HPP  // <motionlang/kinematics/known_skeletons.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_KNOWN_SKELETONS_HPP
 /// The skeletons of the field: names, order and parents as published; the bone lengths are those of a neutral figure of
 /// our own (1.75 m), so that no licensed body model is needed. Rest pose: standing, arms to the sides, Y up, facing +Z,
 /// left at +X, metres.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-// clang-format off
 /// SMPL, 24 joints. Source: Loper et al. 2015; names as in the smplx package.
-inline const Skeleton& smpl24_skeleton() {
+const Skeleton& smpl24_skeleton();
+
+/// HumanML3D, 22 joints: SMPL without the hands.
+const Skeleton& humanml3d22_skeleton();
+
+/// KIT Motion-Language, 21 joints of the Master Motor Map. Here in metres; the coordinates of the data set have other
+/// units.
+const Skeleton& kit21_skeleton();
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_KNOWN_SKELETONS_IPP  // <motionlang/kinematics/known_skeletons.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_KNOWN_SKELETONS_IPP
+// Bodies of known_skeletons.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+// clang-format off
+MOTIONLANG_BODY const Skeleton& smpl24_skeleton() {
   static const Skeleton skeleton = Skeleton::from_joints({
       {"pelvis", "", {0, 0.95, 0}},
       {"left_hip", "pelvis", {0.09, -0.06, 0}},        {"right_hip", "pelvis", {-0.09, -0.06, 0}},
@@ -7413,8 +8402,7 @@ inline const Skeleton& smpl24_skeleton() {
   return skeleton;
 }
 
-/// HumanML3D, 22 joints: SMPL without the hands.
-inline const Skeleton& humanml3d22_skeleton() {
+MOTIONLANG_BODY const Skeleton& humanml3d22_skeleton() {
   static const Skeleton skeleton = [] {
     Skeleton s = smpl24_skeleton();
     s.names.resize(22), s.parents.resize(22), s.offsets.resize(22);
@@ -7423,9 +8411,7 @@ inline const Skeleton& humanml3d22_skeleton() {
   return skeleton;
 }
 
-/// KIT Motion-Language, 21 joints of the Master Motor Map. Here in metres; the coordinates of the data set have other
-/// units.
-inline const Skeleton& kit21_skeleton() {
+MOTIONLANG_BODY const Skeleton& kit21_skeleton() {
   static const Skeleton skeleton = Skeleton::from_joints({
       {"root", "", {0, 0.95, 0}},
       {"BP", "root", {0, 0.11, 0}},     {"BT", "BP", {0, 0.19, 0}},     {"BLN", "BT", {0, 0.22, 0}},      {"BUN", "BLN", {0, 0.10, 0}},
@@ -7442,29 +8428,25 @@ inline const Skeleton& kit21_skeleton() {
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
-
-/// A joint of a limb and the one where its bone ends, by SMPL's names.
-struct LimbBone {
-  std::string_view joint, end;
-};
 
 inline Vec3<double> local_axis(std::string_view signed_letter) {
   const double sign = signed_letter[0] == '-' ? -1 : 1;
   const char c = signed_letter[1];
   return {c == 'x' ? sign : 0, c == 'y' ? sign : 0, c == 'z' ? sign : 0};
 }
-/// Whether a text names two different axes, as "+x+y" does.
-inline bool is_axes(std::string_view axes) {
+
+MOTIONLANG_BODY bool is_axes(std::string_view axes) {
   const auto sign = [](char c) { return c == '+' || c == '-'; };
   const auto letter = [](char c) { return c >= 'x' && c <= 'z'; };
   return axes.size() == 4 && sign(axes[0]) && letter(axes[1]) && sign(axes[2]) && letter(axes[3]) && axes[1] != axes[3];
 }
-/// World rotation of a joint in a T-pose, from "+x+y": its local axes that point left and up.
-inline Quaternion<double> axes_rotation(const MappedJoint& joint) {
+
+MOTIONLANG_BODY Quaternion<double> axes_rotation(const MappedJoint& joint) {
   const std::string_view axes = joint.axes;
   if (!is_axes(axes))
     raise<config_error>(103, "SkeletonTable: '", axes, "' of '", joint.source, "' does not name two axes");
@@ -7473,117 +8455,93 @@ inline Quaternion<double> axes_rotation(const MappedJoint& joint) {
   return to_quaternion(AxisAngle<double>{degree * joint.turn}) * frame;
 }
 
-/// A skeleton as its table sees it, standing in its T-pose (what limbs do not point to the sides or down is told by
-/// `bone`), turned by quarters of a circle about y until its left is nearest to +X.
-class StandingSkeleton {
- public:
-  Skeleton skeleton;
-  SkeletonTable table;
-  std::vector<Quaternion<double>> rotation;  // of each joint in the world
+MOTIONLANG_BODY StandingSkeleton::StandingSkeleton(const Skeleton& s, const SkeletonTable& t) : skeleton(s), table(t) {
+  const auto joints = static_cast<std::size_t>(skeleton.size());
+  rotation.assign(joints, Quaternion<double>::identity());
+  position_.assign(joints, {});
+  std::vector<bool> given(joints, false);
+  for (const MappedJoint& m : table.joints) {
+    const int j = find_joint(skeleton, m.source);
+    if (j < 0) continue;
+    rotation[static_cast<std::size_t>(j)] = axes_rotation(m);
+    given[static_cast<std::size_t>(j)] = true;
+  }
+  for (std::size_t j = 1; j < joints; ++j) {
+    const auto parent = static_cast<std::size_t>(skeleton.parents[j]);
+    if (!given[j]) rotation[j] = rotation[parent];
+    position_[j] = position_[parent] + rotate(rotation[parent], skeleton.offsets[j]);
+  }
+  face_forward();
+}
 
-  StandingSkeleton(const Skeleton& s, const SkeletonTable& t) : skeleton(s), table(t) {
-    const auto joints = static_cast<std::size_t>(skeleton.size());
-    rotation.assign(joints, Quaternion<double>::identity());
-    position_.assign(joints, {});
-    std::vector<bool> given(joints, false);
-    for (const MappedJoint& m : table.joints) {
-      const int j = find_joint(skeleton, m.source);
-      if (j < 0) continue;
-      rotation[static_cast<std::size_t>(j)] = axes_rotation(m);
-      given[static_cast<std::size_t>(j)] = true;
-    }
-    for (std::size_t j = 1; j < joints; ++j) {
-      const auto parent = static_cast<std::size_t>(skeleton.parents[j]);
-      if (!given[j]) rotation[j] = rotation[parent];
-      position_[j] = position_[parent] + rotate(rotation[parent], skeleton.offsets[j]);
-    }
-    face_forward();
-  }
+MOTIONLANG_BODY std::string StandingSkeleton::lies() const {
+  const double slant = 0.7;  // cosine of some 45 degrees
+  const auto between = [&](std::string_view from, std::string_view to) {
+    const int a = joint(from), b = joint(to);
+    return a < 0 || b < 0 ? Vec3<double>{}
+                          : position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)];
+  };
+  const auto told = [](const char* what, Vec3<double> v, const char* wanted) {
+    v = (1 / norm(v)) * v;
+    const auto rounded = [](double x) { return std::round(x * 100) / 100; };
+    return concat_text(what, " (", rounded(v.x), ", ", rounded(v.y), ", ", rounded(v.z), ") at rest, ", wanted);
+  };
+  const Vec3<double> trunk = between("pelvis", "head"), across = between("right_hip", "left_hip");
+  if (trunk.y < slant * norm(trunk)) return told("the head is from the pelvis in direction", trunk, "not up (0, 1, 0)");
+  if (across.x < slant * norm(across))
+    return told("the left hip is from the right one in direction", across, "not to the left (1, 0, 0)");
+  const Vec3<double> foot = between("left_ankle", "left_foot");
+  if (foot.z < -slant * norm(foot))
+    return told("the left toes are from the ankle in direction", foot, "not forward (0, 0, 1) with the left hip at +x");
+  return {};
+}
 
-  /// What says that it does not stand, facing forward: the head is not over the pelvis, the hips are not side by side,
-  /// or toes point back as left and right are exchanged. "" if it stands, or has no such joints.
-  std::string lies() const {
-    const double slant = 0.7;  // cosine of some 45 degrees
-    const auto between = [&](std::string_view from, std::string_view to) {
-      const int a = joint(from), b = joint(to);
-      return a < 0 || b < 0 ? Vec3<double>{}
-                            : position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)];
-    };
-    const auto told = [](const char* what, Vec3<double> v, const char* wanted) {
-      v = (1 / norm(v)) * v;
-      const auto rounded = [](double x) { return std::round(x * 100) / 100; };
-      return concat_text(what, " (", rounded(v.x), ", ", rounded(v.y), ", ", rounded(v.z), ") at rest, ", wanted);
-    };
-    const Vec3<double> trunk = between("pelvis", "head"), across = between("right_hip", "left_hip");
-    if (trunk.y < slant * norm(trunk))
-      return told("the head is from the pelvis in direction", trunk, "not up (0, 1, 0)");
-    if (across.x < slant * norm(across))
-      return told("the left hip is from the right one in direction", across, "not to the left (1, 0, 0)");
-    const Vec3<double> foot = between("left_ankle", "left_foot");
-    if (foot.z < -slant * norm(foot))
-      return told("the left toes are from the ankle in direction", foot,
-                  "not forward (0, 0, 1) with the left hip at +x");
-    return {};
+MOTIONLANG_BODY std::string StandingSkeleton::role(int joint) const {
+  std::string best;
+  double largest = 0;
+  for (const MappedJoint& m : table.joints) {
+    const double share = find_joint(skeleton, m.source) == joint                        ? 1 - m.share
+                         : !m.second.empty() && find_joint(skeleton, m.second) == joint ? m.share
+                                                                                        : 0;
+    if (share > 0 && share >= largest) best = m.target, largest = share;
   }
+  return best;
+}
 
-  /// The joint with a role, a name of SMPL's; -1 if there is none.
-  int joint(std::string_view role) const {
-    const MappedJoint* row = table.find(role);
-    return row == nullptr ? -1 : find_joint(skeleton, row->source);
-  }
-  /// The role of a joint: that which it fills with the largest share, of several the last. "" if it has none.
-  std::string role(int joint) const {
-    std::string best;
-    double largest = 0;
-    for (const MappedJoint& m : table.joints) {
-      const double share = find_joint(skeleton, m.source) == joint                        ? 1 - m.share
-                           : !m.second.empty() && find_joint(skeleton, m.second) == joint ? m.share
-                                                                                          : 0;
-      if (share > 0 && share >= largest) best = m.target, largest = share;
-    }
-    return best;
-  }
-  /// A bone of a limb; zero without its joints. Where the table says that the zero pose is the T-pose although bones
-  /// are not straight: as in SMPL.
-  Vec3<double> bone(const LimbBone& limb) const {
-    const int a = joint(limb.joint), b = joint(limb.end);
-    if (a < 0 || b < 0) return {};
-    if (!table.straighten) return smpl24_skeleton().offset(smpl24_skeleton()[limb.end]);
-    return position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)];
-  }
-  double length(const LimbBone& limb) const {
-    const int a = joint(limb.joint), b = joint(limb.end);
-    if (a < 0 || b < 0) return 0;
-    return norm(position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)]);
-  }
+MOTIONLANG_BODY Vec3<double> StandingSkeleton::bone(const LimbBone& limb) const {
+  const int a = joint(limb.joint), b = joint(limb.end);
+  if (a < 0 || b < 0) return {};
+  if (!table.straighten) return smpl24_skeleton().offset(smpl24_skeleton()[limb.end]);
+  return position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)];
+}
 
- private:
-  void face_forward() {
-    const int left = joint("left_hip"), right = joint("right_hip");
-    if (left < 0 || right < 0) return;
-    const auto across = position_[static_cast<std::size_t>(left)] - position_[static_cast<std::size_t>(right)];
-    constexpr double quarter = std::numbers::pi / 2;
-    const double quarters = std::round(std::atan2(-across.z, across.x) / quarter);
-    if (quarters == 0) return;
-    const auto back = from_axis_angle(Vec3<double>{0, 1, 0}, -quarters * quarter);
-    for (Quaternion<double>& q : rotation) q = back * q;
-    for (Vec3<double>& p : position_) p = rotate(back, p);
-  }
+MOTIONLANG_BODY double StandingSkeleton::length(const LimbBone& limb) const {
+  const int a = joint(limb.joint), b = joint(limb.end);
+  if (a < 0 || b < 0) return 0;
+  return norm(position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)]);
+}
 
-  std::vector<Vec3<double>> position_;
-};
+MOTIONLANG_BODY void StandingSkeleton::face_forward() {
+  const int left = joint("left_hip"), right = joint("right_hip");
+  if (left < 0 || right < 0) return;
+  const auto across = position_[static_cast<std::size_t>(left)] - position_[static_cast<std::size_t>(right)];
+  constexpr double quarter = std::numbers::pi / 2;
+  const double quarters = std::round(std::atan2(-across.z, across.x) / quarter);
+  if (quarters == 0) return;
+  const auto back = from_axis_angle(Vec3<double>{0, 1, 0}, -quarters * quarter);
+  for (Quaternion<double>& q : rotation) q = back * q;
+  for (Vec3<double>& p : position_) p = rotate(back, p);
+}
 
 }  // namespace detail
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
-
-inline constexpr std::string_view own_table_hint =
-    "which joint is which can be told in a file: read_skeleton_table, --joints FILE of the program";
 
 /// A built-in table as a constant. As strings and vectors the tables would be a function of 130 kB.
 struct KnownTable {
@@ -7747,7 +8705,7 @@ inline constexpr KnownTable known_tables[] = {
       {"left_collar", "J_Bip_L_Shoulder"}, {"left_shoulder", "J_Bip_L_UpperArm"}, {"left_elbow", "J_Bip_L_LowerArm"}, {"left_wrist", "J_Bip_L_Hand"}, {"left_hand", "J_Bip_L_Middle1"},
       {"right_collar", "J_Bip_R_Shoulder"}, {"right_shoulder", "J_Bip_R_UpperArm"}, {"right_elbow", "J_Bip_R_LowerArm"}, {"right_wrist", "J_Bip_R_Hand"}, {"right_hand", "J_Bip_R_Middle1"}},
      true, true},
-    // The Master Motor Map as KIT and TEMOS have it, see standard.hpp. The joints of the shoulders hang on the lower neck.
+    // The Master Motor Map as KIT and TEMOS have it, see known_skeletons.hpp. The joints of the shoulders hang on the lower neck.
     {"MMM",
      {{"pelvis", "root"}, {"spine1", "BP"}, {"spine2", "BP", "+x+y", {}, "BT", 0.5}, {"spine3", "BT"}, {"neck", "BLN"}, {"head", "BUN"},
       {"left_hip", "LH"}, {"left_knee", "LK"}, {"left_ankle", "LA"}, {"left_foot", "LMrot"},
@@ -7760,15 +8718,12 @@ inline constexpr KnownTable known_tables[] = {
 
 }  // namespace detail
 
-/// The built-in tables.
-inline const std::vector<SkeletonTable>& skeleton_tables() {
+MOTIONLANG_BODY const std::vector<SkeletonTable>& skeleton_tables() {
   static const std::vector<SkeletonTable> tables(std::begin(detail::known_tables), std::end(detail::known_tables));
   return tables;
 }
 
-/// The table whose joints the skeleton has; of several one by which it stands at rest, then the one with the most. Null
-/// if none fits.
-inline const SkeletonTable* find_skeleton_table(const Skeleton& source) {
+MOTIONLANG_BODY const SkeletonTable* find_skeleton_table(const Skeleton& source) {
   const SkeletonTable* best = nullptr;
   std::pair<bool, int> most{};
   for (const SkeletonTable& table : skeleton_tables()) {
@@ -7778,8 +8733,8 @@ inline const SkeletonTable* find_skeleton_table(const Skeleton& source) {
   }
   return best;
 }
-/// The same. Throws config_error 103 with the joint that the closest table misses if none fits.
-inline const SkeletonTable& detect_skeleton_table(const Skeleton& source) {
+
+MOTIONLANG_BODY const SkeletonTable& detect_skeleton_table(const Skeleton& source) {
   if (const SkeletonTable* fits = find_skeleton_table(source)) return *fits;
   const SkeletonTable* closest = &skeleton_tables().front();
   for (const SkeletonTable& table : skeleton_tables()) {
@@ -7789,8 +8744,8 @@ inline const SkeletonTable& detect_skeleton_table(const Skeleton& source) {
                       source.names.front(), "'); the closest, ", closest->name, ", needs a joint '",
                       closest->missing(source), "'; ", detail::own_table_hint);
 }
-/// A built-in table by name. Throws config_error 103.
-inline const SkeletonTable& skeleton_table(std::string_view name) {
+
+MOTIONLANG_BODY const SkeletonTable& skeleton_table(std::string_view name) {
   for (const SkeletonTable& table : skeleton_tables()) {
     if (table.name == name) return table;
   }
@@ -7799,21 +8754,11 @@ inline const SkeletonTable& skeleton_table(std::string_view name) {
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Numbers of joints; -1 where the skeleton has none.
-struct BodyJoints {
-  struct Pair {
-    int left = -1, right = -1;
-    bool known() const { return left >= 0 && right >= 0; }
-  };
-  int pelvis = -1, head = -1;
-  Pair hip, knee, ankle, toe, shoulder, elbow, wrist;
-};
-
-/// Nothing for a skeleton that no table fits.
-inline std::optional<BodyJoints> find_body_joints(const Skeleton& skeleton) {
+MOTIONLANG_BODY std::optional<BodyJoints> find_body_joints(const Skeleton& skeleton) {
   const SkeletonTable* table = find_skeleton_table(skeleton);
   if (table == nullptr) return std::nullopt;
   auto joint = [&](std::string_view smpl) {
@@ -7826,6 +8771,7 @@ inline std::optional<BodyJoints> find_body_joints(const Skeleton& skeleton) {
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_MOTION_HPP  // <motionlang/kinematics/body_motion.hpp>
@@ -7845,22 +8791,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 enum class BodyHands { mean, flat };
 
 /// Names of a body's joints in their order; of a body of another kind "joint_0", "joint_1", ...
-inline std::vector<std::string> body_joint_names(BodyKind kind, Index joints) {
-  std::vector<std::string> out;
-  const Skeleton& smpl = smpl24_skeleton();
-  const Index known = kind == BodyKind::other ? 0 : kind == BodyKind::smpl ? 24 : 22;
-  for (int j = 0; j < known; ++j) out.push_back(smpl.name(j));
-  if (kind == BodyKind::smplx) out.insert(out.end(), {"jaw", "left_eye", "right_eye"});
-  if (kind == BodyKind::smplh || kind == BodyKind::smplx) {
-    for (const char* side : {"left_", "right_"}) {
-      for (const char* finger : {"index", "middle", "pinky", "ring", "thumb"}) {
-        for (const char* number : {"1", "2", "3"}) out.push_back(concat_text(side, finger, number));
-      }
-    }
-  }
-  while (std::ssize(out) < joints) out.push_back(concat_text("joint_", out.size()));
-  return out;
-}
+std::vector<std::string> body_joint_names(BodyKind kind, Index joints);
 
 /// The skeleton of a body for one shape; none means zeros. Throws shape_error 204 for another number of coefficients.
 template <Backend B>
@@ -7925,6 +8856,32 @@ Motion motion_on_body(const Body<B>& body, const Motion& motion, std::span<const
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_BODY_MOTION_IPP  // <motionlang/kinematics/body_motion.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_BODY_MOTION_IPP
+// Bodies of body_motion.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<std::string> body_joint_names(BodyKind kind, Index joints) {
+  std::vector<std::string> out;
+  const Skeleton& smpl = smpl24_skeleton();
+  const Index known = kind == BodyKind::other ? 0 : kind == BodyKind::smpl ? 24 : 22;
+  for (int j = 0; j < known; ++j) out.push_back(smpl.name(j));
+  if (kind == BodyKind::smplx) out.insert(out.end(), {"jaw", "left_eye", "right_eye"});
+  if (kind == BodyKind::smplh || kind == BodyKind::smplx) {
+    for (const char* side : {"left_", "right_"}) {
+      for (const char* finger : {"index", "middle", "pinky", "ring", "thumb"}) {
+        for (const char* number : {"1", "2", "3"}) out.push_back(concat_text(side, finger, number));
+      }
+    }
+  }
+  while (std::ssize(out) < joints) out.push_back(concat_text("joint_", out.size()));
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_PARTS_HPP  // <motionlang/kinematics/body_parts.hpp>
@@ -8005,8 +8962,8 @@ MOTIONLANG_NAMESPACE_END
 /// Source  Guo et al. (CVPR 2022), common/skeleton.py; spec humanml3d-features.md 2, 3, 5
 /// Shapes  joints (frames, joints), joint fastest, any unit of length
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_CHAINS_HPP  // <motionlang/kinematics/chains.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_CHAINS_HPP
+#ifndef MOTIONLANG_HAS_KINEMATICS_GUO_CHAINS_HPP  // <motionlang/kinematics/guo_chains.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_GUO_CHAINS_HPP
 /// A body as chains of joints with one zero direction for every bone: what HumanML3D and KIT need to know of a
 /// skeleton.
 ///
@@ -8038,53 +8995,73 @@ struct ChainSkeleton {
 
   /// All bones in the order of the chains, parents first. Throws config_error 106 unless every joint but the root ends
   /// one bone, chains begin where earlier ones have been, and all joints and directions are there.
-  std::vector<ChainBone> bones() const {
-    std::vector<ChainBone> out;
-    std::vector<bool> placed(size(), false);
-    auto known = [&](int joint) { return joint >= 0 && static_cast<std::size_t>(joint) < size(); };
-    if (size() == 0) raise<config_error>(106, "ChainSkeleton '", name, "': no joints");
-    placed[0] = true;
-    for (std::size_t c = 0; c < chains.size(); ++c) {
-      for (std::size_t k = 0; k < chains[c].size(); ++k) {
-        const int joint = chains[c][k];
-        const bool expected = k == 0;
-        if (!known(joint) || placed[static_cast<std::size_t>(joint)] != expected) {
-          raise<config_error>(106, "ChainSkeleton '", name, "': joint ", joint, " of chain ", c,
-                              !known(joint) ? " does not exist"
-                              : expected    ? " begins it, but no chain before contains it"
-                                            : " has a bone already");
-        }
-        if (k == 0) continue;
-        const auto j = static_cast<std::size_t>(joint), parent = static_cast<std::size_t>(chains[c][k - 1]);
-        const double length = norm(directions[j]);
-        if (std::abs(length - 1) > 1e-6) {
-          raise<config_error>(106, "ChainSkeleton '", name, "': the direction of joint ", j, " has length ", length);
-        }
-        placed[j] = true;
-        out.push_back({j, parent, k == 1 ? 0 : parent});
-      }
-    }
-    if (out.size() + 1 != size()) {
-      raise<config_error>(106, "ChainSkeleton '", name, "': bones end at ", out.size(), " of ", size() - 1, " joints");
-    }
-    for (const int j : {face[0], face[1], face[2], face[3], leg[0], leg[1], left_foot[0], left_foot[1], right_foot[0],
-                        right_foot[1]}) {
-      if (!known(j)) raise<config_error>(106, "ChainSkeleton '", name, "': no joint ", j, " among ", size());
-    }
-    return out;
-  }
+  std::vector<ChainBone> bones() const;
   /// Throws as bones().
   void validate() const { bones(); }
   /// Parent of each joint, -1 for the root.
-  std::vector<int> parents() const {
-    std::vector<int> out(size(), -1);
-    for (const ChainBone& b : bones()) out[b.joint] = static_cast<int>(b.parent);
-    return out;
-  }
+  std::vector<int> parents() const;
 };
 
 /// HumanML3D: the first 22 joints of SMPL, metres, 20 frames per second. Lengths: first frame of its clip 000021.
-inline const ChainSkeleton& humanml3d_chains() {
+const ChainSkeleton& humanml3d_chains();
+
+/// KIT Motion-Language: 21 joints of the Master Motor Map, about 640 units per metre, 12.5 frames per second. The names
+/// of the data set are mirrored: joints 11 ... 15 and 5 ... 7 ("L") are the right side of the body, and so they are
+/// taken. The threshold is published in metres although the data are not, hence contacts are hardly ever on. The
+/// lengths of the reference clip 03950 are not published.
+const ChainSkeleton& kit_chains();
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_GUO_CHAINS_IPP  // <motionlang/kinematics/guo_chains.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_GUO_CHAINS_IPP
+// Bodies of guo_chains.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<ChainBone> ChainSkeleton::bones() const {
+  std::vector<ChainBone> out;
+  std::vector<bool> placed(size(), false);
+  auto known = [&](int joint) { return joint >= 0 && static_cast<std::size_t>(joint) < size(); };
+  if (size() == 0) raise<config_error>(106, "ChainSkeleton '", name, "': no joints");
+  placed[0] = true;
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    for (std::size_t k = 0; k < chains[c].size(); ++k) {
+      const int joint = chains[c][k];
+      const bool expected = k == 0;
+      if (!known(joint) || placed[static_cast<std::size_t>(joint)] != expected) {
+        raise<config_error>(106, "ChainSkeleton '", name, "': joint ", joint, " of chain ", c,
+                            !known(joint) ? " does not exist"
+                            : expected    ? " begins it, but no chain before contains it"
+                                          : " has a bone already");
+      }
+      if (k == 0) continue;
+      const auto j = static_cast<std::size_t>(joint), parent = static_cast<std::size_t>(chains[c][k - 1]);
+      const double length = norm(directions[j]);
+      if (std::abs(length - 1) > 1e-6) {
+        raise<config_error>(106, "ChainSkeleton '", name, "': the direction of joint ", j, " has length ", length);
+      }
+      placed[j] = true;
+      out.push_back({j, parent, k == 1 ? 0 : parent});
+    }
+  }
+  if (out.size() + 1 != size()) {
+    raise<config_error>(106, "ChainSkeleton '", name, "': bones end at ", out.size(), " of ", size() - 1, " joints");
+  }
+  for (const int j :
+       {face[0], face[1], face[2], face[3], leg[0], leg[1], left_foot[0], left_foot[1], right_foot[0], right_foot[1]}) {
+    if (!known(j)) raise<config_error>(106, "ChainSkeleton '", name, "': no joint ", j, " among ", size());
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<int> ChainSkeleton::parents() const {
+  std::vector<int> out(size(), -1);
+  for (const ChainBone& b : bones()) out[b.joint] = static_cast<int>(b.parent);
+  return out;
+}
+
+MOTIONLANG_BODY const ChainSkeleton& humanml3d_chains() {
   static const ChainSkeleton skeleton{
       .name = "HumanML3D",
       .chains = {{0, 2, 5, 8, 11}, {0, 1, 4, 7, 10}, {0, 3, 6, 9, 12, 15}, {9, 14, 17, 19, 21}, {9, 13, 16, 18, 20}},
@@ -8103,11 +9080,7 @@ inline const ChainSkeleton& humanml3d_chains() {
   return skeleton;
 }
 
-/// KIT Motion-Language: 21 joints of the Master Motor Map, about 640 units per metre, 12.5 frames per second. The names
-/// of the data set are mirrored: joints 11 ... 15 and 5 ... 7 ("L") are the right side of the body, and so they are
-/// taken. The threshold is published in metres although the data are not, hence contacts are hardly ever on. The
-/// lengths of the reference clip 03950 are not published.
-inline const ChainSkeleton& kit_chains() {
+MOTIONLANG_BODY const ChainSkeleton& kit_chains() {
   static const ChainSkeleton skeleton{
       .name = "KIT",
       .chains = {{0, 11, 12, 13, 14, 15}, {0, 16, 17, 18, 19, 20}, {0, 1, 2, 3, 4}, {3, 5, 6, 7}, {3, 8, 9, 10}},
@@ -8124,6 +9097,7 @@ inline const ChainSkeleton& kit_chains() {
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -8417,7 +9391,17 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. From
 /// "LeftHandIndex1" (Mixamo), "index_01_l" (Unreal), "DEF-f_index.01.L" (Rigify), "lIndex1" (Daz), "leftIndexProximal"
 /// (VRM) and their like. "" for another joint, and for tips and metacarpals.
-inline std::string finger_of(std::string_view joint) {
+std::string finger_of(std::string_view joint);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_IPP  // <motionlang/kinematics/finger_names.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_IPP
+// Bodies of finger_names.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string finger_of(std::string_view joint) {
   const Side side = detail::side_of_name(joint);
   if (side == Side::middle) return "";
   const std::string_view own = side == Side::left ? "left" : "right", opposite = side == Side::left ? "right" : "left";
@@ -8450,6 +9434,7 @@ inline std::string finger_of(std::string_view joint) {
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP  // <motionlang/kinematics/foot_contact.hpp>
@@ -8494,9 +9479,19 @@ struct ContactOptions {
 
 /// (frames, feet): 1 where a foot is below its height and slower than options.speed between a frame and the next (the
 /// last frame: the one before). Throws shape_error 203 for a joint out of range.
-inline std::vector<std::uint8_t> foot_contacts(const Motion& motion,
-                                               std::span<const ContactJoint> feet = smpl_contact_joints,
-                                               const ContactOptions& options = {}) {
+std::vector<std::uint8_t> foot_contacts(const Motion& motion, std::span<const ContactJoint> feet = smpl_contact_joints,
+                                        const ContactOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_IPP  // <motionlang/kinematics/foot_contact.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_IPP
+// Bodies of foot_contact.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<std::uint8_t> foot_contacts(const Motion& motion, std::span<const ContactJoint> feet,
+                                                        const ContactOptions& options) {
   const Index joints = motion.skeleton.size(), frames = motion.frames();
   for (const ContactJoint& foot : feet) {
     if (foot.joint < 0 || foot.joint >= joints)
@@ -8517,6 +9512,7 @@ inline std::vector<std::uint8_t> foot_contacts(const Motion& motion,
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP  // <motionlang/kinematics/foot_lock.hpp>
@@ -8540,15 +9536,7 @@ struct Limb {
 namespace detail {
 
 /// Throws config_error 103 unless each joint of the limb is the parent of the next.
-inline void require_limb(std::string_view function, const Skeleton& skeleton, const Limb& limb) {
-  auto hangs_on = [&](int joint, int parent) {
-    return parent >= 0 && joint >= 0 && joint < skeleton.size() && skeleton.parent(joint) == parent;
-  };
-  if (!hangs_on(limb.end, limb.middle) || !hangs_on(limb.middle, limb.upper)) {
-    raise<config_error>(103, function, ": joints ", limb.upper, ", ", limb.middle, ", ", limb.end,
-                        " are no limb of a skeleton of ", skeleton.size());
-  }
-}
+void require_limb(std::string_view function, const Skeleton& skeleton, const Limb& limb);
 
 }  // namespace detail
 
@@ -8560,8 +9548,34 @@ inline void require_limb(std::string_view function, const Skeleton& skeleton, co
 /// towards     where in the world the middle joint goes if the limb is straight (knees: forward)
 /// Throws      config_error 103 if the joints do not hang together, shape_error 205 unless there is one rotation for
 ///             each joint, numeric_error 302 for a bone that is shorter than 0.1 mm
-inline void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose, const JointTransforms<double>& world,
-                  const Limb& limb, const Vec3<double>& target, const Vec3<double>& towards) {
+void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose, const JointTransforms<double>& world,
+           const Limb& limb, const Vec3<double>& target, const Vec3<double>& towards);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_LIMB_IK_IPP  // <motionlang/kinematics/limb_ik.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_LIMB_IK_IPP
+// Bodies of limb_ik.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY void require_limb(std::string_view function, const Skeleton& skeleton, const Limb& limb) {
+  auto hangs_on = [&](int joint, int parent) {
+    return parent >= 0 && joint >= 0 && joint < skeleton.size() && skeleton.parent(joint) == parent;
+  };
+  if (!hangs_on(limb.end, limb.middle) || !hangs_on(limb.middle, limb.upper)) {
+    raise<config_error>(103, function, ": joints ", limb.upper, ", ", limb.middle, ", ", limb.end,
+                        " are no limb of a skeleton of ", skeleton.size());
+  }
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose,
+                           const JointTransforms<double>& world, const Limb& limb, const Vec3<double>& target,
+                           const Vec3<double>& towards) {
   detail::require_limb("reach", skeleton, limb);
   if (std::ssize(pose) != skeleton.size())
     raise<shape_error>(205, "reach: ", pose.size(), " rotations for ", skeleton.size(), " joints");
@@ -8596,6 +9610,7 @@ inline void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose, 
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -8608,12 +9623,7 @@ inline constexpr Leg smpl_legs[] = {{{1, 4, 7}, 10}, {{2, 5, 8}, 11}};
 inline constexpr Leg kit_legs[] = {{{11, 12, 13}, 15}, {{16, 17, 18}, 20}};
 
 /// Those of a skeleton with the joints of SMPL, with or without its hands, or of KIT; none of another one.
-inline std::span<const Leg> known_legs(const Skeleton& skeleton) {
-  auto is = [&](const Skeleton& s) { return skeleton.names == s.names && skeleton.parents == s.parents; };
-  if (is(smpl24_skeleton()) || is(humanml3d22_skeleton())) return smpl_legs;
-  if (is(kit21_skeleton())) return kit_legs;
-  return {};
-}
+std::span<const Leg> known_legs(const Skeleton& skeleton);
 
 struct FootFixOptions {
   double floor = 0;
@@ -8624,6 +9634,47 @@ struct FootFixOptions {
   Index blend = 4;          // frames before and after a contact in which the leg comes and goes
   double clearance = 0.03;  // m; toes swing this high above where they stand; in recorded walks mostly 2.7 to 5.5 cm
 };
+
+/// The clip with its path over the floor corrected so that the foot that stands (of the low ones the slowest) does not
+/// slide: where somebody goes is decided by the legs. Rotations and heights stay; in the air the path stays, too.
+/// Throws config_error 103 if the skeleton has no such legs, 101 unless path_sigma > 0.
+Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
+
+namespace detail {
+
+/// Moves the foot of a leg in every frame by its offset.
+void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<double>> offset);
+
+}  // namespace detail
+
+/// The clip with legs bent so that ankles and toes in contact stay in place. Between contacts the correction fades out
+/// and in. Throws config_error 103 if the skeleton has no such legs, numeric_error 302 if a leg has no length.
+Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
+
+/// The clip with legs bent so that a foot swings over the floor, not along it: generated ones pass too low. A foot that
+/// stands is not moved. Throws as lock_feet.
+Motion raise_swings(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
+
+/// path_from_feet, lock_feet, raise_swings. Throws what they throw.
+inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                       const FootFixOptions& options = {}) {
+  return raise_swings(lock_feet(path_from_feet(motion, legs, options), legs, options), legs, options);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_IPP  // <motionlang/kinematics/foot_lock.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_IPP
+// Bodies of foot_lock.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::span<const Leg> known_legs(const Skeleton& skeleton) {
+  auto is = [&](const Skeleton& s) { return skeleton.names == s.names && skeleton.parents == s.parents; };
+  if (is(smpl24_skeleton()) || is(humanml3d22_skeleton())) return smpl_legs;
+  if (is(kit21_skeleton())) return kit_legs;
+  return {};
+}
 
 namespace detail {
 
@@ -8643,11 +9694,7 @@ inline std::array<ContactJoint, 2> feet_of(const Leg& leg, const FootFixOptions&
 
 }  // namespace detail
 
-/// The clip with its path over the floor corrected so that the foot that stands (of the low ones the slowest) does not
-/// slide: where somebody goes is decided by the legs. Rotations and heights stay; in the air the path stays, too.
-/// Throws config_error 103 if the skeleton has no such legs, 101 unless path_sigma > 0.
-inline Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
-                             const FootFixOptions& options = {}) {
+MOTIONLANG_BODY Motion path_from_feet(const Motion& motion, std::span<const Leg> legs, const FootFixOptions& options) {
   detail::require_legs("path_from_feet", motion.skeleton, legs);
   const Index joints = motion.skeleton.size(), steps = motion.frames() - 1;
   if (steps < 1) return motion;
@@ -8709,8 +9756,7 @@ inline Vec3<double> forward_of(const Skeleton& skeleton, const Leg& leg) {
   return norm(forward) > 0.1 * norm(foot) ? normalized(forward) : Vec3<double>{0, 0, 1};
 }
 
-/// Moves the foot of a leg in every frame by its offset.
-inline void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<double>> offset) {
+MOTIONLANG_BODY void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<double>> offset) {
   JointTransforms<double> world;
   const Vec3<double> forward_at_rest = forward_of(motion.skeleton, leg);
   for (Index f = 0; f < motion.frames(); ++f) {
@@ -8799,10 +9845,7 @@ inline std::vector<Vec3<double>> foot_offsets(const Motion& motion, std::span<co
 
 }  // namespace detail
 
-/// The clip with legs bent so that ankles and toes in contact stay in place. Between contacts the correction fades out
-/// and in. Throws config_error 103 if the skeleton has no such legs, numeric_error 302 if a leg has no length.
-inline Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
-                        const FootFixOptions& options = {}) {
+MOTIONLANG_BODY Motion lock_feet(const Motion& motion, std::span<const Leg> legs, const FootFixOptions& options) {
   detail::require_legs("lock_feet", motion.skeleton, legs);
   if (motion.frames() < 2) return motion;
   const auto positions = motion.positions();
@@ -8811,10 +9854,7 @@ inline Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_l
   return out;
 }
 
-/// The clip with legs bent so that a foot swings over the floor, not along it: generated ones pass too low. A foot that
-/// stands is not moved. Throws as lock_feet.
-inline Motion raise_swings(const Motion& motion, std::span<const Leg> legs = smpl_legs,
-                           const FootFixOptions& options = {}) {
+MOTIONLANG_BODY Motion raise_swings(const Motion& motion, std::span<const Leg> legs, const FootFixOptions& options) {
   detail::require_legs("raise_swings", motion.skeleton, legs);
   const auto positions = motion.positions();
   Motion out = motion;
@@ -8822,17 +9862,12 @@ inline Motion raise_swings(const Motion& motion, std::span<const Leg> legs = smp
   return out;
 }
 
-/// path_from_feet, lock_feet, raise_swings. Throws what they throw.
-inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
-                       const FootFixOptions& options = {}) {
-  return raise_swings(lock_feet(path_from_feet(motion, legs, options), legs, options), legs, options);
-}
-
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_LANES_HPP  // <motionlang/kinematics/lanes.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_LANES_HPP
+#ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_BATCH_HPP  // <motionlang/kinematics/forward_batch.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_FORWARD_BATCH_HPP
 /// Forward kinematics of a whole batch: the function of forward.hpp over many poses at once.
 ///
 ///     auto joints = forward_kinematics(skeleton, lanes(rot6d, root));     // (batch, time, joints, 3)
@@ -8993,7 +10028,30 @@ inline double heading(const Quaternion<double>& q) { return 2 * std::atan2(q.y, 
 inline Quaternion<double> turn(double angle) { return from_axis_angle(Vec3<double>{0, 1, 0}, angle); }
 
 /// Joint positions with the root's place and heading removed, (frames, joints).
-inline std::vector<Vec3<double>> poses_in_place(const Motion& motion) {
+std::vector<Vec3<double>> poses_in_place(const Motion& motion);
+
+}  // namespace detail
+
+/// The best cycle of at least `least` frames, if its cost is below `most` metres.
+///     cost(a, b) = mean over joints of |p_a - p_b| + 0.1 s |v_a - v_b|
+/// Throws config_error 101 unless least >= 1.
+std::optional<Loop> find_loop(const Motion& motion, Index least, double most = 0.08);
+
+/// The clip up to loop.last, then round the loop until there are `frames` frames. Each round goes on from where the
+/// last one was, in its direction; what is left of the difference between the ends fades away over `blend` frames.
+Motion go_round(const Motion& motion, const Loop& loop, Index frames, Index blend = 8);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_LOOPS_IPP  // <motionlang/kinematics/loops.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_LOOPS_IPP
+// Bodies of loops.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::vector<Vec3<double>> poses_in_place(const Motion& motion) {
   std::vector<Vec3<double>> out;
   JointTransforms<double> world;
   for (Index f = 0; f < motion.frames(); ++f) {
@@ -9007,10 +10065,7 @@ inline std::vector<Vec3<double>> poses_in_place(const Motion& motion) {
 
 }  // namespace detail
 
-/// The best cycle of at least `least` frames, if its cost is below `most` metres.
-///     cost(a, b) = mean over joints of |p_a - p_b| + 0.1 s |v_a - v_b|
-/// Throws config_error 101 unless least >= 1.
-inline std::optional<Loop> find_loop(const Motion& motion, Index least, double most = 0.08) {
+MOTIONLANG_BODY std::optional<Loop> find_loop(const Motion& motion, Index least, double most) {
   if (least < 1) raise<config_error>(101, "find_loop: a cycle of ", least, " frames");
   const auto poses = detail::poses_in_place(motion);
   const auto joints = static_cast<std::size_t>(motion.skeleton.size());
@@ -9030,9 +10085,7 @@ inline std::optional<Loop> find_loop(const Motion& motion, Index least, double m
   return best;
 }
 
-/// The clip up to loop.last, then round the loop until there are `frames` frames. Each round goes on from where the
-/// last one was, in its direction; what is left of the difference between the ends fades away over `blend` frames.
-inline Motion go_round(const Motion& motion, const Loop& loop, Index frames, Index blend = 8) {
+MOTIONLANG_BODY Motion go_round(const Motion& motion, const Loop& loop, Index frames, Index blend) {
   if (loop.first < 0 || loop.last <= loop.first || loop.last >= motion.frames()) {
     raise<config_error>(101, "go_round: loop ", loop.first, " ... ", loop.last, " in ", motion.frames(), " frames");
   }
@@ -9076,6 +10129,7 @@ inline Motion go_round(const Motion& motion, const Loop& loop, Index frames, Ind
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MIRROR_JOINTS_HPP  // <motionlang/kinematics/mirror_joints.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_MIRROR_JOINTS_HPP
@@ -9089,22 +10143,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Partners of the 22 joints of HumanML3D or the 52 of SMPL-H. The published list of the fingers pairs wrong ones (the
 /// left index finger with the right little one, ...); `fix_fingers` pairs the right ones.
 /// Throws config_error 101 for another number of joints.
-inline std::vector<int> humanml3d_mirror_partners(int joints, bool fix_fingers = false) {
-  if (joints != 22 && joints != 52) raise<config_error>(101, "humanml3d_mirror_partners: ", joints, " joints");
-  std::vector<int> out(smpl_mirror_joint.begin(), smpl_mirror_joint.begin() + 22);
-  if (joints == 22) return out;
-  // First joints of the fingers of three joints: left index, thumb, middle, ring, little finger, and their partners.
-  constexpr std::array<int, 5> left{22, 34, 25, 31, 28}, published{43, 46, 40, 37, 49}, right{37, 49, 40, 46, 43};
-  out.resize(52);
-  for (std::size_t finger = 0; finger < 5; ++finger) {
-    for (int k = 0; k < 3; ++k) {
-      const int l = left[finger] + k, r = (fix_fingers ? right : published)[finger] + k;
-      out[static_cast<std::size_t>(l)] = r;
-      out[static_cast<std::size_t>(r)] = l;
-    }
-  }
-  return out;
-}
+std::vector<int> humanml3d_mirror_partners(int joints, bool fix_fingers = false);
 
 /// joints (frames, joints) -> the same, p'_partner(j) = (-x, y, z)_j. Throws shape_error 205, config_error 102 if the
 /// partners do not pair up.
@@ -9130,6 +10169,32 @@ std::vector<Vec3<S>> mirror_joints(std::span<const Vec3<S>> joints, std::span<co
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MIRROR_JOINTS_IPP  // <motionlang/kinematics/mirror_joints.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_MIRROR_JOINTS_IPP
+// Bodies of mirror_joints.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<int> humanml3d_mirror_partners(int joints, bool fix_fingers) {
+  if (joints != 22 && joints != 52) raise<config_error>(101, "humanml3d_mirror_partners: ", joints, " joints");
+  std::vector<int> out(smpl_mirror_joint.begin(), smpl_mirror_joint.begin() + 22);
+  if (joints == 22) return out;
+  // First joints of the fingers of three joints: left index, thumb, middle, ring, little finger, and their partners.
+  constexpr std::array<int, 5> left{22, 34, 25, 31, 28}, published{43, 46, 40, 37, 49}, right{37, 49, 40, 46, 43};
+  out.resize(52);
+  for (std::size_t finger = 0; finger < 5; ++finger) {
+    for (int k = 0; k < 3; ++k) {
+      const int l = left[finger] + k, r = (fix_fingers ? right : published)[finger] + k;
+      out[static_cast<std::size_t>(l)] = r;
+      out[static_cast<std::size_t>(r)] = l;
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_FROM_JOINTS_HPP  // <motionlang/kinematics/motion_from_joints.hpp>
@@ -9155,7 +10220,27 @@ struct SeenVector {
 
 /// The rotation that brings vectors at rest nearest to where they are seen, in the sense of least squares, found from
 /// `start` on.
-inline Quaternion<double> fit_rotation(std::span<const SeenVector> vectors, Quaternion<double> start) {
+Quaternion<double> fit_rotation(std::span<const SeenVector> vectors, Quaternion<double> start);
+
+/// skeleton  its names, parents and the directions of its bones at rest; joints beyond those that are given stay as at
+///           rest
+/// joints    (frames, count), count <= the joints of the skeleton, of which they are the first
+/// Throws    shape_error 205 unless `joints` are whole frames, config_error 101 for a wrong count or frame rate,
+///           numeric_error 301 for a position that is not finite
+Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<double>> joints, Index count, double fps);
+inline Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<double>> joints, double fps) {
+  return motion_from_joints(skeleton, joints, skeleton.size(), fps);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_FROM_JOINTS_IPP  // <motionlang/kinematics/motion_from_joints.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_MOTION_FROM_JOINTS_IPP
+// Bodies of motion_from_joints.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Quaternion<double> fit_rotation(std::span<const SeenVector> vectors, Quaternion<double> start) {
   constexpr int most_steps = 200;
   if (vectors.size() == 1 && norm(vectors[0].rest) > 0 && norm(vectors[0].seen) > 0)
     return rotation_between(rotate(start, vectors[0].rest), vectors[0].seen) * start;
@@ -9216,13 +10301,8 @@ inline std::vector<Vec3<double>> bones_of_one_joint(std::vector<Vec3<double>> re
 
 }  // namespace detail
 
-/// skeleton  its names, parents and the directions of its bones at rest; joints beyond those that are given stay as at
-///           rest
-/// joints    (frames, count), count <= the joints of the skeleton, of which they are the first
-/// Throws    shape_error 205 unless `joints` are whole frames, config_error 101 for a count or a rate that is none,
-///           numeric_error 301 for a position that is not finite
-inline Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<double>> joints, Index count,
-                                 double fps) {
+MOTIONLANG_BODY Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<double>> joints, Index count,
+                                          double fps) {
   if (count < 1 || count > skeleton.size())
     raise<config_error>(101, "motion_from_joints: ", count, " joints for a skeleton of ", skeleton.size());
   const auto n = static_cast<std::size_t>(count), frames = joints.size() / n;
@@ -9277,11 +10357,9 @@ inline Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<
   out.validate();
   return out;
 }
-inline Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<double>> joints, double fps) {
-  return motion_from_joints(skeleton, joints, skeleton.size(), fps);
-}
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_OVERLAY_HPP  // <motionlang/kinematics/overlay.hpp>
@@ -9294,7 +10372,17 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// height and everything else are the base's. SMPL's joints only, or the first of them (HumanML3D). Throws config_error
 /// 103 for another skeleton, 102 for two frame rates.
 /// Source  the synthetic training data of SINC (Athanasiou et al. 2023), section 4.1, on rotations
-inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts) {
+Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_OVERLAY_IPP  // <motionlang/kinematics/overlay.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_OVERLAY_IPP
+// Bodies of overlay.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts) {
   const auto& names = base.skeleton.names;
   const auto& smpl = smpl24_skeleton().names;
   if (names != other.skeleton.names || names.size() > smpl.size() ||
@@ -9322,6 +10410,7 @@ inline Motion overlay_parts(const Motion& base, const Motion& other, BodyParts p
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP  // <motionlang/kinematics/retarget.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP
@@ -9337,6 +10426,10 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+namespace detail {
+class StandingSkeleton;
+}
+
 /// What a map did with the joints of both skeletons.
 struct RetargetReport {
   std::string table, target_table;                          // the kinds of source and target
@@ -9345,7 +10438,91 @@ struct RetargetReport {
   std::vector<std::string> unused;                          // joints of the source that nothing follows
   double leg_ratio = 1, arm_ratio = 1;  // target / source, 0 without arms; the path is scaled by leg_ratio
 };
-inline std::string to_string(const RetargetReport& r) {
+std::string to_string(const RetargetReport& r);
+
+/// How one skeleton follows another; made once, used for every clip.
+class SkeletonMap {
+ public:
+  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for axes
+  /// that are none, or hips that a skeleton has not), and if a skeleton does not stand at rest by its table; 101 if the
+  /// legs of a skeleton have no length.
+  SkeletonMap(const Skeleton& source, const SkeletonTable& source_table, const Skeleton& target,
+              const SkeletonTable& target_table);
+  /// The target has SMPL's names.
+  SkeletonMap(const Skeleton& source, const Skeleton& target, const SkeletonTable& source_table)
+      : SkeletonMap(source, source_table, target, skeleton_table("SMPL")) {}
+  /// With the built-in tables that fit.
+  explicit SkeletonMap(const Skeleton& source, const Skeleton& target = smpl24_skeleton())
+      : SkeletonMap(source, detect_skeleton_table(source), target, detect_skeleton_table(target)) {}
+
+  const Skeleton& source() const { return source_; }
+  const Skeleton& target() const { return target_; }
+  const RetargetReport& report() const { return report_; }
+
+  /// One frame: world transforms of the source to root position and local rotations of the target.
+  void apply(const JointTransforms<double>& from, Vec3<double>& root, std::span<Quaternion<double>> local) const;
+
+ private:
+  struct Link {
+    int source = -1, second = -1;
+    Quaternion<double> undo{1, 0, 0, 0}, undo_second{1, 0, 0, 0};  // C_s^-1 C_t
+    Quaternion<double> at_rest{1, 0, 0, 0};                        // of a joint that follows none, seen from its parent
+    double share = 0;
+  };
+
+  static Quaternion<double> turned(const JointTransforms<double>& from, int joint, const Quaternion<double>& undo) {
+    return to_quaternion(from.rotation[static_cast<std::size_t>(joint)]) * undo;
+  }
+  static const Vec3<double>& position(const JointTransforms<double>& from, int joint) {
+    return from.position[static_cast<std::size_t>(joint)];
+  }
+  /// A joint of the target seen from its root.
+  Vec3<double> from_root(int joint, const std::vector<Quaternion<double>>& world) const;
+
+  /// Of joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
+  int namesake(const std::string& name) const;
+  void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
+
+  /// The rotation that brings a joint of the source from its T-pose to the pose in which it stands like the target.
+  /// Limbs are turned along, joint by joint; feet only roll with their shins, unless a table says that they stand
+  /// level, so that soles stay level; the trunk is taken as it stands.
+  static Quaternion<double> bone_turn(std::string_view role, const detail::StandingSkeleton& from,
+                                      const detail::StandingSkeleton& to, const Quaternion<double>& up);
+
+  /// Lengths of legs and arms, and where the hips are.
+  void measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
+
+  Skeleton source_, target_;
+  RetargetReport report_;
+  std::vector<Link> links_;  // of the target's joints
+  int left_hip_ = -1, right_hip_ = -1, target_left_hip_ = -1, target_right_hip_ = -1;
+};
+
+/// Moves a clip up or down so that its feet stand on y = 0 as they do in the rest pose: the lowest joint of a frame, in
+/// all but the lowest 5 % of the frames, is not below the lowest joint at rest. A rest pose that is below the floor
+/// tells nothing of it (the root of many BVH files has OFFSET 0); that joint then stands on y = 0 itself. Returns by
+/// how much the clip was moved.
+double place_on_floor(Motion& motion);
+
+struct RetargetOptions {
+  bool floor = true;  // place_on_floor
+};
+
+/// The clip on the target of the map. Throws config_error 106 if its skeleton is not the source of the map.
+Motion retarget(const Motion& motion, const SkeletonMap& map, const RetargetOptions& options = {});
+/// With the built-in tables that fit the clip and the target; on its own skeleton a motion stays as it is. Throws
+/// config_error 103 with the joint that is missing.
+Motion retarget(const Motion& motion, const Skeleton& target = smpl24_skeleton(), const RetargetOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_IPP  // <motionlang/kinematics/retarget.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_RETARGET_IPP
+// Bodies of retarget.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string to_string(const RetargetReport& r) {
   auto list = [](const std::vector<std::string>& names) {
     return names.empty() ? std::string("none") : join_text(names);
   };
@@ -9365,10 +10542,12 @@ inline constexpr std::array<LimbBone, 4> leg_bones{{{"left_hip", "left_knee"},
                                                     {"left_knee", "left_ankle"},
                                                     {"right_hip", "right_knee"},
                                                     {"right_knee", "right_ankle"}}};
+
 inline constexpr std::array<LimbBone, 4> arm_bones{{{"left_shoulder", "left_elbow"},
                                                     {"left_elbow", "left_wrist"},
                                                     {"right_shoulder", "right_elbow"},
                                                     {"right_elbow", "right_wrist"}}};
+
 inline constexpr std::array<LimbBone, 2> hand_bones{{{"left_wrist", "left_hand"}, {"right_wrist", "right_hand"}}};
 
 inline const LimbBone* find_limb_bone(std::string_view joint) {
@@ -9382,187 +10561,141 @@ inline const LimbBone* find_limb_bone(std::string_view joint) {
 
 }  // namespace detail
 
-/// How one skeleton follows another; made once, used for every clip.
-class SkeletonMap {
- public:
-  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for axes
-  /// that are none, or hips that a skeleton has not), and if a skeleton does not stand at rest by its table; 101 if the
-  /// legs of a skeleton have no length.
-  SkeletonMap(const Skeleton& source, const SkeletonTable& source_table, const Skeleton& target,
-              const SkeletonTable& target_table)
-      : source_(source), target_(target) {
-    const std::string missing = source_table.missing(source);
-    if (!missing.empty())
-      raise<config_error>(103, "SkeletonMap: ", source_table.name, " needs a joint '", missing, "'");
-    report_.table = source_table.name;
-    report_.target_table = target_table.name;
-    const detail::StandingSkeleton from(source, source_table), to(target, target_table);
-    for (const detail::StandingSkeleton* s : {&from, &to}) {
-      const std::string lies = s->lies();
-      if (!lies.empty())
-        raise<config_error>(103, "SkeletonMap: a skeleton of ", s->skeleton.size(), " joints (root '",
-                            s->skeleton.name(0), "') does not stand as ", s->table.name, ": ", lies,
-                            "; other axes, and ", detail::own_table_hint);
-    }
-    connect(from, to);
-    measure(from, to);
+MOTIONLANG_BODY SkeletonMap::SkeletonMap(const Skeleton& source, const SkeletonTable& source_table,
+                                         const Skeleton& target, const SkeletonTable& target_table)
+    : source_(source), target_(target) {
+  const std::string missing = source_table.missing(source);
+  if (!missing.empty()) raise<config_error>(103, "SkeletonMap: ", source_table.name, " needs a joint '", missing, "'");
+  report_.table = source_table.name;
+  report_.target_table = target_table.name;
+  const detail::StandingSkeleton from(source, source_table), to(target, target_table);
+  for (const detail::StandingSkeleton* s : {&from, &to}) {
+    const std::string lies = s->lies();
+    if (!lies.empty())
+      raise<config_error>(103, "SkeletonMap: a skeleton of ", s->skeleton.size(), " joints (root '",
+                          s->skeleton.name(0), "') does not stand as ", s->table.name, ": ", lies, "; ",
+                          detail::own_table_hint);
   }
-  /// The target has SMPL's names.
-  SkeletonMap(const Skeleton& source, const Skeleton& target, const SkeletonTable& source_table)
-      : SkeletonMap(source, source_table, target, skeleton_table("SMPL")) {}
-  /// With the built-in tables that fit.
-  explicit SkeletonMap(const Skeleton& source, const Skeleton& target = smpl24_skeleton())
-      : SkeletonMap(source, detect_skeleton_table(source), target, detect_skeleton_table(target)) {}
+  connect(from, to);
+  measure(from, to);
+}
 
-  const Skeleton& source() const { return source_; }
-  const Skeleton& target() const { return target_; }
-  const RetargetReport& report() const { return report_; }
-
-  /// One frame: world transforms of the source to root position and local rotations of the target.
-  void apply(const JointTransforms<double>& from, Vec3<double>& root, std::span<Quaternion<double>> local) const {
-    std::vector<Quaternion<double>> world(links_.size());
-    for (std::size_t t = 0; t < links_.size(); ++t) {
-      const Link& link = links_[t];
-      const int parent = target_.parents[t];
-      const auto up = parent < 0 ? Quaternion<double>::identity() : world[static_cast<std::size_t>(parent)];
-      world[t] = up * link.at_rest;
-      if (link.source >= 0) world[t] = turned(from, link.source, link.undo);
-      if (link.second >= 0) world[t] = slerp(world[t], turned(from, link.second, link.undo_second), link.share);
-      local[t] = inverse(up) * world[t];
-    }
-    const Vec3<double> middle = 0.5 * (position(from, left_hip_) + position(from, right_hip_));
-    root =
-        report_.leg_ratio * middle - 0.5 * (from_root(target_left_hip_, world) + from_root(target_right_hip_, world));
+MOTIONLANG_BODY void SkeletonMap::apply(const JointTransforms<double>& from, Vec3<double>& root,
+                                        std::span<Quaternion<double>> local) const {
+  std::vector<Quaternion<double>> world(links_.size());
+  for (std::size_t t = 0; t < links_.size(); ++t) {
+    const Link& link = links_[t];
+    const int parent = target_.parents[t];
+    const auto up = parent < 0 ? Quaternion<double>::identity() : world[static_cast<std::size_t>(parent)];
+    world[t] = up * link.at_rest;
+    if (link.source >= 0) world[t] = turned(from, link.source, link.undo);
+    if (link.second >= 0) world[t] = slerp(world[t], turned(from, link.second, link.undo_second), link.share);
+    local[t] = inverse(up) * world[t];
   }
+  const Vec3<double> middle = 0.5 * (position(from, left_hip_) + position(from, right_hip_));
+  root = report_.leg_ratio * middle - 0.5 * (from_root(target_left_hip_, world) + from_root(target_right_hip_, world));
+}
 
- private:
-  struct Link {
-    int source = -1, second = -1;
-    Quaternion<double> undo{1, 0, 0, 0}, undo_second{1, 0, 0, 0};  // C_s^-1 C_t
-    Quaternion<double> at_rest{1, 0, 0, 0};                        // of a joint that follows none, seen from its parent
-    double share = 0;
+MOTIONLANG_BODY Vec3<double> SkeletonMap::from_root(int joint, const std::vector<Quaternion<double>>& world) const {
+  Vec3<double> p{};
+  for (; target_.parent(joint) >= 0; joint = target_.parent(joint)) {
+    p = p + rotate(world[static_cast<std::size_t>(target_.parent(joint))], target_.offset(joint));
+  }
+  return p;
+}
+
+MOTIONLANG_BODY int SkeletonMap::namesake(const std::string& name) const {
+  int s = source_.find(name);
+  const std::string finger = finger_of(bare_joint_name(name));
+  for (int k = 0; k < source_.size() && s < 0 && !finger.empty(); ++k) {
+    if (finger_of(bare_joint_name(source_.name(k))) == finger) s = k;
+  }
+  return s;
+}
+
+MOTIONLANG_BODY void SkeletonMap::connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
+  links_.resize(static_cast<std::size_t>(target_.size()));
+  std::vector<bool> used(static_cast<std::size_t>(source_.size()), false);
+  // of the bones of the source, from its T-pose to the target's
+  std::vector<Quaternion<double>> turn(links_.size(), Quaternion<double>::identity());
+  for (std::size_t t = 0; t < links_.size(); ++t) {
+    Link& link = links_[t];
+    const int parent = target_.parents[t];
+    const auto up = parent < 0 ? Quaternion<double>::identity() : turn[static_cast<std::size_t>(parent)];
+    const std::string role = to.role(static_cast<int>(t));
+    turn[t] = bone_turn(role, from, to, up);
+    if (parent >= 0) link.at_rest = inverse(to.rotation[static_cast<std::size_t>(parent)]) * to.rotation[t];
+    auto follow = [&](int s) {
+      used[static_cast<std::size_t>(s)] = true;
+      return inverse(turn[t] * from.rotation[static_cast<std::size_t>(s)]) * to.rotation[t];
+    };
+    const MappedJoint* row = role.empty() ? nullptr : from.table.find(role);
+    link.source = row != nullptr ? find_joint(source_, row->source) : role.empty() ? namesake(target_.names[t]) : -1;
+    if (link.source < 0) {
+      report_.unmapped.push_back(target_.names[t]);
+      continue;
+    }
+    link.undo = follow(link.source);
+    std::string name = source_.name(link.source);
+    if (row != nullptr && !row->second.empty()) {
+      link.second = find_joint(source_, row->second);
+      link.undo_second = follow(link.second);
+      link.share = row->share;
+      name += " + " + source_.name(link.second);
+    }
+    report_.mapped.emplace_back(target_.names[t], std::move(name));
+  }
+  for (std::size_t s = 0; s < used.size(); ++s) {
+    if (!used[s]) report_.unused.push_back(source_.names[s]);
+  }
+}
+
+MOTIONLANG_BODY Quaternion<double> SkeletonMap::bone_turn(std::string_view role, const detail::StandingSkeleton& from,
+                                                          const detail::StandingSkeleton& to,
+                                                          const Quaternion<double>& up) {
+  if (const detail::LimbBone* limb = detail::find_limb_bone(role)) {
+    const Vec3<double> bone = from.bone(*limb), wanted = to.bone(*limb);
+    if (norm(bone) < 1e-9 || norm(wanted) < 1e-9) return up;
+    return rotation_between(rotate(up, bone), wanted) * up;
+  }
+  if (role == "left_ankle" || role == "right_ankle") {
+    const detail::LimbBone shin{role == "left_ankle" ? "left_knee" : "right_knee", role};
+    auto roll = [&](const detail::StandingSkeleton& s) {
+      const Vec3<double> bone = s.bone(shin);
+      return s.table.level_soles ? 0 : std::atan2(bone.x, -bone.y);
+    };
+    return from_axis_angle(Vec3<double>{0, 0, 1}, roll(to) - roll(from));
+  }
+  const bool follows = role.empty() || role.ends_with("_foot") || role.ends_with("_hand");
+  return follows ? up : Quaternion<double>::identity();
+}
+
+MOTIONLANG_BODY void SkeletonMap::measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
+  auto hip = [](const detail::StandingSkeleton& s, std::string_view role) {
+    const int j = s.joint(role);
+    if (j < 0) raise<config_error>(103, "SkeletonMap: ", s.table.name, " has no '", role, "'");
+    return j;
   };
+  left_hip_ = hip(from, "left_hip");
+  right_hip_ = hip(from, "right_hip");
+  target_left_hip_ = hip(to, "left_hip");
+  target_right_hip_ = hip(to, "right_hip");
+  auto ratio = [&](std::span<const detail::LimbBone> bones) {  // over the bones that both skeletons have
+    double here = 0, there = 0;
+    for (const detail::LimbBone& bone : bones) {
+      const double length = from.length(bone), wanted = to.length(bone);
+      if (length > 0 && wanted > 0) here += wanted, there += length;
+    }
+    return there > 0 ? here / there : 0;
+  };
+  report_.leg_ratio = ratio(detail::leg_bones);
+  report_.arm_ratio = ratio(detail::arm_bones);
+  if (!(report_.leg_ratio > 0) || !std::isfinite(report_.leg_ratio)) {
+    raise<config_error>(101, "SkeletonMap: legs of no length (target / source = ", report_.leg_ratio, ")");
+  }
+}
 
-  static Quaternion<double> turned(const JointTransforms<double>& from, int joint, const Quaternion<double>& undo) {
-    return to_quaternion(from.rotation[static_cast<std::size_t>(joint)]) * undo;
-  }
-  static const Vec3<double>& position(const JointTransforms<double>& from, int joint) {
-    return from.position[static_cast<std::size_t>(joint)];
-  }
-  /// A joint of the target seen from its root.
-  Vec3<double> from_root(int joint, const std::vector<Quaternion<double>>& world) const {
-    Vec3<double> p{};
-    for (; target_.parent(joint) >= 0; joint = target_.parent(joint)) {
-      p = p + rotate(world[static_cast<std::size_t>(target_.parent(joint))], target_.offset(joint));
-    }
-    return p;
-  }
-
-  /// Of joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
-  int namesake(const std::string& name) const {
-    int s = source_.find(name);
-    const std::string finger = finger_of(bare_joint_name(name));
-    for (int k = 0; k < source_.size() && s < 0 && !finger.empty(); ++k) {
-      if (finger_of(bare_joint_name(source_.name(k))) == finger) s = k;
-    }
-    return s;
-  }
-  void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
-    links_.resize(static_cast<std::size_t>(target_.size()));
-    std::vector<bool> used(static_cast<std::size_t>(source_.size()), false);
-    // of the bones of the source, from its T-pose to the target's
-    std::vector<Quaternion<double>> turn(links_.size(), Quaternion<double>::identity());
-    for (std::size_t t = 0; t < links_.size(); ++t) {
-      Link& link = links_[t];
-      const int parent = target_.parents[t];
-      const auto up = parent < 0 ? Quaternion<double>::identity() : turn[static_cast<std::size_t>(parent)];
-      const std::string role = to.role(static_cast<int>(t));
-      turn[t] = bone_turn(role, from, to, up);
-      if (parent >= 0) link.at_rest = inverse(to.rotation[static_cast<std::size_t>(parent)]) * to.rotation[t];
-      auto follow = [&](int s) {
-        used[static_cast<std::size_t>(s)] = true;
-        return inverse(turn[t] * from.rotation[static_cast<std::size_t>(s)]) * to.rotation[t];
-      };
-      const MappedJoint* row = role.empty() ? nullptr : from.table.find(role);
-      link.source = row != nullptr ? find_joint(source_, row->source) : role.empty() ? namesake(target_.names[t]) : -1;
-      if (link.source < 0) {
-        report_.unmapped.push_back(target_.names[t]);
-        continue;
-      }
-      link.undo = follow(link.source);
-      std::string name = source_.name(link.source);
-      if (row != nullptr && !row->second.empty()) {
-        link.second = find_joint(source_, row->second);
-        link.undo_second = follow(link.second);
-        link.share = row->share;
-        name += " + " + source_.name(link.second);
-      }
-      report_.mapped.emplace_back(target_.names[t], std::move(name));
-    }
-    for (std::size_t s = 0; s < used.size(); ++s) {
-      if (!used[s]) report_.unused.push_back(source_.names[s]);
-    }
-  }
-
-  /// The rotation that brings a joint of the source from its T-pose to the pose in which it stands like the target.
-  /// Limbs are turned along, joint by joint; feet only roll with their shins, unless a table says that they stand
-  /// level, so that soles stay level; the trunk is taken as it stands.
-  static Quaternion<double> bone_turn(std::string_view role, const detail::StandingSkeleton& from,
-                                      const detail::StandingSkeleton& to, const Quaternion<double>& up) {
-    if (const detail::LimbBone* limb = detail::find_limb_bone(role)) {
-      const Vec3<double> bone = from.bone(*limb), wanted = to.bone(*limb);
-      if (norm(bone) < 1e-9 || norm(wanted) < 1e-9) return up;
-      return rotation_between(rotate(up, bone), wanted) * up;
-    }
-    if (role == "left_ankle" || role == "right_ankle") {
-      const detail::LimbBone shin{role == "left_ankle" ? "left_knee" : "right_knee", role};
-      auto roll = [&](const detail::StandingSkeleton& s) {
-        const Vec3<double> bone = s.bone(shin);
-        return s.table.level_soles ? 0 : std::atan2(bone.x, -bone.y);
-      };
-      return from_axis_angle(Vec3<double>{0, 0, 1}, roll(to) - roll(from));
-    }
-    const bool follows = role.empty() || role.ends_with("_foot") || role.ends_with("_hand");
-    return follows ? up : Quaternion<double>::identity();
-  }
-
-  /// Lengths of legs and arms, and where the hips are.
-  void measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
-    auto hip = [](const detail::StandingSkeleton& s, std::string_view role) {
-      const int j = s.joint(role);
-      if (j < 0) raise<config_error>(103, "SkeletonMap: ", s.table.name, " has no '", role, "'");
-      return j;
-    };
-    left_hip_ = hip(from, "left_hip");
-    right_hip_ = hip(from, "right_hip");
-    target_left_hip_ = hip(to, "left_hip");
-    target_right_hip_ = hip(to, "right_hip");
-    auto ratio = [&](std::span<const detail::LimbBone> bones) {  // over the bones that both skeletons have
-      double here = 0, there = 0;
-      for (const detail::LimbBone& bone : bones) {
-        const double length = from.length(bone), wanted = to.length(bone);
-        if (length > 0 && wanted > 0) here += wanted, there += length;
-      }
-      return there > 0 ? here / there : 0;
-    };
-    report_.leg_ratio = ratio(detail::leg_bones);
-    report_.arm_ratio = ratio(detail::arm_bones);
-    if (!(report_.leg_ratio > 0) || !std::isfinite(report_.leg_ratio)) {
-      raise<config_error>(101, "SkeletonMap: legs of no length (target / source = ", report_.leg_ratio, ")");
-    }
-  }
-
-  Skeleton source_, target_;
-  RetargetReport report_;
-  std::vector<Link> links_;  // of the target's joints
-  int left_hip_ = -1, right_hip_ = -1, target_left_hip_ = -1, target_right_hip_ = -1;
-};
-
-/// Moves a clip up or down so that its feet stand on y = 0 as they do in the rest pose: the lowest joint of a frame, in
-/// all but the lowest 5 % of the frames, is not below the lowest joint at rest. A rest pose that is below the floor
-/// tells nothing of it (the root of many BVH files has OFFSET 0); that joint then stands on y = 0 itself. Returns by
-/// how much the clip was moved.
-inline double place_on_floor(Motion& motion) {
+MOTIONLANG_BODY double place_on_floor(Motion& motion) {
   if (motion.frames() == 0) return 0;
   auto lowest = [](std::span<const Vec3<double>> joints) {
     return std::min_element(joints.begin(), joints.end(), [](auto& a, auto& b) { return a.y < b.y; })->y;
@@ -9578,12 +10711,7 @@ inline double place_on_floor(Motion& motion) {
   return shift;
 }
 
-struct RetargetOptions {
-  bool floor = true;  // place_on_floor
-};
-
-/// The clip on the target of the map. Throws config_error 106 if its skeleton is not the source of the map.
-inline Motion retarget(const Motion& motion, const SkeletonMap& map, const RetargetOptions& options = {}) {
+MOTIONLANG_BODY Motion retarget(const Motion& motion, const SkeletonMap& map, const RetargetOptions& options) {
   if (motion.skeleton.names != map.source().names || motion.skeleton.parents != map.source().parents) {
     raise<config_error>(106, "retarget: '", motion.name, "' has another skeleton than the map was made for");
   }
@@ -9598,10 +10726,8 @@ inline Motion retarget(const Motion& motion, const SkeletonMap& map, const Retar
   if (options.floor) place_on_floor(out);
   return out;
 }
-/// With the built-in tables that fit the clip and the target; on its own skeleton a motion stays as it is. Throws
-/// config_error 103 with the joint that is missing.
-inline Motion retarget(const Motion& motion, const Skeleton& target = smpl24_skeleton(),
-                       const RetargetOptions& options = {}) {
+
+MOTIONLANG_BODY Motion retarget(const Motion& motion, const Skeleton& target, const RetargetOptions& options) {
   if (motion.skeleton == target) {
     Motion out = motion;
     if (options.floor) place_on_floor(out);
@@ -9611,6 +10737,7 @@ inline Motion retarget(const Motion& motion, const Skeleton& target = smpl24_ske
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SINC_PART_MOTION_HPP  // <motionlang/kinematics/sinc_part_motion.hpp>
@@ -9720,6 +10847,21 @@ struct SmoothOptions {
   double sigma = 0.04;
 };
 
+/// The clip with its root positions and local rotations smoothed along time by local parabolas. Rotations are averaged
+/// where they are: as rotation vectors seen from the frame itself.
+///     p'_f = sum_k c_k p_{f+k},   q'_f = q_f exp(sum_k c_k log(q_f^-1 q_{f+k})),   |k| <= floor(4 sigma fps + 1/2)
+/// With fewer than two neighbours on each side within reach nothing changes.
+/// Throws config_error 101 unless sigma >= 0.
+Motion smooth_motion(const Motion& motion, const SmoothOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_IPP  // <motionlang/kinematics/smooth_motion.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_IPP
+// Bodies of smooth_motion.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
 namespace detail {
 
 /// The weights c of x_{first} ... x_{last} (0 is the frame itself) in the value at 0 of the parabola that fits them
@@ -9751,12 +10893,7 @@ inline std::vector<double> parabola_weights(Index first, Index last, double sigm
 
 }  // namespace detail
 
-/// The clip with its root positions and local rotations smoothed along time by local parabolas. Rotations are averaged
-/// where they are: as rotation vectors seen from the frame itself.
-///     p'_f = sum_k c_k p_{f+k},   q'_f = q_f exp(sum_k c_k log(q_f^-1 q_{f+k})),   |k| <= floor(4 sigma fps + 1/2)
-/// With fewer than two neighbours on each side within reach nothing changes.
-/// Throws config_error 101 unless sigma >= 0.
-inline Motion smooth_motion(const Motion& motion, const SmoothOptions& options = {}) {
+MOTIONLANG_BODY Motion smooth_motion(const Motion& motion, const SmoothOptions& options) {
   const double sigma = options.sigma * motion.fps;  // frames
   if (!(sigma >= 0) || !std::isfinite(sigma)) raise<config_error>(101, "smooth_motion: sigma ", options.sigma, " s");
   const auto radius = static_cast<Index>(std::min(4 * sigma + 0.5, static_cast<double>(motion.frames())));
@@ -9784,6 +10921,7 @@ inline Motion smooth_motion(const Motion& motion, const SmoothOptions& options =
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_UNIFORM_SKELETON_HPP  // <motionlang/kinematics/uniform_skeleton.hpp>
@@ -9850,6 +10988,29 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// While it lives, this thread makes no more parameters than a file of weights justifies: twice its numbers and 16 Mi.
+/// So a small file whose sizes are huge is refused before memory is taken for them.
+class ParameterRoom {
+ public:
+  /// file: its name in messages; numbers: of all its tensors
+  ParameterRoom(std::string file, Index numbers);
+  ~ParameterRoom();
+  ParameterRoom(const ParameterRoom&) = delete;
+  ParameterRoom& operator=(const ParameterRoom&) = delete;
+
+  /// Throws config_error 102 if there is no room for a parameter of this shape.
+  static void take(const Shape& shape);
+
+ private:
+  static ParameterRoom*& innermost();
+  void take_numbers(const Shape& shape);
+
+  std::string file_;
+  Index numbers_;
+  double taken_ = 0;
+  ParameterRoom* before_;
+};
+
 /// A generator that gives zeros at no cost: for models whose parameters are about to be loaded.
 struct NoInit {
   template <class S>
@@ -9890,6 +11051,7 @@ inline constexpr bool is_no_init = std::is_same_v<std::remove_cvref_t<G>, NoInit
 /// Uniform in [-bound, bound].
 template <Backend B, int R>
 Tensor<B, R> uniform_init(const Shape& shape, double bound, Rng auto& rng) {
+  ParameterRoom::take(shape);
   if constexpr (detail::is_no_init<decltype(rng)>) return detail::untouched_zeros<B, R>(shape);
   std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
   rng.uniform(std::span<typename B::scalar>(values));
@@ -9906,6 +11068,7 @@ Tensor<B, 2> xavier_uniform(const Shape& shape, Rng auto& rng) {
 /// Normal with the given standard deviation.
 template <Backend B, int R>
 Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
+  ParameterRoom::take(shape);
   if constexpr (detail::is_no_init<decltype(rng)>) return detail::untouched_zeros<B, R>(shape);
   std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
   rng.normal(std::span<typename B::scalar>(values));
@@ -9923,12 +11086,46 @@ Tensor<B, R> xavier_normal(const Shape& shape, Rng auto& rng) {
 }
 template <Backend B, int R>
 Tensor<B, R> constant_init(const Shape& shape, double value) {
+  ParameterRoom::take(shape);
   Tensor<B, R> t = Tensor<B, R>::full(shape, value);
   if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
   return t;
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_NN_INIT_IPP  // <motionlang/nn/init.ipp>
+#define MOTIONLANG_HAS_NN_INIT_IPP
+// Bodies of init.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY ParameterRoom::ParameterRoom(std::string file, Index numbers)
+    : file_(std::move(file)), numbers_(numbers), before_(std::exchange(innermost(), this)) {}
+MOTIONLANG_BODY ParameterRoom::~ParameterRoom() { innermost() = before_; }
+
+MOTIONLANG_BODY void ParameterRoom::take(const Shape& shape) {
+  if (innermost() != nullptr) innermost()->take_numbers(shape);
+}
+
+MOTIONLANG_BODY ParameterRoom*& ParameterRoom::innermost() {
+  struct Innermost {
+    ParameterRoom* room = nullptr;
+  };
+  return thread_object<Innermost, ParameterRoom>().room;
+}
+
+MOTIONLANG_BODY void ParameterRoom::take_numbers(const Shape& shape) {
+  double count = 1;  // may be beyond Index
+  for (const Index n : shape.sizes()) count *= static_cast<double>(n);
+  taken_ += count;
+  if (taken_ > 2 * static_cast<double>(numbers_) + (1 << 24))
+    raise<config_error>(102, file_, ": ", counted(numbers_, "number"), ", a network of its sizes has at least ", taken_,
+                        ", with a tensor ", shape);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -10189,8 +11386,8 @@ struct GruLayer {
   }
 };
 
-/// A stack of layers; every layer starts from zeros unless it is told otherwise. Official keys are weight_ih_l0, ...:
-/// see `gru_key`.
+/// A stack of layers; every layer starts from zeros unless the caller passes a state. Official keys are
+/// weight_ih_l0, ...: see `gru_key`.
 template <Backend B>
 struct Gru {
   std::vector<GruLayer<B>> layers;
@@ -10230,7 +11427,17 @@ struct Gru {
 
 /// "gru.layers.2.weight_ih" -> "gru.weight_ih_l2", at any depth: PyTorch numbers the parameters instead of nesting
 /// them. Other paths stay. `name`: what the model calls its Gru.
-inline std::string gru_key(const std::string& path, std::string_view name = "gru") {
+std::string gru_key(const std::string& path, std::string_view name = "gru");
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_NN_GRU_IPP  // <motionlang/nn/gru.ipp>
+#define MOTIONLANG_HAS_NN_GRU_IPP
+// Bodies of gru.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string gru_key(const std::string& path, std::string_view name) {
   const std::string nested = concat_text(name, ".layers.");
   const auto at = path.find(nested);
   if (at == path.npos || (at > 0 && path[at - 1] != '.')) return path;
@@ -10239,6 +11446,7 @@ inline std::string gru_key(const std::string& path, std::string_view name = "gru
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_POOLING_HPP  // <motionlang/nn/pooling.hpp>
@@ -10432,18 +11640,7 @@ struct Conv1dOptions {
 
 /// Rows that a sequence of n rows becomes: floor((n + 2 padding - dilation (kernel - 1) - 1) / stride) + 1.
 /// Throws config_error 101 for options that mean nothing, shape_error 205 if the kernel does not fit into the sequence.
-inline Index conv1d_length(Index n, Index kernel, const Conv1dOptions& o) {
-  if (kernel < 1 || o.stride < 1 || o.padding < 0 || o.dilation < 1) {
-    raise<config_error>(101, "conv1d: kernel ", kernel, ", stride ", o.stride, ", padding ", o.padding, ", dilation ",
-                        o.dilation);
-  }
-  const Index last = n + 2 * o.padding - o.dilation * (kernel - 1) - 1;
-  if (last < 0) {
-    raise<shape_error>(205, "conv1d: a sequence of ", n, " rows with padding ", o.padding, " is shorter than kernel ",
-                       kernel, " with dilation ", o.dilation);
-  }
-  return last / o.stride + 1;
-}
+Index conv1d_length(Index n, Index kernel, const Conv1dOptions& o);
 
 ///     y[t] = act(bias + sum_j W[:, :, j] x[t stride + j dilation - padding]),   x = 0 outside of its sequence
 /// x packed (rows, in), weight (out, in, kernel), bias (out) or null -> packed (rows', out). Every sequence is
@@ -10510,6 +11707,28 @@ struct Conv1d {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_NN_CONV1D_IPP  // <motionlang/nn/conv1d.ipp>
+#define MOTIONLANG_HAS_NN_CONV1D_IPP
+// Bodies of conv1d.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Index conv1d_length(Index n, Index kernel, const Conv1dOptions& o) {
+  if (kernel < 1 || o.stride < 1 || o.padding < 0 || o.dilation < 1) {
+    raise<config_error>(101, "conv1d: kernel ", kernel, ", stride ", o.stride, ", padding ", o.padding, ", dilation ",
+                        o.dilation);
+  }
+  const Index last = n + 2 * o.padding - o.dilation * (kernel - 1) - 1;
+  if (last < 0) {
+    raise<shape_error>(205, "conv1d: a sequence of ", n, " rows with padding ", o.padding, " is shorter than kernel ",
+                       kernel, " with dilation ", o.dilation);
+  }
+  return last / o.stride + 1;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_CONV_STACK_HPP  // <motionlang/nn/conv_stack.hpp>
@@ -10839,20 +12058,7 @@ std::vector<std::vector<double>> next_probabilities(const Tensor<B, 2>& logits, 
 inline Index most_probable(std::span<const double> p) { return std::max_element(p.begin(), p.end()) - p.begin(); }
 
 /// The first symbol whose cumulative share is greater than u. Throws numeric_error 302 if nothing has any.
-inline Index draw(std::span<const double> p, double u) {
-  const double all = std::accumulate(p.begin(), p.end(), 0.0);
-  if (!(all > 0))
-    raise<numeric_error>(302, "decoding: no symbol that may follow has a probability; take a larger top_k");
-  double sum = 0;
-  Index last = 0;
-  for (Index i = 0; i < std::ssize(p); ++i) {
-    const double share = p[static_cast<std::size_t>(i)] / all;
-    if (share == 0) continue;
-    sum += share, last = i;
-    if (sum > u) break;
-  }
-  return last;
-}
+Index draw(std::span<const double> p, double u);
 
 }  // namespace detail
 
@@ -10891,11 +12097,7 @@ struct Decoded {
   std::vector<Index> lengths;
 
   /// What counts, without the marks.
-  IdSequences written() const {
-    std::vector<std::vector<Index>> out;
-    for (std::size_t i = 0; i < ids.size(); ++i) out.emplace_back(ids[i].begin() + 1, ids[i].begin() + 1 + lengths[i]);
-    return IdSequences::from(out);
-  }
+  IdSequences written() const;
 };
 
 /// next     takes `count` beginnings of one length
@@ -10951,6 +12153,18 @@ struct BeamSearch {
   std::vector<std::size_t> order{};       // of the beams, the answer first
 };
 
+namespace detail {
+
+/// Throws config_error 101 for options that mean nothing.
+void require_beams(const BeamOptions& o);
+/// The best continuations of all beams by one symbol, of which p are the probabilities.
+void continue_beams(BeamSearch& found, const std::vector<std::vector<double>>& p, const BeamOptions& o);
+bool all_ended(const BeamSearch& found, const BeamOptions& o);
+/// Lengths, order and answer.
+void order_beams(BeamSearch& found, const BeamOptions& o);
+
+}  // namespace detail
+
 ///     answer = arg max of score / length^alpha over the beams
 /// Each beam is continued by the symbols that are most probable after it, and the best of all continuations go on;
 /// until all have ended. Beams that have ended are continued, too, and go on losing score, as published.
@@ -10959,56 +12173,116 @@ struct BeamSearch {
 /// Throws  config_error 101 for options that mean nothing
 template <class Next>
 BeamSearch beam_search(Next&& next, const BeamOptions& o) {
+  detail::require_beams(o);
+  BeamSearch out{{}, {{o.begin}}, {0}, {}};
+  for (Index length = 1; length < o.max_length; ++length) {
+    detail::continue_beams(out, detail::next_probabilities(next(IdSequences::from(out.beams)), 0), o);
+    // As published the first step is not looked at: at least two symbols are written.
+    if (length > 1 && detail::all_ended(out, o)) break;
+  }
+  detail::order_beams(out, o);
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_NN_DECODING_IPP  // <motionlang/nn/decoding.ipp>
+#define MOTIONLANG_HAS_NN_DECODING_IPP
+// Bodies of decoding.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY Index draw(std::span<const double> p, double u) {
+  const double all = std::accumulate(p.begin(), p.end(), 0.0);
+  if (!(all > 0))
+    raise<numeric_error>(302, "decoding: no symbol that may follow has a probability; take a larger top_k");
+  double sum = 0;
+  Index last = 0;
+  for (Index i = 0; i < std::ssize(p); ++i) {
+    const double share = p[static_cast<std::size_t>(i)] / all;
+    if (share == 0) continue;
+    sum += share, last = i;
+    if (sum > u) break;
+  }
+  return last;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY IdSequences Decoded::written() const {
+  std::vector<std::vector<Index>> out;
+  for (std::size_t i = 0; i < ids.size(); ++i) out.emplace_back(ids[i].begin() + 1, ids[i].begin() + 1 + lengths[i]);
+  return IdSequences::from(out);
+}
+
+namespace detail {
+
+MOTIONLANG_BODY void require_beams(const BeamOptions& o) {
   if (o.beams < 1 || o.max_length < 2) raise<config_error>(101, "beam_search: ", o.beams, " beams of ", o.max_length);
+}
+
+inline bool has_ended(const std::vector<Index>& beam, const BeamOptions& o) {
+  return std::find(beam.begin(), beam.end(), o.end) != beam.end();
+}
+
+MOTIONLANG_BODY void continue_beams(BeamSearch& found, const std::vector<std::vector<double>>& p,
+                                    const BeamOptions& o) {
   struct Candidate {
     std::size_t beam;
     Index id;
     double score;
   };
   auto best_first = [](const Candidate& a, const Candidate& b) { return a.score > b.score; };
-  BeamSearch out{{}, {{o.begin}}, {0}, {}};
-  auto ended = [&](const std::vector<Index>& beam) { return std::find(beam.begin(), beam.end(), o.end) != beam.end(); };
-  for (Index length = 1; length < o.max_length; ++length) {
-    const auto p = detail::next_probabilities(next(IdSequences::from(out.beams)), 0);
-    if (o.beams > std::ssize(p[0]))
-      raise<config_error>(101, "beam_search: ", o.beams, " beams, ", p[0].size(), " symbols");
-    std::vector<Candidate> candidates;
-    for (std::size_t b = 0; b < p.size(); ++b) {
-      std::vector<Candidate> own;
-      for (std::size_t i = 0; i < p[b].size(); ++i)
-        own.push_back({b, static_cast<Index>(i), out.scores[b] + std::log(p[b][i])});
-      std::stable_sort(own.begin(), own.end(), best_first);
-      candidates.insert(candidates.end(), own.begin(), own.begin() + o.beams);
-    }
-    std::stable_sort(candidates.begin(), candidates.end(), best_first);
-    std::vector<std::vector<Index>> beams;
-    out.scores.clear();
-    for (Index b = 0; b < o.beams; ++b) {
-      const Candidate& c = candidates[static_cast<std::size_t>(b)];
-      beams.push_back(out.beams[c.beam]);
-      beams.back().push_back(c.id);
-      out.scores.push_back(c.score);
-    }
-    out.beams = std::move(beams);
-    // As published the first step is not looked at: at least two symbols are written.
-    if (length > 1 && std::all_of(out.beams.begin(), out.beams.end(), ended)) break;
+  if (o.beams > std::ssize(p[0]))
+    raise<config_error>(101, "beam_search: ", o.beams, " beams, ", p[0].size(), " symbols");
+  std::vector<Candidate> candidates;
+  for (std::size_t b = 0; b < p.size(); ++b) {
+    std::vector<Candidate> own;
+    for (std::size_t i = 0; i < p[b].size(); ++i)
+      own.push_back({b, static_cast<Index>(i), found.scores[b] + std::log(p[b][i])});
+    std::stable_sort(own.begin(), own.end(), best_first);
+    candidates.insert(candidates.end(), own.begin(), own.begin() + o.beams);
   }
-  auto value = [&](std::size_t b) { return out.scores[b] / std::pow(static_cast<double>(out.lengths[b]), o.alpha); };
-  for (std::size_t b = 0; b < out.beams.size(); ++b) {
-    auto& beam = out.beams[b];
-    const Index first_end = std::find(beam.begin(), beam.end(), o.end) - beam.begin() + 1;
-    out.lengths.push_back(ended(beam) ? first_end : o.max_length);
-    beam.resize(static_cast<std::size_t>(o.max_length), o.pad);
-    out.order.push_back(b);
+  std::stable_sort(candidates.begin(), candidates.end(), best_first);
+  std::vector<std::vector<Index>> beams;
+  found.scores.clear();
+  for (Index b = 0; b < o.beams; ++b) {
+    const Candidate& c = candidates[static_cast<std::size_t>(b)];
+    beams.push_back(found.beams[c.beam]);
+    beams.back().push_back(c.id);
+    found.scores.push_back(c.score);
   }
-  std::stable_sort(out.order.begin(), out.order.end(),
-                   [&](std::size_t a, std::size_t b) { return value(a) > value(b); });
-  const std::size_t best = out.order.front();
-  out.ids.assign(out.beams[best].begin(), out.beams[best].begin() + out.lengths[best]);
-  return out;
+  found.beams = std::move(beams);
 }
 
+MOTIONLANG_BODY bool all_ended(const BeamSearch& found, const BeamOptions& o) {
+  return std::all_of(found.beams.begin(), found.beams.end(),
+                     [&](const std::vector<Index>& beam) { return has_ended(beam, o); });
+}
+
+MOTIONLANG_BODY void order_beams(BeamSearch& found, const BeamOptions& o) {
+  auto value = [&](std::size_t b) {
+    return found.scores[b] / std::pow(static_cast<double>(found.lengths[b]), o.alpha);
+  };
+  for (std::size_t b = 0; b < found.beams.size(); ++b) {
+    auto& beam = found.beams[b];
+    const Index first_end = std::find(beam.begin(), beam.end(), o.end) - beam.begin() + 1;
+    found.lengths.push_back(has_ended(beam, o) ? first_end : o.max_length);
+    beam.resize(static_cast<std::size_t>(o.max_length), o.pad);
+    found.order.push_back(b);
+  }
+  std::stable_sort(found.order.begin(), found.order.end(),
+                   [&](std::size_t a, std::size_t b) { return value(a) > value(b); });
+  const std::size_t best = found.order.front();
+  found.ids.assign(found.beams[best].begin(), found.beams[best].begin() + found.lengths[best]);
+}
+
+}  // namespace detail
+
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_EMBEDDING_HPP  // <motionlang/nn/embedding.hpp>
@@ -11625,42 +12899,13 @@ using SequenceShares = PoolVector<Index>;
 /// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread
 /// has a twentieth more than the mean, and that is at least the 128 rows from which on it pays to read all weights in
 /// every thread. None if there is no such number.
-inline SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads) {
-  SequenceShares out;
-  if (threads == 1) return out;
-  PoolVector<Index> rows(static_cast<std::size_t>(threads)), thread_of;
-  Index total = 0;
-  std::size_t shared = 0;
-  for (Index s : order) {
-    Index* const fewest = std::min_element(rows.begin(), rows.end());
-    thread_of.push_back(fewest - rows.begin());
-    *fewest += offsets.length(s);
-    total += offsets.length(s);
-    const Index most = *std::max_element(rows.begin(), rows.end());
-    if (total >= 128 * threads && most * threads * 20 <= total * 21) shared = thread_of.size();
-  }
-  for (std::size_t i = 0; i < shared; ++i) out.push_back(thread_of[i]);
-  return out;
-}
+SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads);
 
 /// All sequences, the longest first: shares become more equal.
-inline PoolVector<Index> longest_first(const Offsets& offsets) {
-  PoolVector<Index> order;
-  for (Index s = 0; s < offsets.count(); ++s) order.push_back(s);
-  sort(order, [&](Index a, Index b) {
-    return offsets.length(a) != offsets.length(b) ? offsets.length(a) > offsets.length(b) : a < b;
-  });
-  return order;
-}
+PoolVector<Index> longest_first(const Offsets& offsets);
 
 /// The first sequences that have at most so many rows together; at least one. There must be one.
-inline std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows) {
-  std::size_t size = 0;
-  Index sum = 0;
-  do sum += offsets.length(order[size++]);
-  while (size < order.size() && sum + offsets.length(order[size]) <= rows);
-  return order.first(size);
-}
+std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows);
 
 /// Calls put(group) for the sequences that each thread has, in groups of at most so many rows. All threads at once.
 template <class F>
@@ -11734,6 +12979,54 @@ Tensor<B, 2> in_groups(const Sequences<B>& x, const Offsets& results, const Cont
 
 }  // namespace detail
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_IPP  // <motionlang/nn/sequence_groups.ipp>
+#define MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_IPP
+// Bodies of sequence_groups.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads) {
+  SequenceShares out;
+  if (threads == 1) return out;
+  PoolVector<Index> rows(static_cast<std::size_t>(threads)), thread_of;
+  Index total = 0;
+  std::size_t shared = 0;
+  for (Index s : order) {
+    Index* const fewest = std::min_element(rows.begin(), rows.end());
+    thread_of.push_back(fewest - rows.begin());
+    *fewest += offsets.length(s);
+    total += offsets.length(s);
+    const Index most = *std::max_element(rows.begin(), rows.end());
+    if (total >= 128 * threads && most * threads * 20 <= total * 21) shared = thread_of.size();
+  }
+  for (std::size_t i = 0; i < shared; ++i) out.push_back(thread_of[i]);
+  return out;
+}
+
+MOTIONLANG_BODY PoolVector<Index> longest_first(const Offsets& offsets) {
+  PoolVector<Index> order;
+  for (Index s = 0; s < offsets.count(); ++s) order.push_back(s);
+  sort(order, [&](Index a, Index b) {
+    return offsets.length(a) != offsets.length(b) ? offsets.length(a) > offsets.length(b) : a < b;
+  });
+  return order;
+}
+
+MOTIONLANG_BODY std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows) {
+  std::size_t size = 0;
+  Index sum = 0;
+  do sum += offsets.length(order[size++]);
+  while (size < order.size() && sum + offsets.length(order[size]) <= rows);
+  return order.first(size);
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -12660,16 +13953,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// How many codes are in use, as it were:  exp(-sum_k p_k log(p_k + 1e-10)),   p_k: share of code k
-inline double code_perplexity(std::span<const Index> codes, Index codebook) {
-  std::vector<double> count(static_cast<std::size_t>(codebook));
-  for (Index k : codes) count.at(static_cast<std::size_t>(k)) += 1;
-  double entropy = 0;
-  for (double n : count) {
-    const double p = n / static_cast<double>(std::max<std::size_t>(1, codes.size()));
-    entropy -= p * std::log(p + 1e-10);
-  }
-  return std::exp(entropy);
-}
+double code_perplexity(std::span<const Index> codes, Index codebook);
 
 /// What becomes of vectors z.
 template <Backend B>
@@ -12718,6 +14002,26 @@ struct VectorQuantizer {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_NN_VECTOR_QUANTIZER_IPP  // <motionlang/nn/vector_quantizer.ipp>
+#define MOTIONLANG_HAS_NN_VECTOR_QUANTIZER_IPP
+// Bodies of vector_quantizer.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY double code_perplexity(std::span<const Index> codes, Index codebook) {
+  std::vector<double> count(static_cast<std::size_t>(codebook));
+  for (Index k : codes) count.at(static_cast<std::size_t>(k)) += 1;
+  double entropy = 0;
+  for (double n : count) {
+    const double p = n / static_cast<double>(std::max<std::size_t>(1, codes.size()));
+    entropy -= p * std::log(p + 1e-10);
+  }
+  return std::exp(entropy);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_LOSS_ADVERSARIAL_HPP  // <motionlang/loss/adversarial.hpp>
@@ -13189,10 +14493,10 @@ double sum_of_squares(std::span<const S> values) {
 template <AutodiffBackend A, Module M>
 double gradient_norm(const M& model, const Gradients<A>& gradients) {
   double total = 0;
-  visit_tensors(model, [&](const std::string&, const auto& t) {
-    if (const auto* g = gradients.find(t.data()))
+  for (const auto& t : tensors_of(model)) {
+    if (const auto* g = gradients.find(*t.data))
       total += detail::sum_of_squares<typename A::scalar>(A::inner::to_span(*g));
-  });
+  }
   return std::sqrt(total);
 }
 /// The factor that brings a norm down to `max_norm`: min(1, max_norm / (norm + 1e-6)), as PyTorch clips.
@@ -13220,22 +14524,7 @@ class AdamW {
   template <Module M>
   void step(M& model, const Gradients<A>& gradients, double scale = 1) {
     ++steps_;
-    visit_tensors(model, [&](const std::string& path, auto& t) {
-      const auto* g = gradients.find(t.data());
-      if (g == nullptr) return;
-      auto found = state_.find(path);
-      if (found == state_.end()) {
-        const auto zero = B::full(B::shape(*g), 0);
-        found = state_.emplace(path, Moments{zero, zero}).first;
-      }
-      for (const auto* moment : {&found->second.m, &found->second.v}) {
-        if (B::shape(*moment) != t.shape()) {
-          raise<shape_error>(204, "AdamW: '", path, "' is ", t.shape(), ", its restored moments are ",
-                             B::shape(*moment));
-        }
-      }
-      update(A::mutable_value(t.mutable_data()), found->second, *g, scale);
-    });
+    for (const auto& t : tensors_of(model)) update(t, gradients, scale);
   }
 
   /// Updates made so far, and the moments by path: what a checkpoint has to keep.
@@ -13247,7 +14536,20 @@ class AdamW {
   }
 
  private:
-  void update(typename B::tensor& p, Moments& s, const typename B::tensor& g, double scale) const {
+  void update(const ModuleTensor<A>& t, const Gradients<A>& gradients, double scale) {
+    const auto* g = gradients.find(*t.data);
+    if (g == nullptr) return;
+    auto found = state_.find(t.path);
+    if (found == state_.end()) {
+      const auto zero = B::full(B::shape(*g), 0);
+      found = state_.emplace(t.path, Moments{zero, zero}).first;
+    }
+    Moments& s = found->second;
+    for (const auto* moment : {&s.m, &s.v}) {
+      if (B::shape(*moment) != t.shape())
+        raise<shape_error>(204, "AdamW: '", t.path, "' is ", t.shape(), ", its restored moments are ",
+                           B::shape(*moment));
+    }
     const AdamwUpdate u{.lr = config.lr,
                         .beta1 = config.beta1,
                         .beta2 = config.beta2,
@@ -13255,7 +14557,7 @@ class AdamW {
                         .weight_decay = config.weight_decay,
                         .gradient_scale = scale,
                         .step = steps_};
-    adamw_update<B>(p, s.m, s.v, g, u);
+    adamw_update<B>(A::mutable_value(*t.data), s.m, s.v, *g, u);
   }
 
   Index steps_ = 0;
@@ -13274,20 +14576,21 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///     e = rate e + (1 - rate) p
 /// `rate` grows from 0.1 as min(rate, (1 + k) / (10 + k)), so that the first updates are not held back by the initial
 /// values. Source  Polyak and Juditsky (1992); the warm-up is the one of common diffusion code.
+/// Throws shape_error 204 if the two are not of the same structure.
 template <Module Average, Module Model>
 void update_ema(Average& average, const Model& model, double rate, Index step) {
+  using B = module_backend<Average>;
+  using S = typename B::scalar;
   const double k = static_cast<double>(step), r = std::min(rate, (1 + k) / (10 + k));
-  zip(average, model, [&](const std::string&, auto& e, const auto& p) {
-    using T = std::remove_cvref_t<decltype(e)>;
-    if constexpr (is_tensor<T>) {
-      using S = typename T::scalar;
-      std::vector<S> values = e.to_vector();
-      const auto now = p.span();
-      for (std::size_t i = 0; i < values.size(); ++i) {
-        values[i] = static_cast<S>(r * static_cast<double>(values[i]) + (1 - r) * static_cast<double>(now[i]));
-      }
-      e = T::from(values, e.shape());
-    }
+  zip_tensors(average, model, [&](const auto& e, const auto& p) {
+    if (e.shape() != p.shape())
+      raise<shape_error>(204, "update_ema: '", e.path, "' is ", e.shape(), ", the model has ", p.shape());
+    const auto before = e.span();
+    std::vector<S> values(before.begin(), before.end());
+    const auto now = p.span();
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = static_cast<S>(r * static_cast<double>(values[i]) + (1 - r) * static_cast<double>(now[i]));
+    *e.data = B::from_span(values, e.shape());
   });
 }
 
@@ -13326,26 +14629,6 @@ struct StepDecay {
     return rate / std::pow(factor, static_cast<double>(step / std::max<Index>(1, every)));
   }
 };
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_ACTION_NAMES_HPP  // <motionlang/features/action_names.hpp>
-#define MOTIONLANG_HAS_FEATURES_ACTION_NAMES_HPP
-/// What the classes of data sets of actions are called, by their numbers.
-/// Source  spec actor.md 8.1
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-inline constexpr std::string_view humanact12_actions[] = {
-    "warm_up", "walk",   "run",  "jump", "drink", "lift_dumbbell", "sit", "eat", "turn steering wheel",
-    "phone",   "boxing", "throw"};
-
-/// What a data set calls its classes; nothing if they are only numbers, or are not so many.
-inline std::vector<std::string> action_labels(std::string_view dataset, Index classes) {
-  if (dataset != "humanact12" || classes != std::ssize(humanact12_actions)) return {};
-  return {std::begin(humanact12_actions), std::end(humanact12_actions)};
-}
 
 MOTIONLANG_NAMESPACE_END
 #endif
@@ -13421,49 +14704,16 @@ struct FeatureLayout {
   const std::vector<IndexRange>& ranges(BodyPart part) const { return parts[static_cast<std::size_t>(part)]; }
 
   /// All positions of a part, ascending.
-  std::vector<Index> indices(BodyPart part) const {
-    std::vector<Index> out;
-    for (const IndexRange& r : ranges(part)) {
-      for (Index i = r.begin; i < r.end; ++i) out.push_back(i);
-    }
-    return out;
-  }
+  std::vector<Index> indices(BodyPart part) const;
 
   /// Throws config_error 102 unless the ranges cover 0 ... size-1, each position once.
-  void validate() const {
-    std::vector<int> owners(static_cast<std::size_t>(size), 0);
-    for (int p = 0; p < body_part_count; ++p) {
-      for (const IndexRange& r : ranges(static_cast<BodyPart>(p))) {
-        if (r.begin < 0 || r.end < r.begin || r.end > size) {
-          raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " of ",
-                              static_cast<BodyPart>(p), " is not inside 0:", size);
-        }
-        for (Index i = r.begin; i < r.end; ++i) ++owners[static_cast<std::size_t>(i)];
-      }
-    }
-    for (std::size_t i = 0; i < owners.size(); ++i) {
-      if (owners[i] != 1) {
-        raise<config_error>(102, "FeatureLayout '", name, "': number ", i, " belongs to ", owners[i], " body parts");
-      }
-    }
-  }
+  void validate() const;
   bool operator==(const FeatureLayout&) const = default;
 };
 
 /// smplrifke: 4 root numbers, 6D rotations of `rotations` joints, positions of joints 1 ... J-1: 4 + 6 * 22 + 3 * 23 =
 /// 205 for SMPL.
-inline FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
-                                      Index rotations = 22) {
-  const Index joints = std::ssize(part_of_joint), first_position = 4 + 6 * rotations;
-  if (joints < 1 || rotations < 0 || rotations > joints) {
-    raise<config_error>(101, "smplrifke_layout: ", rotations, " rotations of ", joints, " joints");
-  }
-  return FeatureLayout::from_owner("smplrifke", first_position + 3 * (joints - 1), [=](Index i) {
-    if (i < 4) return BodyPart::legs;
-    const Index joint = i < first_position ? (i - 4) / 6 : 1 + (i - first_position) / 3;
-    return part_of_joint[static_cast<std::size_t>(joint)];
-  });
-}
+FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint, Index rotations = 22);
 
 /// What the numbers of `smplrifke_layout` mean. World: Z up.
 inline constexpr std::array<FeatureRange, 6> smplrifke_ranges{{
@@ -13499,18 +14749,7 @@ struct Guoh3dSlots {
 };
 
 /// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs.
-inline FeatureLayout guoh3dfeats_layout(
-    std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
-  const Guoh3dSlots slots{std::ssize(part_of_joint)};
-  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
-  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), [=](Index i) {
-    if (i < slots.positions().begin || i >= slots.contacts().begin) return BodyPart::legs;
-    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
-                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
-                                                    : (i - slots.velocities().begin) / 3;
-    return part_of_joint[static_cast<std::size_t>(joint)];
-  });
-}
+FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>());
 
 namespace detail {
 
@@ -13542,14 +14781,7 @@ inline constexpr auto kit_ranges =
 
 /// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67
 /// for SMPL's 22 joints and with `kit_part_of_joint` TEMOS's 64.
-inline FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>()) {
-  const Index joints = std::ssize(part_of_joint);
-  if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
-  return FeatureLayout::from_owner("rifke", 3 * joints + 1, [=](Index i) {
-    if (i < 1 || i >= 3 * joints - 2) return BodyPart::legs;
-    return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
-  });
-}
+FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>());
 
 /// What the numbers of `rifke_layout` mean: of TMR, Z up, and of TEMOS on KIT, Y up.
 inline constexpr std::array<FeatureRange, 4> rifke_ranges{{
@@ -13566,6 +14798,74 @@ inline constexpr std::array<FeatureRange, 4> rifke64_ranges{{
 }};
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_IPP  // <motionlang/features/layout.ipp>
+#define MOTIONLANG_HAS_FEATURES_LAYOUT_IPP
+// Bodies of layout.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<Index> FeatureLayout::indices(BodyPart part) const {
+  std::vector<Index> out;
+  for (const IndexRange& r : ranges(part)) {
+    for (Index i = r.begin; i < r.end; ++i) out.push_back(i);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY void FeatureLayout::validate() const {
+  std::vector<int> owners(static_cast<std::size_t>(size), 0);
+  for (int p = 0; p < body_part_count; ++p) {
+    for (const IndexRange& r : ranges(static_cast<BodyPart>(p))) {
+      if (r.begin < 0 || r.end < r.begin || r.end > size) {
+        raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " of ",
+                            static_cast<BodyPart>(p), " is not inside 0:", size);
+      }
+      for (Index i = r.begin; i < r.end; ++i) ++owners[static_cast<std::size_t>(i)];
+    }
+  }
+  for (std::size_t i = 0; i < owners.size(); ++i) {
+    if (owners[i] != 1) {
+      raise<config_error>(102, "FeatureLayout '", name, "': number ", i, " belongs to ", owners[i], " body parts");
+    }
+  }
+}
+
+MOTIONLANG_BODY FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint, Index rotations) {
+  const Index joints = std::ssize(part_of_joint), first_position = 4 + 6 * rotations;
+  if (joints < 1 || rotations < 0 || rotations > joints) {
+    raise<config_error>(101, "smplrifke_layout: ", rotations, " rotations of ", joints, " joints");
+  }
+  return FeatureLayout::from_owner("smplrifke", first_position + 3 * (joints - 1), [=](Index i) {
+    if (i < 4) return BodyPart::legs;
+    const Index joint = i < first_position ? (i - 4) / 6 : 1 + (i - first_position) / 3;
+    return part_of_joint[static_cast<std::size_t>(joint)];
+  });
+}
+
+MOTIONLANG_BODY FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint) {
+  const Guoh3dSlots slots{std::ssize(part_of_joint)};
+  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
+  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), [=](Index i) {
+    if (i < slots.positions().begin || i >= slots.contacts().begin) return BodyPart::legs;
+    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
+                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
+                                                    : (i - slots.velocities().begin) / 3;
+    return part_of_joint[static_cast<std::size_t>(joint)];
+  });
+}
+
+MOTIONLANG_BODY FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint) {
+  const Index joints = std::ssize(part_of_joint);
+  if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
+  return FeatureLayout::from_owner("rifke", 3 * joints + 1, [=](Index i) {
+    if (i < 1 || i >= 3 * joints - 2) return BodyPart::legs;
+    return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
+  });
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -13579,12 +14879,7 @@ constexpr Index size(PoseRepresentation r) {
   return sizes[static_cast<int>(r)];
 }
 /// Throws config_error 103.
-inline PoseRepresentation parse_pose_representation(std::string_view name) {
-  for (std::size_t i = 0; i < pose_representation_names.size(); ++i) {
-    if (name == pose_representation_names[i]) return static_cast<PoseRepresentation>(i);
-  }
-  raise<config_error>(103, "parse_pose_representation: '", name, "' is not rotvec, rotquat, rotmat or rot6d");
-}
+PoseRepresentation parse_pose_representation(std::string_view name);
 
 namespace detail {
 
@@ -13650,15 +14945,8 @@ inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
 
 /// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the
 /// legs: 150.
-inline FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
-                                  const ActorFeatureOptions& options = {}) {
-  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
-  if (joints < 1) raise<config_error>(101, "actor_layout: no joints");
-  return FeatureLayout::from_owner("actor", options.rows(joints) * numbers, [=](Index i) {
-    const Index joint = i / numbers + (options.global ? 0 : 1);
-    return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : BodyPart::legs;
-  });
-}
+FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
+                           const ActorFeatureOptions& options = {});
 
 /// What the numbers of `actor_layout` mean. World: that of a camera, in which figures stand on their heads.
 inline constexpr std::array<FeatureRange, 4> actor_ranges{{
@@ -13751,6 +15039,32 @@ std::vector<S> actor_joint_features(std::span<const Vec3<S>> positions, Index jo
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_IPP  // <motionlang/features/pose_representation.ipp>
+#define MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_IPP
+// Bodies of pose_representation.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY PoseRepresentation parse_pose_representation(std::string_view name) {
+  for (std::size_t i = 0; i < pose_representation_names.size(); ++i) {
+    if (name == pose_representation_names[i]) return static_cast<PoseRepresentation>(i);
+  }
+  raise<config_error>(103, "parse_pose_representation: '", name, "' is not rotvec, rotquat, rotmat or rot6d");
+}
+
+MOTIONLANG_BODY FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint,
+                                           const ActorFeatureOptions& options) {
+  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
+  if (joints < 1) raise<config_error>(101, "actor_layout: no joints");
+  return FeatureLayout::from_owner("actor", options.rows(joints) * numbers, [=](Index i) {
+    const Index joint = i / numbers + (options.global ? 0 : 1);
+    return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : BodyPart::legs;
+  });
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -13759,37 +15073,11 @@ enum class ActorPoints : int { vertices, smpl, a2m, a2mpl, vibe };
 inline constexpr std::array<std::string_view, 5> actor_point_names{"vertices", "smpl", "a2m", "a2mpl", "vibe"};
 
 /// Throws config_error 103.
-inline ActorPoints parse_actor_points(std::string_view name) {
-  for (std::size_t i = 0; i < actor_point_names.size(); ++i) {
-    if (name == actor_point_names[i]) return static_cast<ActorPoints>(i);
-  }
-  raise<config_error>(103, "parse_actor_points: '", name, "' is not vertices, smpl, a2m, a2mpl or vibe");
-}
+ActorPoints parse_actor_points(std::string_view name);
 
 /// Numbers of the points among 54: 24 joints of SMPL, the 21 vertices of `body_points`, 9 that a regressor takes from
 /// the surface. None for vertices.
-inline std::span<const Index> actor_point_numbers(ActorPoints points) {
-  static constexpr Index smpl[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11,
-                                   12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
-  static constexpr Index a2m[] = {0, 12, 17, 19, 21, 16, 18, 20, 24, 2, 5, 8, 1, 4, 7, 31, 34, 48};
-  static constexpr Index a2mpl[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
-                                    14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 31, 34, 48};
-  static constexpr Index vibe[] = {24, 12, 17, 19, 21, 16, 18, 20, 0,  2,  5,  8,  1,  4,  7,  25, 26,
-                                   27, 28, 29, 30, 31, 32, 33, 34, 8,  5,  45, 46, 4,  7,  21, 19, 17,
-                                   16, 18, 20, 47, 48, 49, 50, 51, 52, 53, 24, 26, 25, 28, 27};
-  switch (points) {
-    case ActorPoints::smpl:
-      return smpl;
-    case ActorPoints::a2m:
-      return a2m;
-    case ActorPoints::a2mpl:
-      return a2mpl;
-    case ActorPoints::vibe:
-      return vibe;
-    default:
-      return {};
-  }
-}
+std::span<const Index> actor_point_numbers(ActorPoints points);
 
 struct ActorPointOptions {
   ActorFeatureOptions features{};  // what the motions are made of
@@ -13872,86 +15160,64 @@ Sequences<B> actor_points(const Sequences<B>& x, const BodyModel<B>& body, const
 }
 
 MOTIONLANG_NAMESPACE_END
-#endif
 
-#ifndef MOTIONLANG_HAS_FEATURES_AMASS_RELEASES_HPP  // <motionlang/features/amass_releases.hpp>
-#define MOTIONLANG_HAS_FEATURES_AMASS_RELEASES_HPP
-/// What is known to be wrong in the files of AMASS, and to have another name from one release to the next.
-///
-///     sequence.fps = corrected_amass_fps(path, sequence.fps);
-///     for (const std::string& path : amass_paths(babel.feat_p)) ...      // the file of an annotation, of whatever
-///     release
-///
-/// No reader corrects a rate by itself: a file that was resampled lies below the same name and says what is true.
-/// Source  TEACH (Athanasiou et al., 3DV 2022), amass_files; specs teach.md 4.1, body-models.md 6
+#ifndef MOTIONLANG_HAS_FEATURES_ACTOR_POINTS_IPP  // <motionlang/features/actor_points.ipp>
+#define MOTIONLANG_HAS_FEATURES_ACTOR_POINTS_IPP
+// Bodies of actor_points.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Frames per second of a sequence as it was released, whatever its file says.
-struct AmassRate {
-  std::string_view path;  // a part of it
-  double fps = 0;
-};
-inline constexpr std::array<AmassRate, 3> amass_rates{
-    {{"BMLhandball", 240}, {"20160930_50032", 59}, {"20161014_50033", 59}}};
-
-/// fps: what the file says; the result where it is right.
-inline double corrected_amass_fps(std::string_view path, double fps) {
-  for (const AmassRate& known : amass_rates) {
-    if (path.find(known.path) != path.npos) return known.fps;
+MOTIONLANG_BODY ActorPoints parse_actor_points(std::string_view name) {
+  for (std::size_t i = 0; i < actor_point_names.size(); ++i) {
+    if (name == actor_point_names[i]) return static_cast<ActorPoints>(i);
   }
-  return fps;
+  raise<config_error>(103, "parse_actor_points: '", name, "' is not vertices, smpl, a2m, a2mpl or vibe");
 }
 
-/// Folders of data sets: as annotations of HumanML3D, BABEL and their like have them, and as they are released today.
-struct AmassRename {
-  std::string_view before, today;
-};
-inline constexpr std::array<AmassRename, 8> amass_renames{{{"BioMotionLab_NTroje", "BMLrub"},
-                                                           {"DFaust_67", "DFaust"},
-                                                           {"MPI_HDM05", "HDM05"},
-                                                           {"MPI_Limits", "PosePrior"},
-                                                           {"MPI_mosh", "MoSh"},
-                                                           {"SSM_synced", "SSM"},
-                                                           {"TCD_handMocap", "TCDHands"},
-                                                           {"Transitions_mocap", "Transitions"}}};
-
-/// The path of a sequence, then those with the names before and today where they differ from it.
-inline std::vector<std::string> amass_paths(std::string_view path) {
-  auto renamed = [&](std::string_view AmassRename::*from, std::string_view AmassRename::*to) {
-    std::string out;
-    for (std::size_t at = 0; at <= path.size();) {
-      const std::size_t end = std::min(path.find('/', at), path.size());
-      std::string_view folder = path.substr(at, end - at);
-      for (const AmassRename& r : amass_renames) {
-        if (folder == r.*from) {
-          folder = r.*to;
-          break;
-        }
-      }
-      out += folder;
-      if (end < path.size()) out += '/';
-      at = end + 1;
-    }
-    return out;
-  };
-  std::vector<std::string> out{std::string(path)};
-  for (std::string other :
-       {renamed(&AmassRename::today, &AmassRename::before), renamed(&AmassRename::before, &AmassRename::today)}) {
-    if (other != path) out.push_back(std::move(other));
+MOTIONLANG_BODY std::span<const Index> actor_point_numbers(ActorPoints points) {
+  static constexpr Index smpl[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11,
+                                   12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
+  static constexpr Index a2m[] = {0, 12, 17, 19, 21, 16, 18, 20, 24, 2, 5, 8, 1, 4, 7, 31, 34, 48};
+  static constexpr Index a2mpl[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
+                                    14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 31, 34, 48};
+  static constexpr Index vibe[] = {24, 12, 17, 19, 21, 16, 18, 20, 0,  2,  5,  8,  1,  4,  7,  25, 26,
+                                   27, 28, 29, 30, 31, 32, 33, 34, 8,  5,  45, 46, 4,  7,  21, 19, 17,
+                                   16, 18, 20, 47, 48, 49, 50, 51, 52, 53, 24, 26, 25, 28, 27};
+  switch (points) {
+    case ActorPoints::smpl:
+      return smpl;
+    case ActorPoints::a2m:
+      return a2m;
+    case ActorPoints::a2mpl:
+      return a2mpl;
+    case ActorPoints::vibe:
+      return vibe;
+    default:
+      return {};
   }
-  return out;
 }
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
-#ifndef MOTIONLANG_HAS_FEATURES_AMASS_RESAMPLE_HPP  // <motionlang/features/amass_resample.hpp>
-#define MOTIONLANG_HAS_FEATURES_AMASS_RESAMPLE_HPP
-/// How STMC's training data were prepared from AMASS: another frame rate, and mirrored copies. For parity; for clips of
-/// one's own use kinematics/motion_tools.hpp.
-///
-/// Source  STMC, prepare/amasstools/fix_fps.py and smpl_mirroring.py
+#ifndef MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP  // <motionlang/features/amass_sequence.hpp>
+#define MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP
+/// A sequence of AMASS as its file has it: rotation vectors, path and shape of an SMPL body, world Z up.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct AmassSequence {
+  Index frames = 0, columns = 0;  // columns: 66 or more; 156 of SMPL-H, 165 of SMPL-X
+  std::vector<double> poses{};    // (frames, columns) rotation vectors: root, 21 body joints, hands or face
+  std::vector<double> trans{};    // (frames, 3)
+  std::vector<double> betas{};    // shape coefficients, 16 or fewer; none if the file has none
+  std::string gender = "neutral";
+  double fps = 0;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_HPP  // <motionlang/features/frame_sampling.hpp>
 #define MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_HPP
@@ -13971,27 +15237,11 @@ inline void require_rates(const char* function, double from, double to) {
 
 /// TEMOS: frames 0, s, 2s, ..., s = floor(old / new); 120 frames per second become 13.33 where 12.5 are asked for.
 /// Source  TEMOS, spec temos.md 9. Throws config_error 101 unless 0 < new <= old.
-inline std::vector<Index> every_nth_frame(Index frames, double old_fps, double new_fps) {
-  detail::require_rates("every_nth_frame", old_fps, new_fps);
-  const auto step = static_cast<Index>(old_fps / new_fps);
-  if (step < 1) raise<config_error>(101, "every_nth_frame: from ", old_fps, " up to ", new_fps, " frames per second");
-  std::vector<Index> out;
-  for (Index f = 0; f < frames; f += step) out.push_back(f);
-  return out;
-}
+std::vector<Index> every_nth_frame(Index frames, double old_fps, double new_fps);
 
 /// TEACH and SINC: floor(new / old frames) frames spread evenly from the first to the last, rounded down.
 /// Source  TEACH, spec teach.md 4.1. Throws config_error 101 unless both rates are positive.
-inline std::vector<Index> spread_frames(Index frames, double old_fps, double new_fps) {
-  detail::require_rates("spread_frames", old_fps, new_fps);
-  const auto count = static_cast<Index>(new_fps / old_fps * static_cast<double>(frames));
-  const double step = count > 1 ? static_cast<double>(frames - 1) / static_cast<double>(count - 1) : 0;
-  std::vector<Index> out;
-  for (Index i = 0; i < count; ++i) {
-    out.push_back(i > 0 && i == count - 1 ? frames - 1 : static_cast<Index>(static_cast<double>(i) * step));
-  }
-  return out;
-}
+std::vector<Index> spread_frames(Index frames, double old_fps, double new_fps);
 
 /// TEMOS: values between the frames on straight lines, (frames, width) -> ((frames - 1) k + 1, width),
 /// k = floor(new / old). In double, as published. Throws config_error 101, shape_error 205.
@@ -14023,17 +15273,8 @@ struct FrameSlice {
   bool operator==(const FrameSlice&) const = default;
 };
 /// TMR: seconds to frames, rounded down, as far as the clip goes. Source  spec tmr.md 4.
-/// Throws config_error 101 for a negative time or a rate that is none.
-inline FrameSlice slice_of_seconds(double start, double end, double fps, Index frames) {
-  if (!(start >= 0 && end >= 0 && fps > 0 && std::isfinite(start * fps) && std::isfinite(end * fps))) {
-    raise<config_error>(101, "slice_of_seconds: ", start, " to ", end, " seconds at ", fps, " frames per second");
-  }
-  const auto index = [&](double seconds) {
-    return static_cast<Index>(std::min(seconds * fps, static_cast<double>(frames)));
-  };
-  const Index first = index(start), last = index(end);
-  return last > first ? FrameSlice{first, last - first} : FrameSlice{};
-}
+/// Throws config_error 101 for a negative time, or unless the rate is positive.
+FrameSlice slice_of_seconds(double start, double end, double fps, Index frames);
 
 struct ActorFrameOptions {
   Index frames = 60;         // to take
@@ -14047,7 +15288,68 @@ struct ActorFrameOptions {
 /// frames are drawn by this generator, too; the published program has NumPy's for them.
 /// Source  ACTOR, src/datasets/dataset.py; spec actor.md 6.3
 /// Throws  config_error 101 unless 2 frames or more are wanted, of 1 or more
-inline std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options, PythonRandom& random) {
+std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options, PythonRandom& random);
+
+/// SINC: the frames of a training item. Of a longer clip consecutive ones from a random start on; the last possible
+/// start is never drawn, as published. In evaluation whole clips (`request` 0) of 15 to 800 frames.
+/// Source  SINC, spec sinc.md 5.3
+struct SincWindow {
+  Index request = 300;  // frames to take; 0: all
+  Index shortest = 15;
+  Index longest = 600;  // looked at only where all are taken
+
+  bool accepts(Index frames) const { return frames >= shortest && (request > 0 || frames <= longest); }
+  /// The largest start that is drawn.
+  Index largest_start(Index frames) const { return request > 0 ? std::max<Index>(0, frames - request - 1) : 0; }
+  /// below(n) draws a number of 0 ... n - 1.
+  template <class F>
+  FrameSlice of(Index frames, F below) const {
+    const Index length = request > 0 ? std::min(request, frames) : frames;
+    return {length < frames ? below(largest_start(frames) + 1) : 0, length};
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_IPP  // <motionlang/features/frame_sampling.ipp>
+#define MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_IPP
+// Bodies of frame_sampling.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<Index> every_nth_frame(Index frames, double old_fps, double new_fps) {
+  detail::require_rates("every_nth_frame", old_fps, new_fps);
+  const auto step = static_cast<Index>(old_fps / new_fps);
+  if (step < 1) raise<config_error>(101, "every_nth_frame: from ", old_fps, " up to ", new_fps, " frames per second");
+  std::vector<Index> out;
+  for (Index f = 0; f < frames; f += step) out.push_back(f);
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<Index> spread_frames(Index frames, double old_fps, double new_fps) {
+  detail::require_rates("spread_frames", old_fps, new_fps);
+  const auto count = static_cast<Index>(new_fps / old_fps * static_cast<double>(frames));
+  const double step = count > 1 ? static_cast<double>(frames - 1) / static_cast<double>(count - 1) : 0;
+  std::vector<Index> out;
+  for (Index i = 0; i < count; ++i) {
+    out.push_back(i > 0 && i == count - 1 ? frames - 1 : static_cast<Index>(static_cast<double>(i) * step));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY FrameSlice slice_of_seconds(double start, double end, double fps, Index frames) {
+  if (!(start >= 0 && end >= 0 && fps > 0 && std::isfinite(start * fps) && std::isfinite(end * fps))) {
+    raise<config_error>(101, "slice_of_seconds: ", start, " to ", end, " seconds at ", fps, " frames per second");
+  }
+  const auto index = [&](double seconds) {
+    return static_cast<Index>(std::min(seconds * fps, static_cast<double>(frames)));
+  };
+  const Index first = index(start), last = index(end);
+  return last > first ? FrameSlice{first, last - first} : FrameSlice{};
+}
+
+MOTIONLANG_BODY std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options,
+                                                PythonRandom& random) {
   const Index k = options.frames, n = available;
   if (k < 2 || n < 1 || options.step == 0 || options.step < -1) {
     raise<config_error>(101, "actor_frames: ", k, " of ", n, " frames, step ", options.step);
@@ -14073,168 +15375,8 @@ inline std::vector<Index> actor_frames(Index available, const ActorFrameOptions&
   return out;
 }
 
-/// SINC: the frames of a training item. Of a longer clip consecutive ones from a random start on; the last possible
-/// start is never drawn, as published. In evaluation whole clips (`request` 0) of 15 to 800 frames.
-/// Source  SINC, spec sinc.md 5.3
-struct SincWindow {
-  Index request = 300;  // frames to take; 0: all
-  Index shortest = 15;
-  Index longest = 600;  // looked at only where all are taken
-
-  bool accepts(Index frames) const { return frames >= shortest && (request > 0 || frames <= longest); }
-  /// The largest start that is drawn.
-  Index largest_start(Index frames) const { return request > 0 ? std::max<Index>(0, frames - request - 1) : 0; }
-  /// below(n) draws a number of 0 ... n - 1.
-  template <class F>
-  FrameSlice of(Index frames, F below) const {
-    const Index length = request > 0 ? std::min(request, frames) : frames;
-    return {length < frames ? below(largest_start(frames) + 1) : 0, length};
-  }
-};
-
 MOTIONLANG_NAMESPACE_END
 #endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// SMPL poses as AMASS files have them.
-template <Scalar S>
-struct AmassPoses {
-  std::vector<S> poses;  // (frames, 3 joints) rotation vectors
-  std::vector<S> trans;  // (frames, 3)
-};
-
-namespace detail {
-
-/// Numbers of one pose. Throws shape_error 205 unless both arrays have the same number of frames.
-template <Scalar S>
-std::size_t amass_width(std::span<const S> poses, std::span<const S> trans, const char* op) {
-  const std::size_t frames = trans.size() / 3;
-  if (trans.size() % 3 != 0 || (frames == 0 ? !poses.empty() : poses.size() % (3 * frames) != 0)) {
-    raise<shape_error>(205, op, ": ", poses.size(), " pose values for ", trans.size(), " translation values");
-  }
-  return frames == 0 ? 0 : poses.size() / frames;
-}
-
-/// Spherical interpolation of vectors that keep their lengths as weights:
-///     (sin((1-t) h) a + sin(t h) b) / sin h,   h: the angle between a and b; linear if |cos h| > 0.9995 or one is zero
-/// Not a rotation halfway between two rotations, but what the data were made with.
-template <Scalar S>
-Vec3<S> slerp_of_vectors(const Vec3<S>& a, const Vec3<S>& b, S t) {
-  const S lengths = norm(a) * norm(b), cosine = lengths > 0 ? dot(a, b) / lengths : S(1);
-  if (std::abs(cosine) > S(0.9995)) return (S(1) - t) * a + t * b;
-  const S h = std::acos(cosine), sine = std::sin(h);
-  return (std::sin((S(1) - t) * h) / sine) * a + (std::sin(t * h) / sine) * b;
-}
-
-}  // namespace detail
-
-/// floor(T new / old) frames; frame i shows the source at (i + 1/2) old / new - 1/2, not before its first frame.
-/// Coordinates are float32, as published. Translations linear, poses by slerp of their rotation vectors.
-/// Throws shape_error 205, config_error 101 unless both rates are positive.
-template <Scalar S>
-AmassPoses<S> amass_resample(std::span<const S> poses, std::span<const S> trans, double old_fps, double new_fps) {
-  detail::require_rates("amass_resample", old_fps, new_fps);
-  const std::size_t width = detail::amass_width(poses, trans, "amass_resample"), source = trans.size() / 3;
-  const auto frames = static_cast<std::size_t>(std::floor(static_cast<double>(source) * new_fps / old_fps));
-  AmassPoses<S> out;
-  for (std::size_t i = 0; i < frames; ++i) {
-    const auto ratio = static_cast<float>(old_fps / new_fps);
-    const float at = std::max((static_cast<float>(i) + 0.5f) * ratio - 0.5f, 0.0f);
-    const std::size_t a = std::min(static_cast<std::size_t>(at), source - 1), b = std::min(a + 1, source - 1);
-    const S t = static_cast<S>(at - static_cast<float>(a));
-    for (std::size_t k = 0; k < 3; ++k) out.trans.push_back((S(1) - t) * trans[3 * a + k] + t * trans[3 * b + k]);
-    for (std::size_t k = 0; k < width; k += 3) {
-      const S *p = &poses[a * width + k], *q = &poses[b * width + k];
-      const auto v = detail::slerp_of_vectors<S>({p[0], p[1], p[2]}, {q[0], q[1], q[2]}, t);
-      out.poses.insert(out.poses.end(), {v.x, v.y, v.z});
-    }
-  }
-  return out;
-}
-
-/// Left and right exchanged: partners swap their rotation vectors, whose y and z change sign, and the path its x.
-/// Exact. Throws shape_error 205 unless poses have the 22 or 24 joints of SMPL.
-template <Scalar S>
-AmassPoses<S> amass_mirror(std::span<const S> poses, std::span<const S> trans) {
-  const std::size_t width = detail::amass_width(poses, trans, "amass_mirror"), frames = trans.size() / 3;
-  if (frames != 0 && width != 66 && width != 72) {
-    raise<shape_error>(205, "amass_mirror: poses of ", width, " values; expected 66 or 72");
-  }
-  AmassPoses<S> out{{poses.begin(), poses.end()}, {trans.begin(), trans.end()}};
-  for (std::size_t f = 0; f < frames; ++f) {
-    out.trans[3 * f] = -trans[3 * f];
-    for (std::size_t j = 0; 3 * j < width; ++j) {
-      const S* from = &poses[f * width + 3 * static_cast<std::size_t>(smpl_mirror_joint[j])];
-      S* to = &out.poses[f * width + 3 * j];
-      to[0] = from[0], to[1] = -from[1], to[2] = -from[2];
-    }
-  }
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP  // <motionlang/features/amass_sequence.hpp>
-#define MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP
-/// A sequence of AMASS as its file has it: rotation vectors, path and shape of an SMPL body, world Z up.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-struct AmassSequence {
-  Index frames = 0, columns = 0;  // columns: 66 or more; 156 of SMPL-H, 165 of SMPL-X
-  std::vector<double> poses{};    // (frames, columns) rotation vectors: root, 21 body joints, hands or face
-  std::vector<double> trans{};    // (frames, 3)
-  std::vector<double> betas{};    // shape coefficients, 16 or fewer; none if the file has none
-  std::string gender = "neutral";
-  double fps = 0;
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_GUO_CLIP_HPP  // <motionlang/features/guo_clip.hpp>
-#define MOTIONLANG_HAS_FEATURES_GUO_CLIP_HPP
-/// Which clips, and which frames of them, the loader of Guo et al. hands to its evaluator and its models. The caption
-/// beside them is `GloVe::framed`.
-///
-/// Source  text-to-motion data/dataset.py, Text2MotionDatasetV2; spec evaluation-guo.md 1.3, 2.4
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-struct GuoClipLimits {
-  Index least = 40;   // frames; KIT: 24
-  Index below = 200;  // frames
-  Index unit = 4;     // lengths are multiples
-};
-inline GuoClipLimits guo_clip_limits(bool kit) { return {.least = kit ? 24 : 40}; }
-
-/// The clips that are kept, the shortest first; of equals in their order.
-inline std::vector<Index> guo_kept_clips(std::span<const Index> lengths, const GuoClipLimits& limits = {}) {
-  std::vector<Index> out;
-  auto frames = [&](Index clip) { return lengths[static_cast<std::size_t>(clip)]; };
-  for (Index i = 0; i < std::ssize(lengths); ++i) {
-    if (frames(i) >= limits.least && frames(i) < limits.below) out.push_back(i);
-  }
-  std::stable_sort(out.begin(), out.end(), [&](Index a, Index b) { return frames(a) < frames(b); });
-  return out;
-}
-
-/// Frames of an item: the whole units of the clip, one less where `shorter`, which one coin in three says.
-/// Throws config_error 101 if that leaves none.
-inline Index guo_item_frames(Index frames, bool shorter, Index unit = 4) {
-  const Index units = unit > 0 ? frames / unit - (shorter ? 1 : 0) : 0;
-  if (units < 1) raise<config_error>(101, "guo_item_frames: of ", frames, " frames in units of ", unit);
-  return units * unit;
-}
-/// The same, from a random start on: NumPy draws the coin, then Python the start.
-inline FrameSlice guo_item(Index frames, NumpyRandom& coin, PythonRandom& start, Index unit = 4) {
-  const Index length = guo_item_frames(frames, coin.randint(0, 3) == 2, unit);
-  return {static_cast<Index>(start.randint(0, frames - length)), length};
-}
-
-MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_HPP  // <motionlang/features/guoh3d.hpp>
@@ -14590,141 +15732,6 @@ std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Ve
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_FEATURES_HUMANML3D_SOURCE_HPP  // <motionlang/features/humanml3d_source.hpp>
-#define MOTIONLANG_HAS_FEATURES_HUMANML3D_SOURCE_HPP
-/// From raw AMASS to the joints that HumanML3D begins with: which frames a row of index.csv takes, and the axes. The
-/// body is the caller's: a function that poses frames, such as a BodyModel of SMPL-H on the user's own model file.
-///
-/// Source   Guo et al. (CVPR 2022), raw_pose_processing.ipynb; spec humanml3d-features.md 8
-/// World    in: Z up, metres (AMASS); out: Y up, (x, y, z) -> (-x, z, y). HumanAct12 clips come as joints that are Y up
-///          and stay as they are, and the index is not applied to them.
-///
-///     const auto joints = humanml3d_source_joints<double>(row, frames, fps, [&](std::span<const Index> numbers) {
-///       return posed_joints(model, sequence, numbers);      // (numbers.size(), J), J >= 22
-///     });
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// A row of index.csv: a clip is a part of a sequence.
-struct HumanMl3dSource {
-  std::string source_path;  // "./pose_data/KIT/3/kick_high_left02_poses.npy"
-  Index start_frame = 0;    // at 20 frames per second, behind the lead
-  Index end_frame = -1;     // -1: to the end, as published without the last frame
-  std::string new_name;     // "000000.npy"
-  bool operator==(const HumanMl3dSource&) const = default;
-};
-
-struct HumanMl3dSourceOptions {
-  /// The published program slices [start:-1], which leaves the last frame out where "to the end" is meant. true: it is
-  /// kept.
-  bool keep_last_frame = false;
-};
-
-inline bool is_humanact12(std::string_view source_path) { return source_path.find("humanact12") != source_path.npos; }
-/// HumanML3D has two bodies: everybody but "male" is posed with the female one.
-inline bool humanml3d_uses_male_body(std::string_view gender) { return gender == "male"; }
-
-/// Frames at 20 per second that are dropped before the index counts: people stand in a T-pose there.
-inline Index humanml3d_lead(std::string_view source_path) {
-  struct Lead {
-    std::string_view data_set;
-    Index frames;
-  };
-  constexpr Lead leads[] = {{"Eyes_Japan_Dataset", 60},
-                            {"MPI_HDM05", 60},
-                            {"TotalCapture", 20},
-                            {"MPI_Limits", 20},
-                            {"Transitions_mocap", 10}};
-  Index frames = 0;
-  for (const Lead& lead : leads) {
-    if (source_path.find(lead.data_set) != source_path.npos) frames += lead.frames;
-  }
-  return frames;
-}
-
-/// The frames of a sequence that a row of the index takes: every floor(fps / 20)-th, behind the lead, from start to
-/// end. An end behind the last frame is the last frame, as Python slices are. Empty if the sequence is too short.
-/// Throws config_error 101 for a rate below 20 frames per second and for frames that are negative (but for end -1).
-inline std::vector<Index> humanml3d_source_frames(const HumanMl3dSource& row, Index frames, double fps,
-                                                  const HumanMl3dSourceOptions& options = {}) {
-  std::vector<Index> picked = every_nth_frame(frames, fps, 20);
-  if (is_humanact12(row.source_path)) return picked;
-  if (row.start_frame < 0 || row.end_frame < -1) {
-    raise<config_error>(101, "humanml3d_source_frames: '", row.new_name, "' from frame ", row.start_frame, " to ",
-                        row.end_frame);
-  }
-  const Index available = std::max<Index>(0, std::ssize(picked) - humanml3d_lead(row.source_path));
-  const Index last = row.end_frame == -1 ? available - (options.keep_last_frame ? 0 : 1) : row.end_frame;
-  picked.erase(picked.begin(), picked.end() - available);
-  picked.resize(static_cast<std::size_t>(std::clamp<Index>(last, 0, available)));
-  picked.erase(picked.begin(), picked.begin() + std::min<Index>(row.start_frame, std::ssize(picked)));
-  return picked;
-}
-
-/// The first 22 joints of the frames of a row, (frames, 22). `pose` takes frame numbers and gives their joints,
-/// (frames, J) with J >= 22: of AMASS Z up, of HumanAct12 as its files have them (give 20 as their fps).
-/// Throws config_error 101 as humanml3d_source_frames, shape_error 205 if `pose` gives other than whole frames.
-template <Scalar S, class Pose>
-std::vector<Vec3<S>> humanml3d_source_joints(const HumanMl3dSource& row, Index frames, double fps, Pose&& pose,
-                                             const HumanMl3dSourceOptions& options = {}) {
-  const std::vector<Index> numbers = humanml3d_source_frames(row, frames, fps, options);
-  if (numbers.empty()) return {};
-  const std::vector<Vec3<S>> posed = pose(std::span<const Index>(numbers));
-  const std::size_t joints = posed.size() / numbers.size();
-  if (joints < 22 || posed.size() % numbers.size() != 0) {
-    raise<shape_error>(205, "humanml3d_source_joints: ", posed.size(), " joints for ", numbers.size(),
-                       " frames; expected 22 or more for each");
-  }
-  const bool y_up = is_humanact12(row.source_path);
-  std::vector<Vec3<S>> out;
-  out.reserve(22 * numbers.size());
-  for (std::size_t at = 0; at < posed.size(); at += joints) {
-    for (std::size_t j = at; j < at + 22; ++j) {
-      const Vec3<S>& p = posed[j];
-      out.push_back(y_up ? p : Vec3<S>{-p.x, p.z, p.y});
-    }
-  }
-  return out;
-}
-
-/// Joints of some frames of a sequence with a body model, (frames, J), in the sequence's own world. The model takes the
-/// first rotations and shape coefficients that it has use for: SMPL-H all 52 joints, HumanML3D 10 coefficients.
-/// Throws shape_error 205 if the sequence has fewer of them, 203 for a frame that it has not.
-template <Backend B>
-std::vector<Vec3<typename B::scalar>> posed_joints(const BodyModel<B>& model, const AmassSequence& sequence,
-                                                   std::span<const Index> frames) {
-  using S = typename B::scalar;
-  const Index n = std::ssize(frames), joints = model.joints(), shapes = model.shapedirs.size(1);
-  if (sequence.columns < 3 * joints || std::ssize(sequence.betas) < shapes) {
-    raise<shape_error>(205, "posed_joints: ", sequence.columns, " pose values and ", sequence.betas.size(),
-                       " shape coefficients, the model needs ", 3 * joints, " and ", shapes);
-  }
-  std::vector<S> betas, rotations, translations;
-  for (const Index frame : frames) {
-    if (frame < 0 || frame >= sequence.frames) {
-      raise<shape_error>(203, "posed_joints: frame ", frame, " of ", sequence.frames);
-    }
-    for (Index k = 0; k < shapes; ++k) betas.push_back(static_cast<S>(sequence.betas[static_cast<std::size_t>(k)]));
-    const auto pose = std::span(sequence.poses).subspan(static_cast<std::size_t>(frame * sequence.columns));
-    for (std::size_t j = 0; j < static_cast<std::size_t>(joints); ++j) {
-      const auto r = to_matrix(AxisAngle<double>{{pose[3 * j], pose[3 * j + 1], pose[3 * j + 2]}});
-      for (const double value : r.m) rotations.push_back(static_cast<S>(value));
-    }
-    const double* t = sequence.trans.data() + 3 * frame;
-    for (int k = 0; k < 3; ++k) translations.push_back(static_cast<S>(t[k]));
-  }
-  const auto posed =
-      model.posed_joints(Tensor<B, 2>::from(betas, {n, shapes}), Tensor<B, 3>::from(rotations, {n, joints, 9}),
-                         Tensor<B, 2>::from(translations, {n, 3}));
-  const auto values = posed.to_vector();
-  std::vector<Vec3<S>> out;
-  for (std::size_t i = 0; i + 2 < values.size(); i += 3) out.push_back({values[i], values[i + 1], values[i + 2]});
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
 #ifndef MOTIONLANG_HAS_FEATURES_JOINT_SETS_HPP  // <motionlang/features/joint_sets.hpp>
 #define MOTIONLANG_HAS_FEATURES_JOINT_SETS_HPP
 /// The joints that TEMOS, TEACH and SINC compare, out of the 73 points of an SMPL-H body (52 joints, then vertices of
@@ -14797,20 +15804,6 @@ MOTIONLANG_NAMESPACE_END
 /// Positions alone: the clip that comes back has rotations that fit them (motion_from_joints.hpp).
 /// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM: specs
 ///         humanml3d-features.md 1.2 and 10, temos.md 4.1 and 4.3
-
-#ifndef MOTIONLANG_HAS_FEATURES_RIFKE_HPP  // <motionlang/features/rifke.hpp>
-#define MOTIONLANG_HAS_FEATURES_RIFKE_HPP
-/// Rotation invariant forward kinematic encoding of joint positions ("rifke"): TEMOS' 64 numbers of the 21 joints of
-/// MMM, SINC's 67 and TMR's 67 or 73 of SMPL's joints. There and back.
-///
-///     0             height of the root above the floor
-///     1:3J-2        joints 1 ... J-1 seen from the body: x', then y and z as the world has them, one of them turned
-///     3J-2          turn of the heading, radians per frame
-///     3J-1:3J+1     velocity of the root over the ground, seen from the body, per frame
-/// World: Y up with x, z level (TEMOS, any unit), or Z up with x, y level (SINC, TMR).
-///
-/// Source  Holden et al., "A deep learning framework for character motion synthesis and editing" (SIGGRAPH 2016); TEMOS
-///         joints2jfeats/rifke.py, SINC, TMR src/rifke.py; specs temos.md 4.1, sinc.md 9, tmr.md 4.1
 
 #ifndef MOTIONLANG_HAS_FEATURES_SMPLRIFKE_HPP  // <motionlang/features/smplrifke.hpp>
 #define MOTIONLANG_HAS_FEATURES_SMPLRIFKE_HPP
@@ -14983,23 +15976,7 @@ SmplRifkeMotion<S> smplrifke_inverse(std::span<const S> features, const SmplRifk
 
 /// The features of a clip on SMPL's 24 joints, with the bones that its skeleton has; the hands' own rotations are lost.
 /// Resample to the rate of the model first. Throws config_error 103 if the joints are not SMPL's.
-inline std::vector<double> smplrifke_from_motion(const Motion& motion) {
-  if (motion.skeleton.names != smpl24_skeleton().names || motion.skeleton.parents != smpl24_skeleton().parents) {
-    raise<config_error>(103, "smplrifke_from_motion: the ", motion.skeleton.size(), " joints of '", motion.name,
-                        "' are not the 24 of SMPL; retarget first");
-  }
-  const auto z_up = axis_rotation(0, std::numbers::pi / 2);  // (x, y, z) -> (x, -z, y)
-  std::vector<Matrix3<double>> rotations;
-  std::vector<Vec3<double>> joints;
-  JointTransforms<double> world;
-  for (Index f = 0; f < motion.frames(); ++f) {
-    motion.world(f, world);
-    for (const Vec3<double>& p : world.position) joints.push_back({p.x, -p.z, p.y});
-    rotations.push_back(z_up * world.rotation[0]);
-    for (const auto& q : motion.rotations(f).subspan(1, smplrifke_rotations - 1)) rotations.push_back(to_matrix(q));
-  }
-  return smplrifke_features(std::span<const Matrix3<double>>(rotations), std::span<const Vec3<double>>(joints));
-}
+std::vector<double> smplrifke_from_motion(const Motion& motion);
 
 /// The clip that the features describe, Y up, on a skeleton with SMPL's 24 joints: rotations and the path are taken,
 /// positions of joints are not, so bones keep their lengths. With first_angle 0 the first frame faces +Z, up to what
@@ -15028,7 +16005,295 @@ Motion smplrifke_to_motion(std::span<const S> features, const SmplRifkeOptions& 
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_SMPLRIFKE_IPP  // <motionlang/features/smplrifke.ipp>
+#define MOTIONLANG_HAS_FEATURES_SMPLRIFKE_IPP
+// Bodies of smplrifke.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<double> smplrifke_from_motion(const Motion& motion) {
+  if (motion.skeleton.names != smpl24_skeleton().names || motion.skeleton.parents != smpl24_skeleton().parents) {
+    raise<config_error>(103, "smplrifke_from_motion: the ", motion.skeleton.size(), " joints of '", motion.name,
+                        "' are not the 24 of SMPL; retarget first");
+  }
+  const auto z_up = axis_rotation(0, std::numbers::pi / 2);  // (x, y, z) -> (x, -z, y)
+  std::vector<Matrix3<double>> rotations;
+  std::vector<Vec3<double>> joints;
+  JointTransforms<double> world;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    motion.world(f, world);
+    for (const Vec3<double>& p : world.position) joints.push_back({p.x, -p.z, p.y});
+    rotations.push_back(z_up * world.rotation[0]);
+    for (const auto& q : motion.rotations(f).subspan(1, smplrifke_rotations - 1)) rotations.push_back(to_matrix(q));
+  }
+  return smplrifke_features(std::span<const Matrix3<double>>(rotations), std::span<const Vec3<double>>(joints));
+}
+
+MOTIONLANG_NAMESPACE_END
 #endif
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_SMPLVELP_HPP  // <motionlang/features/smplvelp.hpp>
+#define MOTIONLANG_HAS_FEATURES_SMPLVELP_HPP
+/// The 135-vector of TEMOS ("smplvelp"), TEACH and SINC ("Globalvelandy"): height, velocity over the ground, rotations.
+///
+///     0        height of the translation, as it is
+///     1:3      its velocity x, y; 0 in the first frame
+///     3:135    22 rotations as two rows of the matrix: the body in the world, then joints 1 ... 21
+/// World: Z up, metres; velocities per frame (TEMOS 12.5 frames per second, TEACH and SINC 30).
+///
+/// Source  TEMOS (Petrovich et al., ECCV 2022), rots2rfeats/smplvelp.py; TEACH (Athanasiou et al., 3DV 2022),
+///         globvelandy.py; specs temos.md 4.2, teach.md 1. Normalise with eps 1e-12, SINC with 1e-5 both ways.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct SmplVelpOptions {
+  PoseRepresentation rotations = PoseRepresentation::rot6d;
+  /// Turns the clip about Z by what `exact_yaw` says of the first frame (and a quarter, `offset`).
+  bool canonicalize = true;
+  bool offset = true;
+  /// false, as published: the z of the first rotation vector, which is no heading, so that a second pass turns again.
+  /// true: the heading, and clips that differ by a turn about Z become the same.
+  bool exact_yaw = false;
+};
+
+template <Scalar S>
+struct SmplVelpMotion {
+  std::vector<Matrix3<S>> rotations;  // (frames, joints); joint 0 in the world
+  std::vector<Vec3<S>> trans;         // (frames)
+};
+
+/// smplvelp: the root's height and velocity, then a rotation of each joint as above: 135 for 22 joints in 6D.
+inline FeatureLayout smplvelp_layout(
+    std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
+    PoseRepresentation rotations = PoseRepresentation::rot6d) {
+  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(rotations);
+  if (joints < 1) raise<config_error>(101, "smplvelp_layout: no joints");
+  return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, [=](Index i) {
+    return i < 3 ? BodyPart::legs : part_of_joint[static_cast<std::size_t>((i - 3) / numbers)];
+  });
+}
+
+/// What the numbers of `smplvelp_layout` mean. World: Z up, turned as SmplVelpOptions say.
+inline constexpr std::array<FeatureRange, 4> smplvelp_ranges{{
+    {{0, 1}, "height of the translation in the world", "m"},
+    {{1, 3}, "velocity of the translation since the frame before, in the world: x, y", "m/frame"},
+    {{3, 9}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
+    {{9, 135}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 22}},
+}};
+
+/// rotations  (frames, joints); joint 0 in the world
+/// trans      (frames)
+/// result     (frames, 3 + 6 joints), or 3 + 4 joints for quaternions, ...
+/// Throws     shape_error 205 if the sizes do not fit
+template <Scalar S>
+std::vector<S> smplvelp_features(std::span<const Matrix3<S>> rotations, std::span<const Vec3<S>> trans,
+                                 const SmplVelpOptions& options = {}) {
+  const std::size_t frames = trans.size(), joints = frames == 0 ? 0 : rotations.size() / frames;
+  if (rotations.size() != frames * joints || (frames > 0 && joints == 0)) {
+    raise<shape_error>(205, "smplvelp_features: ", rotations.size(), " rotations for ", frames, " frames");
+  }
+  std::vector<S> out;
+  if (frames == 0) return out;
+  S angle{};
+  if (options.canonicalize) {
+    angle =
+        options.exact_yaw ? detail::zyx_angles(rotations[0], true).z : pytorch3d::matrix_to_axis_angle(rotations[0]).z;
+    if (options.offset) angle += S(std::numbers::pi / 2);
+  }
+  const Matrix3<S> back = axis_rotation(2, -angle);
+  for (std::size_t t = 0; t < frames; ++t) {
+    const Vec3<S> velocity = back * (trans[t] - trans[t == 0 ? 0 : t - 1]);
+    out.insert(out.end(), {trans[t].z, velocity.x, velocity.y});
+    for (std::size_t j = 0; j < joints; ++j) {
+      const Matrix3<S>& r = rotations[t * joints + j];
+      append_rotation(out, options.rotations, j == 0 ? back * r : r);
+    }
+  }
+  return out;
+}
+
+/// features  (frames, 3 + 6 joints), not normalised
+/// The path starts at x = y = 0; the heading stays what the features say. Throws shape_error 205.
+template <Scalar S>
+SmplVelpMotion<S> smplvelp_inverse(std::span<const S> features, Index joints = 22,
+                                   PoseRepresentation representation = PoseRepresentation::rot6d) {
+  const Index numbers = size(representation), width = 3 + numbers * joints;
+  if (joints < 1 || std::ssize(features) % width != 0) {
+    raise<shape_error>(205, "smplvelp_inverse: ", features.size(), " values are no rows of ", width);
+  }
+  SmplVelpMotion<S> out;
+  Vec3<S> position{};
+  for (std::size_t at = 0; at < features.size(); at += static_cast<std::size_t>(width)) {
+    if (at > 0) position = position + Vec3<S>{features[at + 1], features[at + 2], S(0)};
+    position.z = features[at];
+    out.trans.push_back(position);
+    for (Index j = 0; j < joints; ++j) {
+      const auto own =
+          features.subspan(at + 3 + static_cast<std::size_t>(numbers * j), static_cast<std::size_t>(numbers));
+      out.rotations.push_back(rotation_from(representation, own));
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct MotionFeatures {
+  std::string_view name;
+  Index width = 0;
+  double fps = 0;    // that the published systems use
+  Index joints = 0;  // of `joints_of`: the first ones of `skeleton`
+  const Skeleton& (*skeleton)();
+  FeatureLayout (*layout)();             // which numbers belong to which body part
+  std::span<const FeatureRange> ranges;  // what the numbers mean
+  /// The rows of a clip on SMPL's 24 joints, or on the joints of `skeleton`, that has the rate already. Throws
+  /// config_error 103 if the joints are others, shape_error 205 if it is too short.
+  std::vector<double> (*from_motion)(const Motion& motion);
+  /// (frames, joints), Y up, from the origin on. Throws shape_error 205.
+  std::vector<Vec3<double>> (*joints_of)(std::span<const double> rows);
+  /// A clip on the joints of `skeleton`; null where the rows have no rotations.
+  Motion (*to_motion)(std::span<const double> rows, double fps);
+};
+
+/// Rotations of 22 joints and translation, Z up, as a clip on SMPL's 24 joints.
+template <Scalar S>
+Motion motion_of_smplvelp(const SmplVelpMotion<S>& from, double fps) {
+  const auto y_up = axis_rotation(0, -std::numbers::pi / 2);
+  Motion out{smpl24_skeleton(), fps, {}, {}, {}};
+  for (const Vec3<S>& p : from.trans)
+    out.root.push_back({static_cast<double>(p.x), static_cast<double>(p.z), -static_cast<double>(p.y)});
+  for (std::size_t i = 0; i < from.rotations.size(); ++i) {
+    const auto r = matrix_cast<double>(from.rotations[i]);
+    out.local.push_back(to_quaternion(i % 22 == 0 ? y_up * r : r));
+    if (i % 22 == 21) out.local.insert(out.local.end(), 2, Quaternion<double>::identity());  // hands
+  }
+  return out;
+}
+
+/// Rotations and the way of the root as ACTOR and MDM have them of videos, as a clip on SMPL's 24 joints, on the floor.
+/// In the world of the camera the figure stands on its head: it is turned by 180 degrees about x.
+template <Scalar S>
+Motion motion_of_actor(const ActorMotion<S>& from, double fps) {
+  const auto upright = axis_rotation(0, std::numbers::pi);
+  Motion out{smpl24_skeleton(), fps, {}, {}, {}};
+  for (const Vec3<S>& p : from.root) out.root.push_back(upright * vec_cast<double>(p));
+  for (std::size_t i = 0; i < from.rotations.size(); ++i) {
+    const auto r = matrix_cast<double>(from.rotations[i]);
+    out.local.push_back(to_quaternion(i % 24 == 0 ? upright * r : r));
+  }
+  place_on_floor(out);
+  return out;
+}
+
+namespace detail {
+
+/// The first `count` joints of every frame, Y up.
+std::vector<Vec3<double>> first_joints(const Motion& motion, std::size_t count);
+std::vector<Vec3<double>> turned_up(std::vector<Vec3<double>> points, bool to_z_up);
+
+std::vector<double> guoh3d_rows_of(const Motion& motion);
+std::vector<Vec3<double>> joints_of_guoh3d(std::span<const double> rows);
+
+std::vector<double> rifke_rows_of(const Motion& motion);
+std::vector<Vec3<double>> joints_of_rifke(std::span<const double> rows);
+
+inline constexpr Index mmm_joints = 21;
+inline constexpr double mmm_units_per_metre = 640;
+
+/// The vector from between the ankles to the head, mean over the frames; of MMM's or of SMPL's joints.
+Vec3<double> mean_height(std::span<const Vec3<double>> joints, std::size_t count);
+/// The way back. The joints are in metres or, if they are large, in KIT's units.
+std::vector<Vec3<double>> mmm_in_metres(std::vector<Vec3<double>> joints);
+
+std::vector<double> kit_rows_of(const Motion& motion);
+std::vector<Vec3<double>> joints_of_kit(std::span<const double> rows);
+
+std::vector<double> rifke64_rows_of(const Motion& motion);
+std::vector<Vec3<double>> joints_of_rifke64(std::span<const double> rows);
+
+std::vector<double> smplvelp_rows(const Motion& motion, bool exact_yaw);
+template <bool exact_yaw>
+std::vector<double> smplvelp_rows_of(const Motion& motion) {
+  return smplvelp_rows(motion, exact_yaw);
+}
+Motion smplvelp_motion(std::span<const double> rows, double fps);
+std::vector<Vec3<double>> joints_of_smplvelp(std::span<const double> rows);
+
+Motion smplrifke_motion(std::span<const double> rows, double fps);
+std::vector<Vec3<double>> joints_of_smplrifke(std::span<const double> rows);
+
+}  // namespace detail
+
+/// The way back: what ACTOR's networks read of a clip on SMPL's 24 joints. Throws config_error 103 for other joints.
+std::vector<double> actor_rows_of_motion(const Motion& motion, const ActorFeatureOptions& options = {});
+
+namespace detail {
+
+std::vector<double> actor_rows_of(const Motion& motion);
+Motion actor_motion(std::span<const double> rows, double fps);
+std::vector<Vec3<double>> joints_of_actor(std::span<const double> rows);
+
+FeatureLayout layout_of_guoh3d();
+FeatureLayout layout_of_kit();
+FeatureLayout layout_of_rifke();
+FeatureLayout layout_of_rifke64();
+FeatureLayout layout_of_smplvelp();
+FeatureLayout layout_of_smplrifke();
+FeatureLayout layout_of_actor();
+
+}  // namespace detail
+
+inline constexpr std::array<MotionFeatures, 8> all_motion_features{{
+    {"guoh3d", 263, 20, 22, &smpl24_skeleton, &detail::layout_of_guoh3d, guoh3dfeats_ranges, &detail::guoh3d_rows_of,
+     &detail::joints_of_guoh3d, nullptr},
+    {"kit", 251, 12.5, 21, &kit21_skeleton, &detail::layout_of_kit, kit_ranges, &detail::kit_rows_of,
+     &detail::joints_of_kit, nullptr},
+    {"rifke", 67, 12.5, 22, &smpl24_skeleton, &detail::layout_of_rifke, rifke_ranges, &detail::rifke_rows_of,
+     &detail::joints_of_rifke, nullptr},
+    {"rifke64", 64, 12.5, 21, &kit21_skeleton, &detail::layout_of_rifke64, rifke64_ranges, &detail::rifke64_rows_of,
+     &detail::joints_of_rifke64, nullptr},
+    {"smplvelp", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, smplvelp_ranges,
+     &detail::smplvelp_rows_of<true>, &detail::joints_of_smplvelp, &detail::smplvelp_motion},
+    {"smplvelp-published", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, smplvelp_ranges,
+     &detail::smplvelp_rows_of<false>, &detail::joints_of_smplvelp, &detail::smplvelp_motion},
+    {"smplrifke", smplrifke_size, 20, 22, &smpl24_skeleton, &detail::layout_of_smplrifke, smplrifke_ranges,
+     &smplrifke_from_motion, &detail::joints_of_smplrifke, &detail::smplrifke_motion},
+    {"actor", 150, 20, 22, &smpl24_skeleton, &detail::layout_of_actor, actor_ranges, &detail::actor_rows_of,
+     &detail::joints_of_actor, &detail::actor_motion},
+}};
+
+/// The clip of rows, on the joints of the features.
+/// fps     0: as the published systems have it
+/// Throws  shape_error 205, numeric_error 301 for values that are not finite, config_error 101 for such a rate
+Motion motion_of_rows(const MotionFeatures& features, std::span<const double> rows, double fps = 0);
+
+/// Throws config_error 103.
+const MotionFeatures& motion_features(std::string_view name);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_IPP  // <motionlang/features/motion_features.ipp>
+#define MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_IPP
+// Bodies of motion_features.hpp.
+
+#ifndef MOTIONLANG_HAS_FEATURES_RIFKE_HPP  // <motionlang/features/rifke.hpp>
+#define MOTIONLANG_HAS_FEATURES_RIFKE_HPP
+/// Rotation invariant forward kinematic encoding of joint positions ("rifke"): TEMOS' 64 numbers of the 21 joints of
+/// MMM, SINC's 67 and TMR's 67 or 73 of SMPL's joints. There and back.
+///
+///     0             height of the root above the floor
+///     1:3J-2        joints 1 ... J-1 seen from the body: x', then y and z as the world has them, one of them turned
+///     3J-2          turn of the heading, radians per frame
+///     3J-1:3J+1     velocity of the root over the ground, seen from the body, per frame
+/// World: Y up with x, z level (TEMOS, any unit), or Z up with x, y level (SINC, TMR).
+///
+/// Source  Holden et al., "A deep learning framework for character motion synthesis and editing" (SIGGRAPH 2016); TEMOS
+///         joints2jfeats/rifke.py, SINC, TMR src/rifke.py; specs temos.md 4.1, sinc.md 9, tmr.md 4.1
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -15212,161 +16477,7 @@ std::vector<Vec3<S>> rifke_joints(const RifkeVariant& variant, std::span<const S
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_FEATURES_SMPLVELP_HPP  // <motionlang/features/smplvelp.hpp>
-#define MOTIONLANG_HAS_FEATURES_SMPLVELP_HPP
-/// The 135-vector of TEMOS ("smplvelp"), TEACH and SINC ("Globalvelandy"): height, velocity over the ground, rotations.
-///
-///     0        height of the translation, as it is
-///     1:3      its velocity x, y; 0 in the first frame
-///     3:135    22 rotations as two rows of the matrix: the body in the world, then joints 1 ... 21
-/// World: Z up, metres; velocities per frame (TEMOS 12.5 frames per second, TEACH and SINC 30).
-///
-/// Source  TEMOS (Petrovich et al., ECCV 2022), rots2rfeats/smplvelp.py; TEACH (Athanasiou et al., 3DV 2022),
-///         globvelandy.py; specs temos.md 4.2, teach.md 1. Normalise with eps 1e-12, SINC with 1e-5 both ways.
-
 MOTIONLANG_NAMESPACE_BEGIN
-
-struct SmplVelpOptions {
-  PoseRepresentation rotations = PoseRepresentation::rot6d;
-  /// Turns the clip about Z by what `exact_yaw` says of the first frame (and a quarter, `offset`).
-  bool canonicalize = true;
-  bool offset = true;
-  /// false, as published: the z of the first rotation vector, which is no heading, so that a second pass turns again.
-  /// true: the heading, and clips that differ by a turn about Z become the same.
-  bool exact_yaw = false;
-};
-
-template <Scalar S>
-struct SmplVelpMotion {
-  std::vector<Matrix3<S>> rotations;  // (frames, joints); joint 0 in the world
-  std::vector<Vec3<S>> trans;         // (frames)
-};
-
-/// smplvelp: the root's height and velocity, then a rotation of each joint as above: 135 for 22 joints in 6D.
-inline FeatureLayout smplvelp_layout(
-    std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
-    PoseRepresentation rotations = PoseRepresentation::rot6d) {
-  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(rotations);
-  if (joints < 1) raise<config_error>(101, "smplvelp_layout: no joints");
-  return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, [=](Index i) {
-    return i < 3 ? BodyPart::legs : part_of_joint[static_cast<std::size_t>((i - 3) / numbers)];
-  });
-}
-
-/// What the numbers of `smplvelp_layout` mean. World: Z up, turned as SmplVelpOptions say.
-inline constexpr std::array<FeatureRange, 4> smplvelp_ranges{{
-    {{0, 1}, "height of the translation in the world", "m"},
-    {{1, 3}, "velocity of the translation since the frame before, in the world: x, y", "m/frame"},
-    {{3, 9}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
-    {{9, 135}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 22}},
-}};
-
-/// rotations  (frames, joints); joint 0 in the world
-/// trans      (frames)
-/// result     (frames, 3 + 6 joints), or 3 + 4 joints for quaternions, ...
-/// Throws     shape_error 205 if the sizes do not fit
-template <Scalar S>
-std::vector<S> smplvelp_features(std::span<const Matrix3<S>> rotations, std::span<const Vec3<S>> trans,
-                                 const SmplVelpOptions& options = {}) {
-  const std::size_t frames = trans.size(), joints = frames == 0 ? 0 : rotations.size() / frames;
-  if (rotations.size() != frames * joints || (frames > 0 && joints == 0)) {
-    raise<shape_error>(205, "smplvelp_features: ", rotations.size(), " rotations for ", frames, " frames");
-  }
-  std::vector<S> out;
-  if (frames == 0) return out;
-  S angle{};
-  if (options.canonicalize) {
-    angle =
-        options.exact_yaw ? detail::zyx_angles(rotations[0], true).z : pytorch3d::matrix_to_axis_angle(rotations[0]).z;
-    if (options.offset) angle += S(std::numbers::pi / 2);
-  }
-  const Matrix3<S> back = axis_rotation(2, -angle);
-  for (std::size_t t = 0; t < frames; ++t) {
-    const Vec3<S> velocity = back * (trans[t] - trans[t == 0 ? 0 : t - 1]);
-    out.insert(out.end(), {trans[t].z, velocity.x, velocity.y});
-    for (std::size_t j = 0; j < joints; ++j) {
-      const Matrix3<S>& r = rotations[t * joints + j];
-      append_rotation(out, options.rotations, j == 0 ? back * r : r);
-    }
-  }
-  return out;
-}
-
-/// features  (frames, 3 + 6 joints), not normalised
-/// The path starts at x = y = 0; the heading stays what the features say. Throws shape_error 205.
-template <Scalar S>
-SmplVelpMotion<S> smplvelp_inverse(std::span<const S> features, Index joints = 22,
-                                   PoseRepresentation representation = PoseRepresentation::rot6d) {
-  const Index numbers = size(representation), width = 3 + numbers * joints;
-  if (joints < 1 || std::ssize(features) % width != 0) {
-    raise<shape_error>(205, "smplvelp_inverse: ", features.size(), " values are no rows of ", width);
-  }
-  SmplVelpMotion<S> out;
-  Vec3<S> position{};
-  for (std::size_t at = 0; at < features.size(); at += static_cast<std::size_t>(width)) {
-    if (at > 0) position = position + Vec3<S>{features[at + 1], features[at + 2], S(0)};
-    position.z = features[at];
-    out.trans.push_back(position);
-    for (Index j = 0; j < joints; ++j) {
-      const auto own =
-          features.subspan(at + 3 + static_cast<std::size_t>(numbers * j), static_cast<std::size_t>(numbers));
-      out.rotations.push_back(rotation_from(representation, own));
-    }
-  }
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-struct MotionFeatures {
-  std::string_view name;
-  Index width = 0;
-  double fps = 0;    // that the published systems use
-  Index joints = 0;  // of `joints_of`: the first ones of `skeleton`
-  const Skeleton& (*skeleton)();
-  FeatureLayout (*layout)();             // which numbers belong to which body part
-  std::span<const FeatureRange> ranges;  // what the numbers mean
-  /// The rows of a clip on SMPL's 24 joints, or on the joints of `skeleton`, that has the rate already. Throws
-  /// config_error 103 if the joints are others, shape_error 205 if it is too short.
-  std::vector<double> (*from_motion)(const Motion& motion);
-  /// (frames, joints), Y up, from the origin on. Throws shape_error 205.
-  std::vector<Vec3<double>> (*joints_of)(std::span<const double> rows);
-  /// A clip on the joints of `skeleton`; null where the rows have no rotations.
-  Motion (*to_motion)(std::span<const double> rows, double fps);
-};
-
-/// Rotations of 22 joints and translation, Z up, as a clip on SMPL's 24 joints.
-template <Scalar S>
-Motion motion_of_smplvelp(const SmplVelpMotion<S>& from, double fps) {
-  const auto y_up = axis_rotation(0, -std::numbers::pi / 2);
-  Motion out{smpl24_skeleton(), fps, {}, {}, {}};
-  for (const Vec3<S>& p : from.trans)
-    out.root.push_back({static_cast<double>(p.x), static_cast<double>(p.z), -static_cast<double>(p.y)});
-  for (std::size_t i = 0; i < from.rotations.size(); ++i) {
-    const auto r = matrix_cast<double>(from.rotations[i]);
-    out.local.push_back(to_quaternion(i % 22 == 0 ? y_up * r : r));
-    if (i % 22 == 21) out.local.insert(out.local.end(), 2, Quaternion<double>::identity());  // hands
-  }
-  return out;
-}
-
-/// Rotations and the way of the root as ACTOR and MDM have them of videos, as a clip on SMPL's 24 joints, on the floor.
-/// In the world of the camera the figure stands on its head: it is turned by 180 degrees about x.
-template <Scalar S>
-Motion motion_of_actor(const ActorMotion<S>& from, double fps) {
-  const auto upright = axis_rotation(0, std::numbers::pi);
-  Motion out{smpl24_skeleton(), fps, {}, {}, {}};
-  for (const Vec3<S>& p : from.root) out.root.push_back(upright * vec_cast<double>(p));
-  for (std::size_t i = 0; i < from.rotations.size(); ++i) {
-    const auto r = matrix_cast<double>(from.rotations[i]);
-    out.local.push_back(to_quaternion(i % 24 == 0 ? upright * r : r));
-  }
-  place_on_floor(out);
-  return out;
-}
 
 namespace detail {
 
@@ -15376,8 +16487,8 @@ inline void require_smpl24(const Motion& motion) {
                         "' are not the 24 of SMPL; retarget first");
   }
 }
-/// The first `count` joints of every frame, Y up.
-inline std::vector<Vec3<double>> first_joints(const Motion& motion, std::size_t count) {
+
+MOTIONLANG_BODY std::vector<Vec3<double>> first_joints(const Motion& motion, std::size_t count) {
   require_smpl24(motion);
   const auto all = motion.positions();
   const auto joints = static_cast<std::size_t>(motion.skeleton.size());
@@ -15387,27 +16498,27 @@ inline std::vector<Vec3<double>> first_joints(const Motion& motion, std::size_t 
                all.begin() + static_cast<std::ptrdiff_t>(at + count));
   return out;
 }
-inline std::vector<Vec3<double>> turned_up(std::vector<Vec3<double>> points, bool to_z_up) {
+
+MOTIONLANG_BODY std::vector<Vec3<double>> turned_up(std::vector<Vec3<double>> points, bool to_z_up) {
   for (Vec3<double>& p : points) p = to_z_up ? Vec3<double>{p.x, -p.z, p.y} : Vec3<double>{p.x, p.z, -p.y};
   return points;
 }
 
-inline std::vector<double> guoh3d_rows_of(const Motion& motion) {
+MOTIONLANG_BODY std::vector<double> guoh3d_rows_of(const Motion& motion) {
   const auto joints = first_joints(motion, 22);
   return guoh3d_features(humanml3d_chains(), std::span<const Vec3<double>>(joints));
 }
-inline std::vector<Vec3<double>> joints_of_guoh3d(std::span<const double> rows) { return guoh3d_joints(rows); }
 
-inline std::vector<double> rifke_rows_of(const Motion& motion) {
+MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_guoh3d(std::span<const double> rows) { return guoh3d_joints(rows); }
+
+MOTIONLANG_BODY std::vector<double> rifke_rows_of(const Motion& motion) {
   const auto joints = turned_up(first_joints(motion, 22), true);
   return rifke_features(tmr_rifke(22), std::span<const Vec3<double>>(joints)).features;
 }
-inline std::vector<Vec3<double>> joints_of_rifke(std::span<const double> rows) {
+
+MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_rifke(std::span<const double> rows) {
   return turned_up(rifke_joints(tmr_rifke(22), rows), false);
 }
-
-inline constexpr Index mmm_joints = 21;
-inline constexpr double mmm_units_per_metre = 640;
 
 /// MMM's joints of every frame as KIT has them and TEMOS makes them: reflected, Y up.
 inline std::vector<Vec3<double>> mmm_joints_of(const Motion& motion) {
@@ -15418,8 +16529,8 @@ inline std::vector<Vec3<double>> mmm_joints_of(const Motion& motion) {
   for (Vec3<double>& p : joints) p = mmm_units_per_metre * Vec3<double>{-p.x, p.y, p.z};
   return joints;
 }
-/// The vector from between the ankles to the head, mean over the frames; of MMM's or of SMPL's joints.
-inline Vec3<double> mean_height(std::span<const Vec3<double>> joints, std::size_t count) {
+
+MOTIONLANG_BODY Vec3<double> mean_height(std::span<const Vec3<double>> joints, std::size_t count) {
   const bool mmm = count == mmm_joints;
   const std::size_t head = mmm ? 4 : 15, left = mmm ? 13 : 7, right = mmm ? 18 : 8;
   Vec3<double> sum{};
@@ -15428,34 +16539,35 @@ inline Vec3<double> mean_height(std::span<const Vec3<double>> joints, std::size_
   }
   return joints.empty() ? sum : (static_cast<double>(count) / static_cast<double>(joints.size())) * sum;
 }
-/// The way back. The joints are in metres or, if they are large, in KIT's units.
-inline std::vector<Vec3<double>> mmm_in_metres(std::vector<Vec3<double>> joints) {
+
+MOTIONLANG_BODY std::vector<Vec3<double>> mmm_in_metres(std::vector<Vec3<double>> joints) {
   const double unit = norm(mean_height(joints, mmm_joints)) > 20 ? 1 / mmm_units_per_metre : 1;
   for (Vec3<double>& p : joints) p = unit * Vec3<double>{-p.x, p.y, p.z};
   return joints;
 }
 
-inline std::vector<double> kit_rows_of(const Motion& motion) {
+MOTIONLANG_BODY std::vector<double> kit_rows_of(const Motion& motion) {
   const auto joints = mmm_joints_of(motion);
   const std::span<const Vec3<double>> all(joints);
   const auto lengths =
       joints.empty() ? std::vector<double>(mmm_joints) : bone_lengths(kit_chains(), all.first(mmm_joints));
   return guoh3d_features(kit_chains(), all, std::span<const double>(lengths));
 }
-inline std::vector<Vec3<double>> joints_of_kit(std::span<const double> rows) {
+
+MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_kit(std::span<const double> rows) {
   return mmm_in_metres(guoh3d_joints(rows, mmm_joints));
 }
 
-inline std::vector<double> rifke64_rows_of(const Motion& motion) {
+MOTIONLANG_BODY std::vector<double> rifke64_rows_of(const Motion& motion) {
   const auto joints = mmm_joints_of(motion);
   return rifke_features(temos_rifke(), std::span<const Vec3<double>>(joints)).features;
 }
-inline std::vector<Vec3<double>> joints_of_rifke64(std::span<const double> rows) {
+
+MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_rifke64(std::span<const double> rows) {
   return mmm_in_metres(rifke_joints(temos_rifke(), rows));
 }
 
-template <bool exact_yaw>
-std::vector<double> smplvelp_rows_of(const Motion& motion) {
+MOTIONLANG_BODY std::vector<double> smplvelp_rows(const Motion& motion, bool exact_yaw) {
   require_smpl24(motion);
   const auto z_up = axis_rotation(0, std::numbers::pi / 2);
   std::vector<Matrix3<double>> rotations;
@@ -15468,22 +16580,26 @@ std::vector<double> smplvelp_rows_of(const Motion& motion) {
   return smplvelp_features(std::span<const Matrix3<double>>(rotations),
                            std::span<const Vec3<double>>(turned_up(motion.root, true)), {.exact_yaw = exact_yaw});
 }
-inline Motion smplvelp_motion(std::span<const double> rows, double fps) {
+
+MOTIONLANG_BODY Motion smplvelp_motion(std::span<const double> rows, double fps) {
   return motion_of_smplvelp(smplvelp_inverse(rows), fps);
 }
-inline std::vector<Vec3<double>> joints_of_smplvelp(std::span<const double> rows) {
+
+MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_smplvelp(std::span<const double> rows) {
   return first_joints(smplvelp_motion(rows, 12.5), 22);
 }
 
-inline Motion smplrifke_motion(std::span<const double> rows, double fps) { return smplrifke_to_motion(rows, {}, fps); }
-inline std::vector<Vec3<double>> joints_of_smplrifke(std::span<const double> rows) {
+MOTIONLANG_BODY Motion smplrifke_motion(std::span<const double> rows, double fps) {
+  return smplrifke_to_motion(rows, {}, fps);
+}
+
+MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_smplrifke(std::span<const double> rows) {
   return first_joints(smplrifke_motion(rows, 20), 22);
 }
 
 }  // namespace detail
 
-/// The way back: what ACTOR's networks read of a clip on SMPL's 24 joints. Throws config_error 103 for other joints.
-inline std::vector<double> actor_rows_of_motion(const Motion& motion, const ActorFeatureOptions& options = {}) {
+MOTIONLANG_BODY std::vector<double> actor_rows_of_motion(const Motion& motion, const ActorFeatureOptions& options) {
   detail::require_smpl24(motion);
   const auto upside_down = axis_rotation(0, std::numbers::pi);
   std::vector<Matrix3<double>> rotations;
@@ -15499,47 +16615,33 @@ inline std::vector<double> actor_rows_of_motion(const Motion& motion, const Acto
 
 namespace detail {
 
-inline std::vector<double> actor_rows_of(const Motion& motion) { return actor_rows_of_motion(motion); }
-inline Motion actor_motion(std::span<const double> rows, double fps) {
+MOTIONLANG_BODY std::vector<double> actor_rows_of(const Motion& motion) { return actor_rows_of_motion(motion); }
+
+MOTIONLANG_BODY Motion actor_motion(std::span<const double> rows, double fps) {
   return motion_of_actor(actor_inverse(rows), fps);
 }
-inline std::vector<Vec3<double>> joints_of_actor(std::span<const double> rows) {
+
+MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_actor(std::span<const double> rows) {
   return first_joints(actor_motion(rows, 20), 22);
 }
 
-inline FeatureLayout layout_of_guoh3d() { return guoh3dfeats_layout(); }
-inline FeatureLayout layout_of_kit() { return guoh3dfeats_layout(kit_part_of_joint); }
-inline FeatureLayout layout_of_rifke() { return rifke_layout(); }
-inline FeatureLayout layout_of_rifke64() { return rifke_layout(kit_part_of_joint); }
-inline FeatureLayout layout_of_smplvelp() { return smplvelp_layout(); }
-inline FeatureLayout layout_of_smplrifke() { return smplrifke_layout(); }
-inline FeatureLayout layout_of_actor() { return actor_layout(); }
+MOTIONLANG_BODY FeatureLayout layout_of_guoh3d() { return guoh3dfeats_layout(); }
+
+MOTIONLANG_BODY FeatureLayout layout_of_kit() { return guoh3dfeats_layout(kit_part_of_joint); }
+
+MOTIONLANG_BODY FeatureLayout layout_of_rifke() { return rifke_layout(); }
+
+MOTIONLANG_BODY FeatureLayout layout_of_rifke64() { return rifke_layout(kit_part_of_joint); }
+
+MOTIONLANG_BODY FeatureLayout layout_of_smplvelp() { return smplvelp_layout(); }
+
+MOTIONLANG_BODY FeatureLayout layout_of_smplrifke() { return smplrifke_layout(); }
+
+MOTIONLANG_BODY FeatureLayout layout_of_actor() { return actor_layout(); }
 
 }  // namespace detail
 
-inline constexpr std::array<MotionFeatures, 8> all_motion_features{{
-    {"guoh3d", 263, 20, 22, &smpl24_skeleton, &detail::layout_of_guoh3d, guoh3dfeats_ranges, &detail::guoh3d_rows_of,
-     &detail::joints_of_guoh3d, nullptr},
-    {"kit", 251, 12.5, 21, &kit21_skeleton, &detail::layout_of_kit, kit_ranges, &detail::kit_rows_of,
-     &detail::joints_of_kit, nullptr},
-    {"rifke", 67, 12.5, 22, &smpl24_skeleton, &detail::layout_of_rifke, rifke_ranges, &detail::rifke_rows_of,
-     &detail::joints_of_rifke, nullptr},
-    {"rifke64", 64, 12.5, 21, &kit21_skeleton, &detail::layout_of_rifke64, rifke64_ranges, &detail::rifke64_rows_of,
-     &detail::joints_of_rifke64, nullptr},
-    {"smplvelp", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, smplvelp_ranges,
-     &detail::smplvelp_rows_of<true>, &detail::joints_of_smplvelp, &detail::smplvelp_motion},
-    {"smplvelp-published", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, smplvelp_ranges,
-     &detail::smplvelp_rows_of<false>, &detail::joints_of_smplvelp, &detail::smplvelp_motion},
-    {"smplrifke", smplrifke_size, 20, 22, &smpl24_skeleton, &detail::layout_of_smplrifke, smplrifke_ranges,
-     &smplrifke_from_motion, &detail::joints_of_smplrifke, &detail::smplrifke_motion},
-    {"actor", 150, 20, 22, &smpl24_skeleton, &detail::layout_of_actor, actor_ranges, &detail::actor_rows_of,
-     &detail::joints_of_actor, &detail::actor_motion},
-}};
-
-/// The clip of rows, on the joints of the features.
-/// fps     0: as the published systems have it
-/// Throws  shape_error 205, numeric_error 301 for values that are not finite, config_error 101 for such a rate
-inline Motion motion_of_rows(const MotionFeatures& features, std::span<const double> rows, double fps = 0) {
+MOTIONLANG_BODY Motion motion_of_rows(const MotionFeatures& features, std::span<const double> rows, double fps) {
   const double rate = fps > 0 ? fps : features.fps;
   const auto odd = std::find_if(rows.begin(), rows.end(), [](double x) { return !std::isfinite(x); });
   if (odd != rows.end()) {
@@ -15555,16 +16657,16 @@ inline Motion motion_of_rows(const MotionFeatures& features, std::span<const dou
   return motion_from_joints(features.skeleton(), features.joints_of(rows), features.joints, rate);
 }
 
-/// Throws config_error 103.
-inline const MotionFeatures& motion_features(std::string_view name) {
+MOTIONLANG_BODY const MotionFeatures& motion_features(std::string_view name) {
   for (const MotionFeatures& f : all_motion_features) {
     if (f.name == name) return f;
   }
-  raise<config_error>(103, "motion_features: '", name, "' is none of ",
+  raise<config_error>(103, "motion_features: '", name, "' is not one of ",
                       join_text(all_motion_features, ", ", [](const MotionFeatures& f) { return f.name; }));
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
@@ -15696,19 +16798,31 @@ class FeatureStatistics {
   std::vector<double> population_deviation() const { return deviation(1); }
 
  private:
-  std::vector<double> deviation(Index least) const {
-    if (count_ < least) raise<numeric_error>(302, "FeatureStatistics: a deviation of ", count_, " frames");
-    std::vector<double> out;
-    for (double s : squares_) out.push_back(std::sqrt(s / static_cast<double>(count_ + 1 - least)));
-    return out;
-  }
+  std::vector<double> deviation(Index least) const;
 
   Index count_ = 0;
   std::vector<double> mean_, squares_;
 };
 
 /// Every value replaced by the mean of its group. Throws shape_error 203 if a group is empty or ends behind the values.
-inline std::vector<double> group_means(std::vector<double> values, std::span<const IndexRange> groups) {
+std::vector<double> group_means(std::vector<double> values, std::span<const IndexRange> groups);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_STATISTICS_IPP  // <motionlang/features/statistics.ipp>
+#define MOTIONLANG_HAS_FEATURES_STATISTICS_IPP
+// Bodies of statistics.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<double> FeatureStatistics::deviation(Index least) const {
+  if (count_ < least) raise<numeric_error>(302, "FeatureStatistics: a deviation of ", count_, " frames");
+  std::vector<double> out;
+  for (double s : squares_) out.push_back(std::sqrt(s / static_cast<double>(count_ + 1 - least)));
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<double> group_means(std::vector<double> values, std::span<const IndexRange> groups) {
   for (const IndexRange& g : groups) {
     if (g.begin < 0 || g.size() <= 0 || g.end > std::ssize(values)) {
       raise<shape_error>(203, "group_means: the group ", g.begin, ":", g.end, " of ", values.size(), " values");
@@ -15721,79 +16835,6 @@ inline std::vector<double> group_means(std::vector<double> values, std::span<con
 
 MOTIONLANG_NAMESPACE_END
 #endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_TM2T_DATA_HPP  // <motionlang/features/tm2t_data.hpp>
-#define MOTIONLANG_HAS_FEATURES_TM2T_DATA_HPP
-/// What TM2T's tokenizer is trained on: its statistics, the windows of the clips, the frames that become tokens. And
-/// how often its decoder is shown the truth.
-///
-/// Source  TM2T (Guo et al., ECCV 2022), data/dataset.py, networks/trainers.py; spec tm2t.md 1, 2, 5.1
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The deviations by which features are divided: those of turn, velocity and height of the root and of the contacts are
-/// made smaller, so that these count more.
-/// bias   of the paper: 5
-/// times  as published the division is done twice, by the training and by the validation set, on the same numbers
-/// Throws shape_error 205 unless there are 12 J - 1 numbers, config_error 101 for a bias that is not positive
-template <Scalar S>
-std::vector<S> tm2t_deviation(std::vector<S> std, Index joints = 22, double bias = 5, int times = 2) {
-  const Guoh3dSlots slots{joints};
-  if (joints < 1 || std::ssize(std) != slots.size())
-    raise<shape_error>(205, "tm2t_deviation: ", std.size(), " numbers for ", joints, " joints");
-  if (!(bias > 0)) raise<config_error>(101, "tm2t_deviation: bias ", bias);
-  for (const IndexRange& r : {IndexRange{0, 4}, slots.contacts()}) {
-    for (Index i = r.begin; i < r.end; ++i) {
-      for (int k = 0; k < times; ++k) std[static_cast<std::size_t>(i)] /= static_cast<S>(bias);
-    }
-  }
-  return std;
-}
-
-/// Frames of the longest motion that becomes tokens for training.
-inline constexpr Index tm2t_longest = 196;
-
-/// Windows of the tokenizer's training, as many as sum (length - window) over the clips that are longer than it.
-struct ClipWindow {
-  Index clip = 0, start = 0;
-  bool operator==(const ClipWindow&) const = default;
-};
-/// As published item 0 is the beginning of the first clip that is as long as a window, and item i > 0 is start i - c -
-/// 1 of the clip with c < i <= c + n, where c counts the windows before it: the last start of each clip is missing.
-/// Throws config_error 101 for a window below 1.
-inline std::vector<ClipWindow> tm2t_windows(std::span<const Index> lengths, Index window = 64) {
-  if (window < 1) raise<config_error>(101, "tm2t_windows: windows of ", window);
-  std::vector<ClipWindow> out;
-  const auto first = std::find_if(lengths.begin(), lengths.end(), [&](Index length) { return length >= window; });
-  out.push_back({first - lengths.begin(), 0});
-  for (Index clip = 0; clip < std::ssize(lengths); ++clip) {
-    for (Index start = 0; start < lengths[static_cast<std::size_t>(clip)] - window; ++start)
-      out.push_back({clip, start});
-  }
-  out.pop_back();
-  return out;
-}
-
-/// The frames that become tokens: whole units, from a random start on. Throws config_error 101 if there is no unit.
-inline FrameSlice tm2t_token_frames(Index frames, PythonRandom& random, Index unit = 4) {
-  const Index length = unit > 0 ? frames / unit * unit : 0;
-  if (length < 1) raise<config_error>(101, "tm2t_token_frames: of ", frames, " frames in units of ", unit);
-  return {static_cast<Index>(random.randint(0, frames - length)), length};
-}
-
-/// Share of the batches in which the decoder of text-to-motion is fed with the true tokens: on a line from `first`, in
-/// epoch 0, to `last`, and then so.
-struct TeacherForcing {
-  double first = 0.9, last = 0.1;
-  Index epochs = 35;
-
-  double operator()(Index epoch) const {
-    if (epochs < 1) return last;
-    return first + (last - first) * static_cast<double>(std::min(epoch, epochs)) / static_cast<double>(epochs);
-  }
-};
-
-MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VAE_ACTOR_AUTOREGRESSIVE_HPP  // <motionlang/vae/actor_autoregressive.hpp>
@@ -17316,70 +18357,6 @@ MOTIONLANG_NAMESPACE_END
 /// Precision   tables are built in double, the entry for t is rounded to the tensor's scalar, then one multiplication
 ///             and one addition per term in the order written: what the published code does, and what parity needs.
 
-#ifndef MOTIONLANG_HAS_DIFFUSION_RESPACING_HPP  // <motionlang/diffusion/respacing.hpp>
-#define MOTIONLANG_HAS_DIFFUSION_RESPACING_HPP
-/// Which steps of a long process a short sampling run keeps.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// One section of nearly equal size per count; in each, `count` steps evenly from its first to its last, rounded half
-/// to even; of 0, none. Source  improved diffusion (Nichol and Dhariwal 2021), `space_timesteps`. Throws config_error
-/// 105.
-inline std::vector<Index> respace(Index steps, std::span<const Index> counts) {
-  std::vector<Index> kept;
-  const auto sections = static_cast<Index>(counts.size());
-  if (sections == 0) raise<config_error>(105, "respacing: no sections");
-  Index begin = 0;
-  for (Index i = 0; i < sections; ++i) {
-    const Index size = steps / sections + (i < steps % sections ? 1 : 0), count = counts[static_cast<std::size_t>(i)];
-    if (count < 0 || size < count)
-      raise<config_error>(105, "respacing: cannot take ", count, " of ", size, " steps in section ", i);
-    const double stride = count > 1 ? static_cast<double>(size - 1) / static_cast<double>(count - 1) : 1;
-    double position = 0;
-    for (Index k = 0; k < count; ++k, position += stride)
-      kept.push_back(begin + static_cast<Index>(std::nearbyint(position)));
-    begin += size;
-  }
-  if (kept.empty()) raise<config_error>(105, "respacing: no steps are kept of ", steps);
-  return kept;
-}
-
-/// "ddimN": the smallest stride that keeps N steps, starting at 0; or a list of counts "10,15,20" (one number is one
-/// section). Empty: all steps. Throws config_error 105.
-inline std::vector<Index> respace(Index steps, std::string_view specification) {
-  auto number = [&](std::string_view digits) {
-    while (digits.starts_with(' ')) digits.remove_prefix(1);  // as Python reads numbers
-    while (digits.ends_with(' ')) digits.remove_suffix(1);
-    Index n = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
-    if (error != std::errc{} || end != digits.data() + digits.size() || n < 0) {
-      raise<config_error>(105, "respacing: '", specification, "' is neither ddimN nor a list of counts");
-    }
-    return n;
-  };
-  if (specification.empty()) return respace(steps, std::vector<Index>{steps});
-  if (specification.starts_with("ddim")) {
-    const Index wanted = number(specification.substr(4));
-    for (Index stride = 1; stride < steps; ++stride) {
-      if ((steps + stride - 1) / stride != wanted) continue;
-      std::vector<Index> kept;
-      for (Index t = 0; t < steps; t += stride) kept.push_back(t);
-      return kept;
-    }
-    raise<config_error>(105, "respacing: no stride keeps ", wanted, " of ", steps, " steps");
-  }
-  std::vector<Index> counts;
-  for (std::size_t at = 0; at <= specification.size();) {
-    const std::size_t comma = std::min(specification.find(',', at), specification.size());
-    counts.push_back(number(specification.substr(at, comma - at)));
-    at = comma + 1;
-  }
-  return respace(steps, counts);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
 #ifndef MOTIONLANG_HAS_DIFFUSION_SCHEDULE_HPP  // <motionlang/diffusion/schedule.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_SCHEDULE_HPP
 /// Noise schedules: how much noise step t adds.
@@ -17403,10 +18380,7 @@ struct LinearSchedule {
   Index steps = 1000;
   double scale_betas = 1;
 
-  double beta(Index t) const {
-    const double c = scale_betas * 1000 / static_cast<double>(steps), low = c * 0.0001, high = c * 0.02;
-    return steps == 1 ? low : low + (high - low) * static_cast<double>(t) / static_cast<double>(steps - 1);
-  }
+  double beta(Index t) const;
 };
 
 /// Linear in the square root, as latent diffusion has it.
@@ -17414,11 +18388,7 @@ struct ScaledLinearSchedule {
   Index steps = 1000;
   double b0 = 0.00085, b1 = 0.012;
 
-  double beta(Index t) const {
-    const double a = std::sqrt(b0), b = std::sqrt(b1);
-    const double r = steps == 1 ? a : a + (b - a) * static_cast<double>(t) / static_cast<double>(steps - 1);
-    return r * r;
-  }
+  double beta(Index t) const;
 };
 
 /// Nichol and Dhariwal (2021), eq. 17; the schedule of MDM and, with 100 steps, of STMC (the thesis cites Chen 2023,
@@ -17428,14 +18398,7 @@ struct CosineSchedule {
   Index steps = 100;
   double s = 0.008;
 
-  double beta(Index t) const {
-    auto f = [&](double u) {
-      const double c = std::cos((u + s) / (1 + s) * std::numbers::pi / 2);
-      return c * c;
-    };
-    const double n = static_cast<double>(steps), i = static_cast<double>(t);
-    return std::min(1 - f((i + 1) / n) / f(i / n), 0.999);
-  }
+  double beta(Index t) const;
 };
 
 /// Chen (2023), what the thesis cites; no published checkpoint uses it.
@@ -17445,14 +18408,8 @@ struct ChenCosineSchedule {
   Index steps = 100;
   double start = 0, end = 1, tau = 1, clip_min = 1e-9;
 
-  double alpha_bar(double u) const {
-    auto v = [&](double x) { return std::pow(std::cos((x * (end - start) + start) * std::numbers::pi / 2), 2 * tau); };
-    return std::clamp((v(1) - v(u)) / (v(1) - v(0)), clip_min, 1.0);
-  }
-  double beta(Index t) const {
-    const double n = static_cast<double>(steps), i = static_cast<double>(t);
-    return std::min(1 - alpha_bar((i + 1) / n) / alpha_bar(i / n), 0.999);
-  }
+  double alpha_bar(double u) const;
+  double beta(Index t) const;
 };
 
 /// Any list, for example the betas of a respaced process.
@@ -17467,6 +18424,45 @@ static_assert(Schedule<LinearSchedule> && Schedule<ScaledLinearSchedule> && Sche
               Schedule<ChenCosineSchedule> && Schedule<BetaList>);
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DIFFUSION_SCHEDULE_IPP  // <motionlang/diffusion/schedule.ipp>
+#define MOTIONLANG_HAS_DIFFUSION_SCHEDULE_IPP
+// Bodies of schedule.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY double LinearSchedule::beta(Index t) const {
+  const double c = scale_betas * 1000 / static_cast<double>(steps), low = c * 0.0001, high = c * 0.02;
+  return steps == 1 ? low : low + (high - low) * static_cast<double>(t) / static_cast<double>(steps - 1);
+}
+
+MOTIONLANG_BODY double ScaledLinearSchedule::beta(Index t) const {
+  const double a = std::sqrt(b0), b = std::sqrt(b1);
+  const double r = steps == 1 ? a : a + (b - a) * static_cast<double>(t) / static_cast<double>(steps - 1);
+  return r * r;
+}
+
+MOTIONLANG_BODY double CosineSchedule::beta(Index t) const {
+  auto f = [&](double u) {
+    const double c = std::cos((u + s) / (1 + s) * std::numbers::pi / 2);
+    return c * c;
+  };
+  const double n = static_cast<double>(steps), i = static_cast<double>(t);
+  return std::min(1 - f((i + 1) / n) / f(i / n), 0.999);
+}
+
+MOTIONLANG_BODY double ChenCosineSchedule::alpha_bar(double u) const {
+  auto v = [&](double x) { return std::pow(std::cos((x * (end - start) + start) * std::numbers::pi / 2), 2 * tau); };
+  return std::clamp((v(1) - v(u)) / (v(1) - v(0)), clip_min, 1.0);
+}
+
+MOTIONLANG_BODY double ChenCosineSchedule::beta(Index t) const {
+  const double n = static_cast<double>(steps), i = static_cast<double>(t);
+  return std::min(1 - alpha_bar((i + 1) / n) / alpha_bar(i / n), 0.999);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -17494,68 +18490,33 @@ class GaussianDiffusion {
   }
   /// The process that keeps only some steps (respacing.hpp): beta'_i = 1 - abar[S_i] / abar[S_{i-1}]. The network still
   /// receives the original numbers. Throws config_error 104, 105.
-  GaussianDiffusion respaced(std::span<const Index> kept) const {
-    std::vector<double> betas;
-    double last = 1;
-    for (Index t : kept) {
-      if (t < 0 || t >= steps()) raise<config_error>(105, "respacing: step ", t, " of ", steps());
-      betas.push_back(1 - abar(t) / last);
-      last = abar(t);
-    }
-    GaussianDiffusion d{BetaList{betas}};
-    d.network_t_.clear();
-    for (Index t : kept) d.network_t_.push_back(network_t(t));
-    return d;
-  }
+  GaussianDiffusion respaced(std::span<const Index> kept) const;
 
   Index steps() const { return static_cast<Index>(beta_.size()); }
-  /// The number that the network is told at index t of this process.
+  /// The number that the network receives at index t of this process.
   Index network_t(Index t) const { return network_t_[at(t)]; }
 
   double beta(Index t) const { return beta_[at(t)]; }
   double alpha(Index t) const { return 1 - beta_[at(t)]; }
   double abar(Index t) const { return abar_[at(t)]; }
   /// 1 / abar. Throws config_error 104 where nothing of x0 is left: neither noise nor score tell anything of it.
-  double inverse_abar(Index t) const {
-    if (!(abar(t) > 0)) raise<config_error>(104, "GaussianDiffusion: step ", t, " keeps nothing of x0 (abar is 0)");
-    return 1 / abar(t);
-  }
+  double inverse_abar(Index t) const;
   double abarp(Index t) const { return t == 0 ? 1 : abar_[at(t) - 1]; }
   double abarn(Index t) const { return t + 1 == steps() ? 0 : abar_[at(t) + 1]; }
   /// Variance of the posterior: beta_t (1 - abarp_t) / (1 - abar_t); 0 at t = 0.
   double posterior_variance(Index t) const { return beta(t) * (1 - abarp(t)) / (1 - abar(t)); }
   /// Its logarithm, with index 1 in place of index 0.
-  double posterior_log_variance(Index t) const {
-    return steps() == 1 ? std::log(1e-20) : std::log(posterior_variance(t == 0 ? 1 : t));
-  }
-  double large_variance(Index t) const {
-    return t == 0 ? posterior_variance(std::min<Index>(1, steps() - 1)) : beta(t);
-  }
+  double posterior_log_variance(Index t) const;
+  double large_variance(Index t) const;
   /// Weights of x0 and x_t in the posterior mean.
   double c0(Index t) const { return beta(t) * std::sqrt(abarp(t)) / (1 - abar(t)); }
   double ct(Index t) const { return (1 - abarp(t)) * std::sqrt(alpha(t)) / (1 - abar(t)); }
 
   /// Factor of the noise in an ancestral step; 0 at t = 0.
-  double noise_factor(Index t, NoiseScale scale, Variance variance = Variance::fixed_small) const {
-    if (t == 0) return 0;
-    if (scale == NoiseScale::posterior_variance)
-      return variance == Variance::fixed_small ? posterior_variance(t) : large_variance(t);
-    return std::exp(0.5 *
-                    (variance == Variance::fixed_small ? posterior_log_variance(t) : std::log(large_variance(t))));
-  }
+  double noise_factor(Index t, NoiseScale scale, Variance variance = Variance::fixed_small) const;
 
  private:
-  void build(std::vector<double> betas) {
-    double product = 1;
-    for (std::size_t t = 0; t < betas.size(); ++t) {
-      if (!(betas[t] > 0 && betas[t] <= 1))
-        raise<config_error>(104, "diffusion schedule: beta[", t, "] = ", betas[t], " is not in (0, 1]");
-      product *= 1 - betas[t];
-      abar_.push_back(product);
-    }
-    if (betas.empty()) raise<config_error>(104, "diffusion schedule: no steps");
-    beta_ = std::move(betas);
-  }
+  void build(std::vector<double> betas);
   std::size_t at(Index t) const {
     if (t < 0 || t >= steps()) raise<shape_error>(203, "GaussianDiffusion: step ", t, " of ", steps());
     return static_cast<std::size_t>(t);
@@ -17669,6 +18630,138 @@ Tensor<B, R> convert_prediction(const GaussianDiffusion& d, Prediction from, Pre
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DIFFUSION_GAUSSIAN_IPP  // <motionlang/diffusion/gaussian.ipp>
+#define MOTIONLANG_HAS_DIFFUSION_GAUSSIAN_IPP
+// Bodies of gaussian.hpp.
+
+#ifndef MOTIONLANG_HAS_DIFFUSION_RESPACING_HPP  // <motionlang/diffusion/respacing.hpp>
+#define MOTIONLANG_HAS_DIFFUSION_RESPACING_HPP
+/// Which steps of a long process a short sampling run keeps.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// One section of nearly equal size per count; in each, `count` steps evenly from its first to its last, rounded half
+/// to even; of 0, none. Source  improved diffusion (Nichol and Dhariwal 2021), `space_timesteps`. Throws config_error
+/// 105.
+std::vector<Index> respace(Index steps, std::span<const Index> counts);
+
+/// "ddimN": the smallest stride that keeps N steps, starting at 0; or a list of counts "10,15,20" (one number is one
+/// section). Empty: all steps. Throws config_error 105.
+std::vector<Index> respace(Index steps, std::string_view specification);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DIFFUSION_RESPACING_IPP  // <motionlang/diffusion/respacing.ipp>
+#define MOTIONLANG_HAS_DIFFUSION_RESPACING_IPP
+// Bodies of respacing.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<Index> respace(Index steps, std::span<const Index> counts) {
+  std::vector<Index> kept;
+  const auto sections = static_cast<Index>(counts.size());
+  if (sections == 0) raise<config_error>(105, "respacing: no sections");
+  Index begin = 0;
+  for (Index i = 0; i < sections; ++i) {
+    const Index size = steps / sections + (i < steps % sections ? 1 : 0), count = counts[static_cast<std::size_t>(i)];
+    if (count < 0 || size < count)
+      raise<config_error>(105, "respacing: cannot take ", count, " of ", size, " steps in section ", i);
+    const double stride = count > 1 ? static_cast<double>(size - 1) / static_cast<double>(count - 1) : 1;
+    double position = 0;
+    for (Index k = 0; k < count; ++k, position += stride)
+      kept.push_back(begin + static_cast<Index>(std::nearbyint(position)));
+    begin += size;
+  }
+  if (kept.empty()) raise<config_error>(105, "respacing: no steps are kept of ", steps);
+  return kept;
+}
+
+MOTIONLANG_BODY std::vector<Index> respace(Index steps, std::string_view specification) {
+  auto number = [&](std::string_view digits) {
+    while (digits.starts_with(' ')) digits.remove_prefix(1);  // as Python reads numbers
+    while (digits.ends_with(' ')) digits.remove_suffix(1);
+    Index n = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
+    if (error != std::errc{} || end != digits.data() + digits.size() || n < 0) {
+      raise<config_error>(105, "respacing: '", specification, "' is neither ddimN nor a list of counts");
+    }
+    return n;
+  };
+  if (specification.empty()) return respace(steps, std::vector<Index>{steps});
+  if (specification.starts_with("ddim")) {
+    const Index wanted = number(specification.substr(4));
+    for (Index stride = 1; stride < steps; ++stride) {
+      if ((steps + stride - 1) / stride != wanted) continue;
+      std::vector<Index> kept;
+      for (Index t = 0; t < steps; t += stride) kept.push_back(t);
+      return kept;
+    }
+    raise<config_error>(105, "respacing: no stride keeps ", wanted, " of ", steps, " steps");
+  }
+  std::vector<Index> counts;
+  for (std::size_t at = 0; at <= specification.size();) {
+    const std::size_t comma = std::min(specification.find(',', at), specification.size());
+    counts.push_back(number(specification.substr(at, comma - at)));
+    at = comma + 1;
+  }
+  return respace(steps, counts);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY GaussianDiffusion GaussianDiffusion::respaced(std::span<const Index> kept) const {
+  std::vector<double> betas;
+  double last = 1;
+  for (Index t : kept) {
+    if (t < 0 || t >= steps()) raise<config_error>(105, "respacing: step ", t, " of ", steps());
+    betas.push_back(1 - abar(t) / last);
+    last = abar(t);
+  }
+  GaussianDiffusion d{BetaList{betas}};
+  d.network_t_.clear();
+  for (Index t : kept) d.network_t_.push_back(network_t(t));
+  return d;
+}
+
+MOTIONLANG_BODY double GaussianDiffusion::inverse_abar(Index t) const {
+  if (!(abar(t) > 0)) raise<config_error>(104, "GaussianDiffusion: step ", t, " keeps nothing of x0 (abar is 0)");
+  return 1 / abar(t);
+}
+
+MOTIONLANG_BODY double GaussianDiffusion::posterior_log_variance(Index t) const {
+  return steps() == 1 ? std::log(1e-20) : std::log(posterior_variance(t == 0 ? 1 : t));
+}
+
+MOTIONLANG_BODY double GaussianDiffusion::large_variance(Index t) const {
+  return t == 0 ? posterior_variance(std::min<Index>(1, steps() - 1)) : beta(t);
+}
+
+MOTIONLANG_BODY double GaussianDiffusion::noise_factor(Index t, NoiseScale scale, Variance variance) const {
+  if (t == 0) return 0;
+  if (scale == NoiseScale::posterior_variance)
+    return variance == Variance::fixed_small ? posterior_variance(t) : large_variance(t);
+  return std::exp(0.5 * (variance == Variance::fixed_small ? posterior_log_variance(t) : std::log(large_variance(t))));
+}
+
+MOTIONLANG_BODY void GaussianDiffusion::build(std::vector<double> betas) {
+  double product = 1;
+  for (std::size_t t = 0; t < betas.size(); ++t) {
+    if (!(betas[t] > 0 && betas[t] <= 1))
+      raise<config_error>(104, "diffusion schedule: beta[", t, "] = ", betas[t], " is not in (0, 1]");
+    product *= 1 - betas[t];
+    abar_.push_back(product);
+  }
+  if (betas.empty()) raise<config_error>(104, "diffusion schedule: no steps");
+  beta_ = std::move(betas);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -17904,7 +18997,7 @@ struct MdmSmplConfig {
   Index ff_size = 2048;
   Index num_layers = 8;
   Index num_heads = 8;
-  Index nb_registers = 2;
+  Index nb_registers = 2;  // may be none
   double dropout = 0.1;
   Activation activation = Activation::gelu;
   Index max_len = 1024;  // of a sequence with its tokens, and of the diffusion steps
@@ -17923,7 +19016,7 @@ struct MdmSmplConfig {
 /// Differs  from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
 template <Backend B>
 struct MdmSmplDenoiser {
-  Tensor<B, 2> registers;  // (nb_registers, latent_dim)
+  std::optional<Tensor<B, 2>> registers;  // (nb_registers, latent_dim); without any, files have no such tensor
   Linear<B> text_in, text_out;
   LayerNorm<B> text_norm;
   Linear<B> skel_embedding;
@@ -17942,7 +19035,8 @@ struct MdmSmplDenoiser {
   }
   MdmSmplDenoiser() = default;
   MdmSmplDenoiser(const MdmSmplConfig& c, Rng auto& rng)
-      : registers(normal_init<B, 2>({c.nb_registers, c.latent_dim}, 1, rng)),
+      : registers(c.nb_registers > 0 ? std::optional(normal_init<B, 2>({c.nb_registers, c.latent_dim}, 1, rng))
+                                     : std::nullopt),
         text_in(c.tx_dim, 2 * c.latent_dim, rng),
         text_out(2 * c.latent_dim, c.latent_dim, rng),
         text_norm(c.latent_dim),
@@ -17963,10 +19057,11 @@ struct MdmSmplDenoiser {
   /// Behind the tokens for time and text and the registers.
   DenoiserTraits traits() const {
     return {.longest_crop =
-                MdmSmplConfig{.nb_registers = registers.size(0), .max_len = positions.rows().size(0)}.longest_crop(),
+                MdmSmplConfig{.nb_registers = register_count(), .max_len = positions.rows().size(0)}.longest_crop(),
             .mates = BatchMates::longest_text};
   }
 
+  Index register_count() const { return registers ? registers->size(0) : 0; }
   /// (sequences, latent)
   Tensor<B, 2> time_tokens(std::span<const Index> t) const { return timestep_encoder(positions.rows(), t); }
   /// Token by token.
@@ -17999,7 +19094,7 @@ struct MdmSmplDenoiser {
     const Offsets lengths = repeat_lengths(x.offsets, uses);
     const auto heads = add_positions(head_tokens(t, text), positions.rows(), gaps(text));
     const PoolVector<PositionGap> before(static_cast<std::size_t>(x.count()),
-                                         {0, 1 + text.places() + registers.size(0)});
+                                         {0, 1 + text.places() + register_count()});
     const auto frames = add_positions(x.with(skel_embedding(x.rows)), positions.rows(), before);
     return to_skel_layer(last_rows(seqTransEncoder.with_tails(heads, frames, uses), lengths));
   }
@@ -18023,7 +19118,8 @@ struct MdmSmplDenoiser {
   /// What stands in front of the frames, without positions.
   Sequences<B> head_tokens(std::span<const Index> t, const EncodedText& text) const {
     const Sequences<B> time(time_tokens(t), Offsets::equal(text.tokens.count(), 1));
-    return concat_tokens(time, text.tokens, repeat_sequence(registers, text.tokens.count()));
+    if (!registers) return concat_tokens(time, text.tokens);
+    return concat_tokens(time, text.tokens, repeat_sequence(*registers, text.tokens.count()));
   }
   /// What follows a text stands where it would behind the longest text of the batch, and its padding.
   static PoolVector<PositionGap> gaps(const EncodedText& text) {
@@ -18380,10 +19476,7 @@ struct StepOptions {
 };
 
 /// The process with so many of its steps, evenly kept; all of them for 0. Throws config_error 105.
-inline GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps) {
-  if (steps == 0 || steps == process.steps()) return process;
-  return process.respaced(respace(process.steps(), std::vector<Index>{steps}));
-}
+GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps);
 
 /// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a
 /// batch it sees the same noise. draw: 0 for the initial tensor, 1, 2, ... for the steps.
@@ -18407,15 +19500,9 @@ struct SamplingOptions {
   NoiseScale noise_scale = NoiseScale::posterior_variance;
   bool clip = false;
 };
-inline std::string_view to_string(SamplingOptions::Sampler sampler) {
-  return sampler == SamplingOptions::Sampler::ddim ? "ddim" : "ddpm";
-}
+std::string_view to_string(SamplingOptions::Sampler sampler);
 /// "ddpm" or "ddim". Throws config_error 103.
-inline SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler") {
-  if (name == "ddpm") return SamplingOptions::Sampler::ddpm;
-  if (name == "ddim") return SamplingOptions::Sampler::ddim;
-  raise<config_error>(103, where, " '", name, "' is neither ddpm nor ddim");
-}
+SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where = "sampler");
 
 /// Names of the steps in the literature: x0 (clean estimate), mean of the posterior, x_{t-1}.
 template <Backend B, int R>
@@ -18579,6 +19666,30 @@ Tensor<B, R> sample_plms(const GaussianDiffusion& d, Tensor<B, R> x, Network&& n
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DIFFUSION_SAMPLER_IPP  // <motionlang/diffusion/sampler.ipp>
+#define MOTIONLANG_HAS_DIFFUSION_SAMPLER_IPP
+// Bodies of sampler.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps) {
+  if (steps == 0 || steps == process.steps()) return process;
+  return process.respaced(respace(process.steps(), std::vector<Index>{steps}));
+}
+
+MOTIONLANG_BODY std::string_view to_string(SamplingOptions::Sampler sampler) {
+  return sampler == SamplingOptions::Sampler::ddim ? "ddim" : "ddpm";
+}
+
+MOTIONLANG_BODY SamplingOptions::Sampler parse_sampler(std::string_view name, std::string_view where) {
+  if (name == "ddpm") return SamplingOptions::Sampler::ddpm;
+  if (name == "ddim") return SamplingOptions::Sampler::ddim;
+  raise<config_error>(103, where, " '", name, "' is neither ddpm nor ddim");
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -18649,8 +19760,6 @@ MOTIONLANG_NAMESPACE_END
 /// so that words which stand in every text ("a", "person") weigh next to nothing. Order and synonyms are not seen.
 /// Source  Salton, Buckley: "Term-weighting approaches in automatic text retrieval" (1988)
 
-#include <set>    // words of one text
-
 #ifndef MOTIONLANG_HAS_TEXT_TEXT_ENCODER_HPP  // <motionlang/text/text_encoder.hpp>
 #define MOTIONLANG_HAS_TEXT_TEXT_ENCODER_HPP
 /// The concept of a text encoder.
@@ -18669,12 +19778,98 @@ concept TextEncoder = requires(const E& e, std::span<const std::string> texts) {
 MOTIONLANG_NAMESPACE_END
 #endif
 
+MOTIONLANG_NAMESPACE_BEGIN
+
+class BagOfWords {
+ public:
+  /// Counts each different text once. Words as WordPiece sees them.
+  explicit BagOfWords(std::span<const std::string> texts);
+
+  /// Words, and one for all that are not known.
+  Index width() const { return static_cast<Index>(words_.size()) + 1; }
+
+  std::vector<double> vector(std::string_view text) const;
+
+  /// A text without words is all zero.
+  template <Backend B>
+  TextFeatures<B> encode(std::span<const std::string> texts) const {
+    std::vector<typename B::scalar> rows;
+    for (const std::string& t : texts) {
+      for (const double x : vector(t)) rows.push_back(static_cast<typename B::scalar>(x));
+    }
+    return TextFeatures<B>::pooled(Tensor<B, 2>::from(rows, {std::ssize(texts), width()}));
+  }
+
+ private:
+  struct Word {
+    Index number;
+    double weight;
+  };
+  std::map<std::string, Word> words_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_BAG_OF_WORDS_IPP  // <motionlang/text/bag_of_words.ipp>
+#define MOTIONLANG_HAS_TEXT_BAG_OF_WORDS_IPP
+// Bodies of bag_of_words.hpp.
+
+#include <set>        // words of one text
+
 #ifndef MOTIONLANG_HAS_TEXT_WORD_PIECE_HPP  // <motionlang/text/word_piece.hpp>
 #define MOTIONLANG_HAS_TEXT_WORD_PIECE_HPP
 /// A small word-piece tokenizer whose vocabulary is learnt from the captions of a training set.
 ///
 /// For plain captions: ASCII letters are lowered, everything that is neither letter nor digit separates words. The
 /// tokenizers of BERT and CLIP, with their Unicode rules, are other headers.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+struct WordPieceIds;
+}  // namespace detail
+
+/// Pieces that continue a word begin with "##". The first three ids are fixed.
+class WordPiece {
+ public:
+  static constexpr Index begin_id = 0, end_id = 1, unknown_id = 2;
+
+  WordPiece() = default;
+  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice; `source`
+  /// stands in messages.
+  explicit WordPiece(std::vector<std::string> vocabulary, std::string_view source = "WordPiece");
+
+  /// Learns a vocabulary: all letters, then the merges with the largest count(ab) / (count(a) count(b)) that occur at
+  /// least `least` times, until `size` pieces; ties go to the alphabetically first.
+  /// Source  the WordPiece criterion as described for BERT (Schuster and Nakajima 2012)
+  static WordPiece learn(std::span<const std::string> texts, Index size, Index least = 2);
+
+  const std::vector<std::string>& vocabulary() const { return pieces_; }
+  Index size() const { return static_cast<Index>(pieces_.size()); }
+
+  /// [CLS] pieces [SEP], at most `longest` ids; every word is split greedily into the longest known pieces, a word that
+  /// cannot be split is [UNK]. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
+  std::vector<Index> encode(std::string_view text, Index longest = 64) const;
+
+  /// Lower-case runs of letters and digits.
+  static std::vector<std::string> words(std::string_view text);
+
+ private:
+  void append_word(std::vector<Index>& ids, const std::string& word) const;
+
+  std::vector<std::string> pieces_;
+  std::shared_ptr<const detail::WordPieceIds> ids_;  // of the pieces; copies share it
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_WORD_PIECE_IPP  // <motionlang/text/word_piece.ipp>
+#define MOTIONLANG_HAS_TEXT_WORD_PIECE_IPP
+// Bodies of word_piece.hpp.
+
+#ifndef MOTIONLANG_HAS_TEXT_DETAIL_LONGEST_PIECES_HPP  // <motionlang/text/detail/longest_pieces.hpp>
+#define MOTIONLANG_HAS_TEXT_DETAIL_LONGEST_PIECES_HPP
+/// Words in their longest known pieces, as word-piece tokenizers split them.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -18702,179 +19897,152 @@ void append_longest_pieces(std::vector<Index>& ids, std::string_view word, std::
 
 }  // namespace detail
 
-/// Pieces that continue a word begin with "##". The first three ids are fixed.
-class WordPiece {
- public:
-  static constexpr Index begin_id = 0, end_id = 1, unknown_id = 2;
-
-  WordPiece() = default;
-  /// Throws config_error 107 unless the vocabulary begins with [CLS], [SEP], [UNK] and has no piece twice; `source`
-  /// stands in messages.
-  explicit WordPiece(std::vector<std::string> vocabulary, std::string_view source = "WordPiece")
-      : pieces_(std::move(vocabulary)) {
-    if (pieces_.size() < 3 || pieces_[0] != "[CLS]" || pieces_[1] != "[SEP]" || pieces_[2] != "[UNK]") {
-      raise<config_error>(107, source, ": a vocabulary of ", pieces_.size(),
-                          " pieces does not begin with [CLS], [SEP], [UNK]");
-    }
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      if (!ids_.emplace(pieces_[i], static_cast<Index>(i)).second)
-        raise<config_error>(107, source, ": piece '", pieces_[i], "' stands twice");
-      longest_ = std::max(longest_, pieces_[i].size());
-    }
-  }
-
-  /// Learns a vocabulary: all letters, then the merges with the largest count(ab) / (count(a) count(b)) that occur at
-  /// least `least` times, until `size` pieces; ties go to the alphabetically first.
-  /// Source  the WordPiece criterion as described for BERT (Schuster and Nakajima 2012)
-  static WordPiece learn(std::span<const std::string> texts, Index size, Index least = 2) {
-    std::map<std::string, Index> counts;
-    for (const std::string& t : texts) {
-      for (const std::string& w : words(t)) ++counts[w];
-    }
-    struct Word {
-      std::vector<std::string> pieces;
-      Index count;
-    };
-    std::vector<Word> split;
-    std::vector<std::string> vocabulary{"[CLS]", "[SEP]", "[UNK]"};
-    std::map<std::string, Index> known;
-    for (const auto& [word, count] : counts) {
-      Word w{{}, count};
-      for (std::size_t i = 0; i < word.size(); ++i) w.pieces.push_back((i == 0 ? "" : "##") + word.substr(i, 1));
-      for (const auto& p : w.pieces) known[p] += count;
-      split.push_back(std::move(w));
-    }
-    for (const auto& [piece, count] : known) vocabulary.push_back(piece);
-    while (static_cast<Index>(vocabulary.size()) < size) {
-      std::map<std::string, Index> single;
-      std::map<std::pair<std::string, std::string>, Index> pairs;
-      for (const Word& w : split) {
-        for (std::size_t i = 0; i < w.pieces.size(); ++i) {
-          single[w.pieces[i]] += w.count;
-          if (i + 1 < w.pieces.size()) pairs[{w.pieces[i], w.pieces[i + 1]}] += w.count;
-        }
-      }
-      double best_score = 0;
-      std::pair<std::string, std::string> best;
-      for (const auto& [pair, count] : pairs) {
-        if (count < least) continue;
-        const double score = static_cast<double>(count) /
-                             (static_cast<double>(single[pair.first]) * static_cast<double>(single[pair.second]));
-        if (score > best_score) best_score = score, best = pair;
-      }
-      if (best_score == 0) break;
-      const std::string merged = best.first + best.second.substr(2);
-      for (Word& w : split) {
-        for (std::size_t i = 0; i + 1 < w.pieces.size(); ++i) {
-          if (w.pieces[i] != best.first || w.pieces[i + 1] != best.second) continue;
-          w.pieces[i] = merged;
-          w.pieces.erase(w.pieces.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-        }
-      }
-      vocabulary.push_back(merged);
-    }
-    return WordPiece(std::move(vocabulary));
-  }
-
-  const std::vector<std::string>& vocabulary() const { return pieces_; }
-  Index size() const { return static_cast<Index>(pieces_.size()); }
-
-  /// [CLS] pieces [SEP], at most `longest` ids; every word is split greedily into the longest known pieces, a word that
-  /// cannot be split is [UNK]. Throws config_error 101 if `longest` leaves no room for [CLS] and [SEP].
-  std::vector<Index> encode(std::string_view text, Index longest = 64) const {
-    if (longest < 2) raise<config_error>(101, "WordPiece: at most ", longest, " ids, the frame has 2");
-    std::vector<Index> ids{begin_id};
-    for (const std::string& w : words(text)) append_word(ids, w);
-    if (static_cast<Index>(ids.size()) > longest - 1) ids.resize(static_cast<std::size_t>(longest - 1));
-    ids.push_back(end_id);
-    return ids;
-  }
-
-  /// Lower-case runs of letters and digits.
-  static std::vector<std::string> words(std::string_view text) {
-    std::vector<std::string> out;
-    bool inside = false;
-    for (char c : text) {
-      c = detail::lower(c);
-      const bool part = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
-      if (part && !inside) out.emplace_back();
-      if (part) out.back() += c;
-      inside = part;
-    }
-    return out;
-  }
-
- private:
-  void append_word(std::vector<Index>& ids, const std::string& word) const {
-    detail::append_longest_pieces(ids, word, longest_, unknown_id, [&](std::string_view part, bool first) {
-      const auto found = ids_.find((first ? "" : "##") + std::string(part));
-      return found == ids_.end() ? Index{-1} : found->second;
-    });
-  }
-
-  std::vector<std::string> pieces_;
-  std::unordered_map<std::string, Index> ids_;
-  std::size_t longest_ = 0;
-};
-
 MOTIONLANG_NAMESPACE_END
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-class BagOfWords {
- public:
-  /// Counts each different text once. Words as WordPiece sees them.
-  explicit BagOfWords(std::span<const std::string> texts) {
-    const std::set<std::string> different(texts.begin(), texts.end());
-    std::map<std::string, Index> counts;
-    for (const std::string& t : different) {
-      const auto words = WordPiece::words(t);
-      for (const std::string& w : std::set<std::string>(words.begin(), words.end())) ++counts[w];
-    }
-    for (const auto& [word, count] : counts) {
-      const double rare = std::log((1.0 + static_cast<double>(different.size())) / (1.0 + static_cast<double>(count)));
-      words_.emplace(word, Word{static_cast<Index>(words_.size()), rare + 0.01});
-    }
-  }
+namespace detail {
 
-  /// Words, and one for all that are not known.
-  Index width() const { return static_cast<Index>(words_.size()) + 1; }
-
-  std::vector<double> vector(std::string_view text) const {
-    std::vector<double> out(static_cast<std::size_t>(width()));
-    for (const std::string& w : WordPiece::words(text)) {
-      const auto found = words_.find(w);
-      if (found == words_.end())
-        out.back() += 1;
-      else
-        out[static_cast<std::size_t>(found->second.number)] += found->second.weight;
-    }
-    double squares = 0;
-    for (const double x : out) squares += x * x;
-    for (double& x : out) x /= std::max(std::sqrt(squares), 1e-12);
-    return out;
-  }
-
-  /// A text without words is all zero.
-  template <Backend B>
-  TextFeatures<B> encode(std::span<const std::string> texts) const {
-    std::vector<typename B::scalar> rows;
-    for (const std::string& t : texts) {
-      for (const double x : vector(t)) rows.push_back(static_cast<typename B::scalar>(x));
-    }
-    return TextFeatures<B>::pooled(Tensor<B, 2>::from(rows, {std::ssize(texts), width()}));
-  }
-
- private:
-  struct Word {
-    Index number;
-    double weight;
-  };
-  std::map<std::string, Word> words_;
+/// What WordPiece looks pieces up in.
+struct WordPieceIds {
+  std::unordered_map<std::string, Index> ids;
+  std::size_t longest = 0;  // of all pieces
 };
 
+}  // namespace detail
+
+MOTIONLANG_BODY WordPiece::WordPiece(std::vector<std::string> vocabulary, std::string_view source)
+    : pieces_(std::move(vocabulary)) {
+  if (pieces_.size() < 3 || pieces_[0] != "[CLS]" || pieces_[1] != "[SEP]" || pieces_[2] != "[UNK]") {
+    raise<config_error>(107, source, ": a vocabulary of ", pieces_.size(),
+                        " pieces does not begin with [CLS], [SEP], [UNK]");
+  }
+  auto ids = std::make_shared<detail::WordPieceIds>();
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    if (!ids->ids.emplace(pieces_[i], static_cast<Index>(i)).second)
+      raise<config_error>(107, source, ": piece '", pieces_[i], "' is duplicated");
+    ids->longest = std::max(ids->longest, pieces_[i].size());
+  }
+  ids_ = std::move(ids);
+}
+
+MOTIONLANG_BODY WordPiece WordPiece::learn(std::span<const std::string> texts, Index size, Index least) {
+  std::map<std::string, Index> counts;
+  for (const std::string& t : texts) {
+    for (const std::string& w : words(t)) ++counts[w];
+  }
+  struct Word {
+    std::vector<std::string> pieces;
+    Index count;
+  };
+  std::vector<Word> split;
+  std::vector<std::string> vocabulary{"[CLS]", "[SEP]", "[UNK]"};
+  std::map<std::string, Index> known;
+  for (const auto& [word, count] : counts) {
+    Word w{{}, count};
+    for (std::size_t i = 0; i < word.size(); ++i) w.pieces.push_back((i == 0 ? "" : "##") + word.substr(i, 1));
+    for (const auto& p : w.pieces) known[p] += count;
+    split.push_back(std::move(w));
+  }
+  for (const auto& [piece, count] : known) vocabulary.push_back(piece);
+  while (static_cast<Index>(vocabulary.size()) < size) {
+    std::map<std::string, Index> single;
+    std::map<std::pair<std::string, std::string>, Index> pairs;
+    for (const Word& w : split) {
+      for (std::size_t i = 0; i < w.pieces.size(); ++i) {
+        single[w.pieces[i]] += w.count;
+        if (i + 1 < w.pieces.size()) pairs[{w.pieces[i], w.pieces[i + 1]}] += w.count;
+      }
+    }
+    double best_score = 0;
+    std::pair<std::string, std::string> best;
+    for (const auto& [pair, count] : pairs) {
+      if (count < least) continue;
+      const double score = static_cast<double>(count) /
+                           (static_cast<double>(single[pair.first]) * static_cast<double>(single[pair.second]));
+      if (score > best_score) best_score = score, best = pair;
+    }
+    if (best_score == 0) break;
+    const std::string merged = best.first + best.second.substr(2);
+    for (Word& w : split) {
+      for (std::size_t i = 0; i + 1 < w.pieces.size(); ++i) {
+        if (w.pieces[i] != best.first || w.pieces[i + 1] != best.second) continue;
+        w.pieces[i] = merged;
+        w.pieces.erase(w.pieces.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+      }
+    }
+    vocabulary.push_back(merged);
+  }
+  return WordPiece(std::move(vocabulary));
+}
+
+MOTIONLANG_BODY std::vector<Index> WordPiece::encode(std::string_view text, Index longest) const {
+  if (longest < 2) raise<config_error>(101, "WordPiece: at most ", longest, " ids, the frame has 2");
+  std::vector<Index> ids{begin_id};
+  for (const std::string& w : words(text)) append_word(ids, w);
+  if (static_cast<Index>(ids.size()) > longest - 1) ids.resize(static_cast<std::size_t>(longest - 1));
+  ids.push_back(end_id);
+  return ids;
+}
+
+MOTIONLANG_BODY std::vector<std::string> WordPiece::words(std::string_view text) {
+  std::vector<std::string> out;
+  bool inside = false;
+  for (char c : text) {
+    c = detail::lower(c);
+    const bool part = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+    if (part && !inside) out.emplace_back();
+    if (part) out.back() += c;
+    inside = part;
+  }
+  return out;
+}
+
+MOTIONLANG_BODY void WordPiece::append_word(std::vector<Index>& ids, const std::string& word) const {
+  const std::size_t longest = ids_ == nullptr ? 0 : ids_->longest;
+  detail::append_longest_pieces(ids, word, longest, unknown_id, [&](std::string_view part, bool first) {
+    const auto found = ids_->ids.find((first ? "" : "##") + std::string(part));
+    return found == ids_->ids.end() ? Index{-1} : found->second;
+  });
+}
+
 MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY BagOfWords::BagOfWords(std::span<const std::string> texts) {
+  const std::set<std::string> different(texts.begin(), texts.end());
+  std::map<std::string, Index> counts;
+  for (const std::string& t : different) {
+    const auto words = WordPiece::words(t);
+    for (const std::string& w : std::set<std::string>(words.begin(), words.end())) ++counts[w];
+  }
+  for (const auto& [word, count] : counts) {
+    const double rare = std::log((1.0 + static_cast<double>(different.size())) / (1.0 + static_cast<double>(count)));
+    words_.emplace(word, Word{static_cast<Index>(words_.size()), rare + 0.01});
+  }
+}
+
+MOTIONLANG_BODY std::vector<double> BagOfWords::vector(std::string_view text) const {
+  std::vector<double> out(static_cast<std::size_t>(width()));
+  for (const std::string& w : WordPiece::words(text)) {
+    const auto found = words_.find(w);
+    if (found == words_.end())
+      out.back() += 1;
+    else
+      out[static_cast<std::size_t>(found->second.number)] += found->second.weight;
+  }
+  double squares = 0;
+  for (const double x : out) squares += x * x;
+  for (double& x : out) x /= std::max(std::sqrt(squares), 1e-12);
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_BERT_HPP  // <motionlang/text/bert.hpp>
@@ -18882,8 +20050,8 @@ MOTIONLANG_NAMESPACE_END
 /// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. One network; the members differ in the names of their tensors,
 /// in whether there are token types, and in how positions count.
 ///
-///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);   // io/text_network_file.hpp
-///     const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
+///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);   //
+///     weights/text_network_file.hpp const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
 ///
 /// Batches are packed: padding is never computed, and a text has the same numbers alone and among others (but for last
 /// digits in bf16x3). Loading a file packs the weights for the kernels; a network that was made otherwise is made ready
@@ -18917,15 +20085,7 @@ struct TokenBatch {
 
   /// (texts, width), filled up with `pad` on the right; width 0: that of the longest text. Throws shape_error 204 if a
   /// text is longer.
-  std::vector<Index> padded(Index pad, Index width = 0) const {
-    if (width == 0) width = longest();
-    if (width < longest()) raise<shape_error>(204, "padded: width ", width, ", a text of ", longest(), " ids");
-    std::vector<Index> out(static_cast<std::size_t>(count() * width), pad);
-    auto from = ids.begin();
-    for (std::size_t i = 0; i < lengths.size(); from += lengths[i], ++i)
-      std::copy_n(from, lengths[i], out.begin() + static_cast<std::ptrdiff_t>(i) * width);
-    return out;
-  }
+  std::vector<Index> padded(Index pad, Index width = 0) const;
 };
 
 template <Tokenizer T>
@@ -18954,12 +20114,7 @@ namespace detail {
 class AddedTokenSearch {
  public:
   AddedTokenSearch() = default;
-  explicit AddedTokenSearch(std::vector<AddedToken> tokens) : tokens_(std::move(tokens)) {
-    std::erase_if(tokens_, [](const AddedToken& t) { return t.content.empty(); });
-    std::stable_sort(tokens_.begin(), tokens_.end(),
-                     [](const AddedToken& a, const AddedToken& b) { return a.content.size() > b.content.size(); });
-    for (const AddedToken& t : tokens_) begins_[static_cast<unsigned char>(t.content.front())] = true;
-  }
+  explicit AddedTokenSearch(std::vector<AddedToken> tokens);
   bool empty() const { return tokens_.empty(); }
   bool has(Index id) const {
     return std::any_of(tokens_.begin(), tokens_.end(), [&](const AddedToken& t) { return t.id == id; });
@@ -18983,12 +20138,7 @@ class AddedTokenSearch {
   }
 
  private:
-  const AddedToken* match(std::string_view text) const {
-    for (const AddedToken& t : tokens_) {
-      if (text.starts_with(t.content)) return &t;
-    }
-    return nullptr;
-  }
+  const AddedToken* match(std::string_view text) const;
 
   std::vector<AddedToken> tokens_;
   std::array<bool, 256> begins_{};
@@ -19013,7 +20163,56 @@ struct TokenPair {
 
 namespace detail {
 
-inline TokenPair framed(std::span<const FramePart> frame, std::span<const Index> a, std::span<const Index> b = {}) {
+TokenPair framed(std::span<const FramePart> frame, std::span<const Index> a, std::span<const Index> b = {});
+
+/// Ids that a frame adds to its texts.
+std::size_t frame_size(std::span<const FramePart> frame);
+
+/// The ids of a text in its frame, no more than `longest`: what is beyond is cut off, or throws config_error 101 unless
+/// `truncate`.
+std::vector<Index> framed_text(std::string_view tokenizer, std::span<const FramePart> frame, std::vector<Index> ids,
+                               Index longest, bool truncate);
+/// Two texts in one frame; never cut. Throws config_error 101 beyond `longest` ids.
+TokenPair framed_pair(std::string_view tokenizer, std::span<const FramePart> frame, std::span<const Index> a,
+                      std::span<const Index> b, Index longest);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_TOKENIZER_IPP  // <motionlang/text/tokenizer.ipp>
+#define MOTIONLANG_HAS_TEXT_TOKENIZER_IPP
+// Bodies of tokenizer.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<Index> TokenBatch::padded(Index pad, Index width) const {
+  if (width == 0) width = longest();
+  if (width < longest()) raise<shape_error>(204, "padded: width ", width, ", a text of ", longest(), " ids");
+  std::vector<Index> out(static_cast<std::size_t>(count() * width), pad);
+  auto from = ids.begin();
+  for (std::size_t i = 0; i < lengths.size(); from += lengths[i], ++i)
+    std::copy_n(from, lengths[i], out.begin() + static_cast<std::ptrdiff_t>(i) * width);
+  return out;
+}
+
+namespace detail {
+
+MOTIONLANG_BODY AddedTokenSearch::AddedTokenSearch(std::vector<AddedToken> tokens) : tokens_(std::move(tokens)) {
+  std::erase_if(tokens_, [](const AddedToken& t) { return t.content.empty(); });
+  std::stable_sort(tokens_.begin(), tokens_.end(),
+                   [](const AddedToken& a, const AddedToken& b) { return a.content.size() > b.content.size(); });
+  for (const AddedToken& t : tokens_) begins_[static_cast<unsigned char>(t.content.front())] = true;
+}
+
+MOTIONLANG_BODY const AddedToken* AddedTokenSearch::match(std::string_view text) const {
+  for (const AddedToken& t : tokens_) {
+    if (text.starts_with(t.content)) return &t;
+  }
+  return nullptr;
+}
+
+MOTIONLANG_BODY TokenPair framed(std::span<const FramePart> frame, std::span<const Index> a, std::span<const Index> b) {
   TokenPair out;
   for (const FramePart& part : frame) {
     if (part.kind == FramePart::token) {
@@ -19027,16 +20226,13 @@ inline TokenPair framed(std::span<const FramePart> frame, std::span<const Index>
   return out;
 }
 
-/// Ids that a frame adds to its texts.
-inline std::size_t frame_size(std::span<const FramePart> frame) {
+MOTIONLANG_BODY std::size_t frame_size(std::span<const FramePart> frame) {
   return static_cast<std::size_t>(
       std::count_if(frame.begin(), frame.end(), [](const FramePart& p) { return p.kind == FramePart::token; }));
 }
 
-/// The ids of a text in its frame, no more than `longest`: what is beyond is cut off, or throws config_error 101 unless
-/// `truncate`.
-inline std::vector<Index> framed_text(std::string_view tokenizer, std::span<const FramePart> frame,
-                                      std::vector<Index> ids, Index longest, bool truncate) {
+MOTIONLANG_BODY std::vector<Index> framed_text(std::string_view tokenizer, std::span<const FramePart> frame,
+                                               std::vector<Index> ids, Index longest, bool truncate) {
   const std::size_t around = frame_size(frame), room = static_cast<std::size_t>(longest) - around;
   if (ids.size() > room) {
     if (!truncate) raise<config_error>(101, tokenizer, ": a text of ", ids.size() + around, " ids, at most ", longest);
@@ -19044,9 +20240,9 @@ inline std::vector<Index> framed_text(std::string_view tokenizer, std::span<cons
   }
   return framed(frame, ids).ids;
 }
-/// Two texts in one frame; never cut. Throws config_error 101 beyond `longest` ids.
-inline TokenPair framed_pair(std::string_view tokenizer, std::span<const FramePart> frame, std::span<const Index> a,
-                             std::span<const Index> b, Index longest) {
+
+MOTIONLANG_BODY TokenPair framed_pair(std::string_view tokenizer, std::span<const FramePart> frame,
+                                      std::span<const Index> a, std::span<const Index> b, Index longest) {
   TokenPair out = framed(frame, a, b);
   if (std::ssize(out.ids) > longest)
     raise<config_error>(101, tokenizer, ": a text of ", out.ids.size(), " ids, at most ", longest);
@@ -19056,6 +20252,7 @@ inline TokenPair framed_pair(std::string_view tokenizer, std::span<const FramePa
 }  // namespace detail
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -19295,7 +20492,7 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_TEXT_BERT_TOKENIZER_HPP  // <motionlang/text/bert_tokenizer.hpp>
 #define MOTIONLANG_HAS_TEXT_BERT_TOKENIZER_HPP
 /// The WordPiece tokenizer of BERT, DistilBERT and MiniLM, and its MPNet variant: ids as the fast tokenizers of Hugging
-/// Face give them. Vocabularies are read by io/tokenizer_files.hpp.
+/// Face give them. Vocabularies are read by weights/tokenizer_files.hpp.
 ///
 ///     const BertTokenizer bert(read_vocabulary("vocab.txt"));
 ///     bert.encode("a person walks.");   // [CLS] a person walks . [SEP]
@@ -19304,6 +20501,101 @@ MOTIONLANG_NAMESPACE_END
 /// Differs  the tables are those of Unicode 15, in the fast tokenizers of Unicode 8: newer punctuation and newer
 ///          combining marks are known here
 
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct BertTokenizerOptions {
+  bool clean_text = true;  // drops control characters, any white space is a blank
+  bool split_cjk = true;   // every ideograph is a word
+  bool lower_case = true;
+  std::optional<bool> strip_accents;  // unless set: as lower_case
+  std::string begin = "[CLS]", end = "[SEP]", unknown = "[UNK]", pad = "[PAD]";
+  std::string continuation = "##";  // in front of a piece that continues a word
+  Index longest_word = 100;         // code points; a longer word is unknown
+  /// Strings that are their own ids, in the order of preference; those that the vocabulary lacks are left out.
+  std::vector<std::string> special{"[PAD]", "[UNK]", "[CLS]", "[SEP]", "[MASK]"};
+  bool pair_has_types = true;      // the second text of a pair has token type 1
+  bool pair_has_two_ends = false;  // between the texts of a pair stands the end twice
+  Index longest = 512;             // ids of a text with its frame, as many as the network has positions
+  bool truncate = false;           // a longer text is cut, else refused
+
+  /// Of all-mpnet-base-v2.
+  static BertTokenizerOptions mpnet();
+};
+
+/// The vocabulary of MPNet from that of BERT: four marks before it, one behind it.
+std::vector<std::string> mpnet_vocabulary(std::span<const std::string> bert);
+
+class BertTokenizer {
+ public:
+  /// vocabulary   the piece of every id
+  /// added        instead of options.special, as a tokenizer.json lists them
+  /// Throws       config_error 107, naming `source`: a piece is duplicated, is empty or not UTF-8, or begin, end or
+  ///              unknown is no piece; 101 if options.longest leaves no room for a text
+  explicit BertTokenizer(std::vector<std::string> vocabulary, BertTokenizerOptions options = {},
+                         std::string_view source = "BertTokenizer", std::optional<std::vector<AddedToken>> added = {});
+
+  const BertTokenizerOptions& options() const { return options_; }
+  const std::vector<std::string>& vocabulary() const { return *pieces_; }
+  Index size() const { return static_cast<Index>(pieces_->size()); }
+  /// The id of a piece as the vocabulary writes it ("walk", "##ing"); none if there is no such piece.
+  std::optional<Index> id(std::string_view piece) const;
+  /// Throws config_error 103 if the vocabulary has no piece for padding.
+  Index pad_id() const;
+
+  /// Other frames than the options make. Throws config_error 107 for ids that are no pieces, 101 as the constructor.
+  void set_frames(std::vector<FramePart> single, std::vector<FramePart> pair, std::string_view source);
+
+  /// The framed ids of a text. Throws config_error 101 if they are more than options().longest and may not be cut.
+  std::vector<Index> encode(std::string_view text) const;
+  /// Two texts in one frame; never cut.
+  TokenPair encode_pair(std::string_view a, std::string_view b) const;
+  /// Without a frame, of any length.
+  std::vector<Index> encode_words(std::string_view text) const;
+
+  /// The words that ids spell, separated by blanks; special tokens are left out. Throws shape_error 203 for an id that
+  /// is not one of the vocabulary.
+  std::string decode(std::span<const Index> ids) const;
+
+  /// The text of which words are taken: cleaned, ideographs apart, without accents, in lower case, as the options say.
+  std::string normalized(std::string_view text) const;
+
+ private:
+  /// Of a character that is white space or belongs to Other: whether it separates words. The others vanish.
+  static bool is_blank(char32_t c, unsigned k);
+  static bool is_cjk(char32_t c);
+  /// ASCII symbols count as punctuation.
+  static bool is_punctuation(char32_t c, unsigned k);
+
+  std::string normalized_unicode(std::string_view text) const;
+
+  void append_words(std::vector<Index>& ids, std::string_view text) const;
+
+  Index find(std::string_view part, bool first) const;
+
+  void index_pieces(std::string_view source);
+  Index required(const std::string& piece, std::string_view source) const;
+  void require_id(Index id, std::string_view source) const;
+  void require_room(std::span<const FramePart> single, std::span<const FramePart> pair, std::string_view source) const;
+  std::vector<AddedToken> specials() const;
+  void set_added(std::vector<AddedToken> tokens, std::string_view source);
+
+  BertTokenizerOptions options_;
+  std::shared_ptr<const std::vector<std::string>> pieces_;
+  std::unordered_map<std::string_view, Index> starts_, continuations_;  // views into *pieces_
+  std::size_t longest_ = 0;                                             // bytes of a piece
+  Index begin_ = 0, end_ = 0, unknown_ = 0;
+  std::vector<FramePart> single_, pair_;
+  detail::AddedTokenSearch raw_, normalized_;
+};
+
+static_assert(Tokenizer<BertTokenizer>);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_BERT_TOKENIZER_IPP  // <motionlang/text/bert_tokenizer.ipp>
+#define MOTIONLANG_HAS_TEXT_BERT_TOKENIZER_IPP
+// Bodies of bert_tokenizer.hpp.
+
 #ifndef MOTIONLANG_HAS_TEXT_UNICODE_HPP  // <motionlang/text/unicode.hpp>
 #define MOTIONLANG_HAS_TEXT_UNICODE_HPP
 /// What tokenizers need of Unicode: classes of characters, words, lower case, canonical decomposition and composition
@@ -19311,6 +20603,65 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Source  Unicode Standard 15.0, sections 3.11, 3.12 (normal forms, Hangul) and 3.13 (final sigma); the tables are
 ///         generated by tests/tools/make_unicode_tables.py
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Bits of `char_class`.
+namespace CharClass {
+inline constexpr unsigned letter = 1;            // L*
+inline constexpr unsigned number = 2;            // N*
+inline constexpr unsigned punctuation = 4;       // P*
+inline constexpr unsigned nonspacing_mark = 8;   // Mn
+inline constexpr unsigned other = 16;            // Cc, Cf, Cs, Co; not Cn, the unassigned
+inline constexpr unsigned white_space = 32;      // White_Space
+inline constexpr unsigned cased = 64;            // Cased
+inline constexpr unsigned case_ignorable = 128;  // Case_Ignorable
+}  // namespace CharClass
+
+/// The classes that a code point belongs to, bits of CharClass.
+unsigned char_class(char32_t c);
+
+/// Calls on_word(word) for what stands between white space, as str.split() of Python finds it.
+template <class F>
+void for_each_word(std::string_view text, F on_word) {
+  const auto blank = [](char32_t c) {
+    return (char_class(c) & CharClass::white_space) != 0 || (c >= 0x1C && c <= 0x1F);
+  };
+  std::size_t begin = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t here = at;
+    if (!blank(decode_utf8(text, at))) continue;
+    if (here > begin) on_word(text.substr(begin, here - begin));
+    begin = at;
+  }
+  if (begin < text.size()) on_word(text.substr(begin));
+}
+
+/// Simple lower case; U+0130 gives i (its full lower case is i, U+0307).
+char32_t lower_case(char32_t c);
+
+/// Canonical_Combining_Class.
+unsigned combining_class(char32_t c);
+
+/// Bytes that are not UTF-8 become U+FFFD, one for each.
+std::u32string to_utf32(std::string_view text);
+std::string to_utf8(std::u32string_view text);
+
+/// Canonical decomposition with marks in canonical order.
+std::u32string nfd(std::u32string_view text);
+
+/// Canonical composition.
+std::u32string nfc(std::u32string_view text);
+
+/// Full lower case without a language: U+0130 becomes i, U+0307, and where `final_sigma` is set a capital sigma at the
+/// end of a word U+03C2.
+std::u32string lower_case(std::u32string_view text, bool final_sigma = true);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_UNICODE_IPP  // <motionlang/text/unicode.ipp>
+#define MOTIONLANG_HAS_TEXT_UNICODE_IPP
+// Bodies of unicode.hpp.
 
 #ifndef MOTIONLANG_HAS_TEXT_DETAIL_UNICODE_TABLES_HPP  // <motionlang/text/detail/unicode_tables.hpp>
 #define MOTIONLANG_HAS_TEXT_DETAIL_UNICODE_TABLES_HPP
@@ -20094,32 +21445,21 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Bits of `char_class`.
-namespace CharClass {
-inline constexpr unsigned letter = 1;            // L*
-inline constexpr unsigned number = 2;            // N*
-inline constexpr unsigned punctuation = 4;       // P*
-inline constexpr unsigned nonspacing_mark = 8;   // Mn
-inline constexpr unsigned other = 16;            // Cc, Cf, Cs, Co; not Cn, the unassigned
-inline constexpr unsigned white_space = 32;      // White_Space
-inline constexpr unsigned cased = 64;            // Cased
-inline constexpr unsigned case_ignorable = 128;  // Case_Ignorable
-}  // namespace CharClass
-
 namespace detail {
 
 /// The row of a table of disjoint stretches, ordered by `first`, that holds c; null if none does.
 template <class Run>
-constexpr const Run* find_run(std::span<const Run> table, char32_t c) {
+const Run* find_run(std::span<const Run> table, char32_t c) {
   const auto after =
       std::upper_bound(table.begin(), table.end(), c, [](char32_t x, const Run& run) { return x < run.first; });
   return after != table.begin() && c <= (after - 1)->last ? &*(after - 1) : nullptr;
 }
 
-constexpr unsigned searched_class(char32_t c) {
+inline unsigned searched_class(char32_t c) {
   const std::span<const std::uint32_t> runs(class_runs);
   return *(std::upper_bound(runs.begin(), runs.end(), c << 8 | 255u) - 1) & 255u;
 }
+
 inline constexpr auto first_classes = [] {
   std::array<std::uint8_t, 256> classes{};
   const std::span<const std::uint32_t> runs(class_runs);
@@ -20132,43 +21472,23 @@ inline constexpr auto first_classes = [] {
 
 }  // namespace detail
 
-/// The classes that a code point belongs to, bits of CharClass.
-constexpr unsigned char_class(char32_t c) {
+MOTIONLANG_BODY unsigned char_class(char32_t c) {
   return c < 256 ? detail::first_classes[c] : c <= 0x10FFFF ? detail::searched_class(c) : 0u;
 }
 
-/// Calls on_word(word) for what stands between white space, as str.split() of Python finds it.
-template <class F>
-void for_each_word(std::string_view text, F on_word) {
-  const auto blank = [](char32_t c) {
-    return (char_class(c) & CharClass::white_space) != 0 || (c >= 0x1C && c <= 0x1F);
-  };
-  std::size_t begin = 0;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t here = at;
-    if (!blank(decode_utf8(text, at))) continue;
-    if (here > begin) on_word(text.substr(begin, here - begin));
-    begin = at;
-  }
-  if (begin < text.size()) on_word(text.substr(begin));
-}
-
-/// Simple lower case; U+0130 gives i (its full lower case is i, U+0307).
-constexpr char32_t lower_case(char32_t c) {
+MOTIONLANG_BODY char32_t lower_case(char32_t c) {
   if (c < 0x80) return c >= 'A' && c <= 'Z' ? c + 32 : c;
   const auto* run = detail::find_run<detail::LowerRun>(detail::lower_runs, c);
   if (run == nullptr || (c - run->first) % run->step != 0) return c;
   return static_cast<char32_t>(static_cast<std::int32_t>(c) + run->difference);
 }
 
-/// Canonical_Combining_Class.
-constexpr unsigned combining_class(char32_t c) {
+MOTIONLANG_BODY unsigned combining_class(char32_t c) {
   const auto* run = c < 0x300 ? nullptr : detail::find_run<detail::CombiningRun>(detail::combining_runs, c);
   return run == nullptr ? 0 : run->combining;
 }
 
-/// Bytes that are not UTF-8 become U+FFFD, one for each.
-inline std::u32string to_utf32(std::string_view text) {
+MOTIONLANG_BODY std::u32string to_utf32(std::string_view text) {
   std::u32string out;
   out.reserve(text.size());
   for (std::size_t at = 0; at < text.size();) {
@@ -20177,7 +21497,8 @@ inline std::u32string to_utf32(std::string_view text) {
   }
   return out;
 }
-inline std::string to_utf8(std::u32string_view text) {
+
+MOTIONLANG_BODY std::string to_utf8(std::u32string_view text) {
   std::string out;
   out.reserve(text.size());
   for (const char32_t c : text) append_utf8(out, c);
@@ -20187,6 +21508,7 @@ inline std::string to_utf8(std::u32string_view text) {
 namespace detail {
 
 inline constexpr char32_t hangul = 0xAC00, jamo_l = 0x1100, jamo_v = 0x1161, jamo_t = 0x11A7;
+
 inline constexpr char32_t jamo_v_count = 21, jamo_t_count = 28, hangul_count = 19 * jamo_v_count * jamo_t_count;
 
 inline void append_decomposed(std::u32string& out, char32_t c) {
@@ -20230,8 +21552,7 @@ inline char32_t composed(char32_t first, char32_t second) {
 
 }  // namespace detail
 
-/// Canonical decomposition with marks in canonical order.
-inline std::u32string nfd(std::u32string_view text) {
+MOTIONLANG_BODY std::u32string nfd(std::u32string_view text) {
   if (std::all_of(text.begin(), text.end(), [](char32_t c) { return c < 0xC0; })) return std::u32string(text);
   std::u32string out;
   out.reserve(text.size());
@@ -20246,8 +21567,7 @@ inline std::u32string nfd(std::u32string_view text) {
   return out;
 }
 
-/// Canonical composition.
-inline std::u32string nfc(std::u32string_view text) {
+MOTIONLANG_BODY std::u32string nfc(std::u32string_view text) {
   if (std::all_of(text.begin(), text.end(), [](char32_t c) { return c < 0x300; })) return std::u32string(text);
   std::u32string out = nfd(text);
   std::size_t size = 0, starter = 0;
@@ -20271,9 +21591,7 @@ inline std::u32string nfc(std::u32string_view text) {
   return out;
 }
 
-/// Full lower case without a language: U+0130 becomes i, U+0307, and where `final_sigma` is set a capital sigma at the
-/// end of a word U+03C2.
-inline std::u32string lower_case(std::u32string_view text, bool final_sigma = true) {
+MOTIONLANG_BODY std::u32string lower_case(std::u32string_view text, bool final_sigma) {
   std::u32string out;
   out.reserve(text.size());
   bool after_cased = false;  // the last character that is not case-ignorable is cased
@@ -20297,273 +21615,237 @@ inline std::u32string lower_case(std::u32string_view text, bool final_sigma = tr
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-struct BertTokenizerOptions {
-  bool clean_text = true;  // drops control characters, any white space is a blank
-  bool split_cjk = true;   // every ideograph is a word
-  bool lower_case = true;
-  std::optional<bool> strip_accents;  // unless set: as lower_case
-  std::string begin = "[CLS]", end = "[SEP]", unknown = "[UNK]", pad = "[PAD]";
-  std::string continuation = "##";  // in front of a piece that continues a word
-  Index longest_word = 100;         // code points; a longer word is unknown
-  /// Strings that are their own ids, in the order of preference; those that the vocabulary lacks are left out.
-  std::vector<std::string> special{"[PAD]", "[UNK]", "[CLS]", "[SEP]", "[MASK]"};
-  bool pair_has_types = true;      // the second text of a pair has token type 1
-  bool pair_has_two_ends = false;  // between the texts of a pair stands the end twice
-  Index longest = 512;             // ids of a text with its frame, as many as the network has positions
-  bool truncate = false;           // a longer text is cut, else refused
+MOTIONLANG_BODY BertTokenizerOptions BertTokenizerOptions::mpnet() {
+  BertTokenizerOptions o;
+  o.begin = "<s>", o.end = "</s>", o.pad = "<pad>";
+  o.special = {"<s>", "<pad>", "</s>", "<unk>", "[UNK]", "<mask>"};
+  o.pair_has_types = false, o.pair_has_two_ends = true;
+  return o;
+}
 
-  /// Of all-mpnet-base-v2.
-  static BertTokenizerOptions mpnet() {
-    BertTokenizerOptions o;
-    o.begin = "<s>", o.end = "</s>", o.pad = "<pad>";
-    o.special = {"<s>", "<pad>", "</s>", "<unk>", "[UNK]", "<mask>"};
-    o.pair_has_types = false, o.pair_has_two_ends = true;
-    return o;
-  }
-};
-
-/// The vocabulary of MPNet from that of BERT: four marks before it, one behind it.
-inline std::vector<std::string> mpnet_vocabulary(std::span<const std::string> bert) {
+MOTIONLANG_BODY std::vector<std::string> mpnet_vocabulary(std::span<const std::string> bert) {
   std::vector<std::string> out{"<s>", "<pad>", "</s>", "<unk>"};
   out.insert(out.end(), bert.begin(), bert.end());
   out.emplace_back("<mask>");
   return out;
 }
 
-class BertTokenizer {
- public:
-  /// vocabulary   the piece of every id
-  /// added        instead of options.special, as a tokenizer.json lists them
-  /// Throws       config_error 107, naming `source`: a piece stands twice, is empty or not UTF-8, or begin, end or
-  ///              unknown is no piece; 101 if options.longest leaves no room for a text
-  explicit BertTokenizer(std::vector<std::string> vocabulary, BertTokenizerOptions options = {},
-                         std::string_view source = "BertTokenizer", std::optional<std::vector<AddedToken>> added = {})
-      : options_(std::move(options)), pieces_(std::make_shared<const std::vector<std::string>>(std::move(vocabulary))) {
-    index_pieces(source);
-    begin_ = required(options_.begin, source), end_ = required(options_.end, source);
-    unknown_ = required(options_.unknown, source);
-    using enum FramePart::Kind;
-    const Index second = options_.pair_has_types ? 1 : 0;
-    single_ = {{token, begin_, 0}, {text_a}, {token, end_, 0}};
-    pair_ = {{token, begin_, 0}, {text_a}, {token, end_, 0}};
-    if (options_.pair_has_two_ends) pair_.push_back({token, end_, 0});
-    pair_.insert(pair_.end(), {{text_b, 0, second}, {token, end_, second}});
-    set_added(added ? std::move(*added) : specials(), source);
-    require_room(single_, pair_, source);
-  }
+MOTIONLANG_BODY BertTokenizer::BertTokenizer(std::vector<std::string> vocabulary, BertTokenizerOptions options,
+                                             std::string_view source, std::optional<std::vector<AddedToken>> added)
+    : options_(std::move(options)), pieces_(std::make_shared<const std::vector<std::string>>(std::move(vocabulary))) {
+  index_pieces(source);
+  begin_ = required(options_.begin, source), end_ = required(options_.end, source);
+  unknown_ = required(options_.unknown, source);
+  using enum FramePart::Kind;
+  const Index second = options_.pair_has_types ? 1 : 0;
+  single_ = {{token, begin_, 0}, {text_a}, {token, end_, 0}};
+  pair_ = {{token, begin_, 0}, {text_a}, {token, end_, 0}};
+  if (options_.pair_has_two_ends) pair_.push_back({token, end_, 0});
+  pair_.insert(pair_.end(), {{text_b, 0, second}, {token, end_, second}});
+  set_added(added ? std::move(*added) : specials(), source);
+  require_room(single_, pair_, source);
+}
 
-  const BertTokenizerOptions& options() const { return options_; }
-  const std::vector<std::string>& vocabulary() const { return *pieces_; }
-  Index size() const { return static_cast<Index>(pieces_->size()); }
-  /// The id of a piece as the vocabulary writes it ("walk", "##ing"); none if there is no such piece.
-  std::optional<Index> id(std::string_view piece) const {
+MOTIONLANG_BODY std::optional<Index> BertTokenizer::id(std::string_view piece) const {
+  const bool continues = !options_.continuation.empty() && piece.starts_with(options_.continuation);
+  if (continues) piece.remove_prefix(options_.continuation.size());
+  const Index found = find(piece, !continues);
+  return found < 0 ? std::nullopt : std::optional(found);
+}
+
+MOTIONLANG_BODY Index BertTokenizer::pad_id() const {
+  if (const auto found = id(options_.pad)) return *found;
+  raise<config_error>(103, "BertTokenizer: the vocabulary has no piece '", options_.pad, "' for padding");
+}
+
+MOTIONLANG_BODY void BertTokenizer::set_frames(std::vector<FramePart> single, std::vector<FramePart> pair,
+                                               std::string_view source) {
+  for (const auto* frame : {&single, &pair}) {
+    for (const FramePart& part : *frame) {
+      if (part.kind == FramePart::token) require_id(part.id, source);
+    }
+  }
+  require_room(single, pair, source);
+  single_ = std::move(single), pair_ = std::move(pair);
+}
+
+MOTIONLANG_BODY std::vector<Index> BertTokenizer::encode(std::string_view text) const {
+  return detail::framed_text("BertTokenizer", single_, encode_words(text), options_.longest, options_.truncate);
+}
+
+MOTIONLANG_BODY TokenPair BertTokenizer::encode_pair(std::string_view a, std::string_view b) const {
+  return detail::framed_pair("BertTokenizer", pair_, encode_words(a), encode_words(b), options_.longest);
+}
+
+MOTIONLANG_BODY std::vector<Index> BertTokenizer::encode_words(std::string_view text) const {
+  std::vector<Index> ids;
+  const auto special = [&](Index id) { ids.push_back(id); };
+  raw_.split(
+      text,
+      [&](std::string_view part) {
+        const std::string clean = normalized(part);
+        if (normalized_.empty()) return append_words(ids, clean);
+        normalized_.split(
+            clean, [&](std::string_view words) { append_words(ids, words); }, special);
+      },
+      special);
+  return ids;
+}
+
+MOTIONLANG_BODY std::string BertTokenizer::decode(std::span<const Index> ids) const {
+  std::string out;
+  for (const Index id : ids) {
+    if (id < 0 || id >= size()) raise<shape_error>(203, "BertTokenizer: id ", id, " of ", size());
+    if (raw_.has(id) || normalized_.has(id) || id == begin_ || id == end_) continue;
+    std::string_view piece = (*pieces_)[static_cast<std::size_t>(id)];
+    if (!options_.continuation.empty() && piece.starts_with(options_.continuation) && !out.empty())
+      piece.remove_prefix(options_.continuation.size());
+    else if (!out.empty())
+      out += ' ';
+    out += piece;
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string BertTokenizer::normalized(std::string_view text) const {
+  std::string out;
+  out.reserve(text.size());
+  for (const char byte : text) {
+    const auto c = static_cast<unsigned char>(byte);
+    if (c >= 0x80) return normalized_unicode(text);
+    const unsigned k = char_class(c);
+    if (options_.clean_text && (k & (CharClass::other | CharClass::white_space)) != 0) {
+      if (is_blank(c, k)) out += ' ';
+      continue;
+    }
+    out += options_.lower_case ? static_cast<char>(lower_case(char32_t{c})) : byte;
+  }
+  return out;
+}
+
+MOTIONLANG_BODY bool BertTokenizer::is_blank(char32_t c, unsigned k) {
+  return c == '\t' || c == '\n' || c == '\r' || (k & CharClass::other) == 0;
+}
+
+MOTIONLANG_BODY bool BertTokenizer::is_cjk(char32_t c) {
+  constexpr char32_t ranges[][2] = {{0x3400, 0x4DBF},   {0x4E00, 0x9FFF},   {0xF900, 0xFAFF},   {0x20000, 0x2A6DF},
+                                    {0x2A700, 0x2B73F}, {0x2B740, 0x2B81F}, {0x2B920, 0x2CEAF}, {0x2F800, 0x2FA1F}};
+  return std::any_of(std::begin(ranges), std::end(ranges), [&](const auto& r) { return c >= r[0] && c <= r[1]; });
+}
+
+MOTIONLANG_BODY bool BertTokenizer::is_punctuation(char32_t c, unsigned k) {
+  if (c < 0x80) return c > 0x20 && c < 0x7F && (k & (CharClass::letter | CharClass::number)) == 0;
+  return (k & CharClass::punctuation) != 0;
+}
+
+MOTIONLANG_BODY std::string BertTokenizer::normalized_unicode(std::string_view text) const {
+  std::u32string clean;
+  for (const char32_t c : to_utf32(text)) {
+    const unsigned k = char_class(c);
+    if (options_.clean_text && (c == 0xFFFD || (k & (CharClass::other | CharClass::white_space)) != 0)) {
+      if (c != 0xFFFD && is_blank(c, k)) clean += U' ';
+    } else if (options_.split_cjk && is_cjk(c)) {
+      clean += {U' ', c, U' '};
+    } else {
+      clean += c;
+    }
+  }
+  if (options_.strip_accents.value_or(options_.lower_case)) {
+    clean = nfd(clean);
+    std::erase_if(clean, [](char32_t c) { return (char_class(c) & CharClass::nonspacing_mark) != 0; });
+  }
+  return to_utf8(options_.lower_case ? lower_case(clean, false) : clean);
+}
+
+MOTIONLANG_BODY void BertTokenizer::append_words(std::vector<Index>& ids, std::string_view text) const {
+  std::size_t begin = 0;
+  Index letters = 0;  // of the word that begins there, in code points
+  const auto flush = [&](std::size_t end) {
+    if (letters > options_.longest_word) {
+      ids.push_back(unknown_);
+    } else if (letters > 0) {
+      detail::append_longest_pieces(ids, text.substr(begin, end - begin), longest_, unknown_,
+                                    [&](std::string_view part, bool first) { return find(part, first); });
+    }
+    letters = 0;
+  };
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t start = at;
+    const char32_t c = decode_utf8(text, at);
+    const unsigned k = char_class(c);
+    const bool alone = is_punctuation(c, k);
+    if (!alone && (k & CharClass::white_space) == 0) {
+      if (letters++ == 0) begin = start;
+      continue;
+    }
+    flush(start);
+    if (!alone) continue;
+    begin = start, letters = 1;
+    flush(at);
+  }
+  flush(text.size());
+}
+
+MOTIONLANG_BODY Index BertTokenizer::find(std::string_view part, bool first) const {
+  const auto& ids = first ? starts_ : continuations_;
+  const auto found = ids.find(part);
+  return found == ids.end() ? Index{-1} : found->second;
+}
+
+MOTIONLANG_BODY void BertTokenizer::index_pieces(std::string_view source) {
+  for (std::size_t i = 0; i < pieces_->size(); ++i) {
+    std::string_view piece = (*pieces_)[i];
+    if (piece.empty() || !is_utf8(piece))
+      raise<config_error>(107, source, ": piece ", i, piece.empty() ? " is empty" : " is not UTF-8");
     const bool continues = !options_.continuation.empty() && piece.starts_with(options_.continuation);
     if (continues) piece.remove_prefix(options_.continuation.size());
-    const Index found = find(piece, !continues);
-    return found < 0 ? std::nullopt : std::optional(found);
+    if (!(continues ? continuations_ : starts_).emplace(piece, static_cast<Index>(i)).second)
+      raise<config_error>(107, source, ": piece '", (*pieces_)[i], "' is duplicated, the second time as id ", i);
+    longest_ = std::max(longest_, piece.size());
   }
-  /// Throws config_error 103 if the vocabulary has no piece for padding.
-  Index pad_id() const {
-    if (const auto found = id(options_.pad)) return *found;
-    raise<config_error>(103, "BertTokenizer: the vocabulary has no piece '", options_.pad, "' for padding");
-  }
+}
 
-  /// Other frames than the options make. Throws config_error 107 for ids that are no pieces, 101 as the constructor.
-  void set_frames(std::vector<FramePart> single, std::vector<FramePart> pair, std::string_view source) {
-    for (const auto* frame : {&single, &pair}) {
-      for (const FramePart& part : *frame) {
-        if (part.kind == FramePart::token) require_id(part.id, source);
-      }
-    }
-    require_room(single, pair, source);
-    single_ = std::move(single), pair_ = std::move(pair);
-  }
+MOTIONLANG_BODY Index BertTokenizer::required(const std::string& piece, std::string_view source) const {
+  if (const auto found = id(piece)) return *found;
+  raise<config_error>(107, source, ": a vocabulary of ", size(), " pieces lacks '", piece, "'");
+}
 
-  /// The framed ids of a text. Throws config_error 101 if they are more than options().longest and may not be cut.
-  std::vector<Index> encode(std::string_view text) const {
-    return detail::framed_text("BertTokenizer", single_, encode_words(text), options_.longest, options_.truncate);
-  }
-  /// Two texts in one frame; never cut.
-  TokenPair encode_pair(std::string_view a, std::string_view b) const {
-    return detail::framed_pair("BertTokenizer", pair_, encode_words(a), encode_words(b), options_.longest);
-  }
-  /// Without a frame, of any length.
-  std::vector<Index> encode_words(std::string_view text) const {
-    std::vector<Index> ids;
-    const auto special = [&](Index id) { ids.push_back(id); };
-    raw_.split(
-        text,
-        [&](std::string_view part) {
-          const std::string clean = normalized(part);
-          if (normalized_.empty()) return append_words(ids, clean);
-          normalized_.split(
-              clean, [&](std::string_view words) { append_words(ids, words); }, special);
-        },
-        special);
-    return ids;
-  }
+MOTIONLANG_BODY void BertTokenizer::require_id(Index id, std::string_view source) const {
+  if (id < 0 || id >= size()) raise<config_error>(107, source, ": id ", id, " among ", size(), " pieces");
+}
 
-  /// The words that ids spell, separated by blanks; special tokens are left out. Throws shape_error 203 for an id that
-  /// is none.
-  std::string decode(std::span<const Index> ids) const {
-    std::string out;
-    for (const Index id : ids) {
-      if (id < 0 || id >= size()) raise<shape_error>(203, "BertTokenizer: id ", id, " of ", size());
-      if (raw_.has(id) || normalized_.has(id) || id == begin_ || id == end_) continue;
-      std::string_view piece = (*pieces_)[static_cast<std::size_t>(id)];
-      if (!options_.continuation.empty() && piece.starts_with(options_.continuation) && !out.empty())
-        piece.remove_prefix(options_.continuation.size());
-      else if (!out.empty())
-        out += ' ';
-      out += piece;
-    }
-    return out;
-  }
+MOTIONLANG_BODY void BertTokenizer::require_room(std::span<const FramePart> single, std::span<const FramePart> pair,
+                                                 std::string_view source) const {
+  const std::size_t frame = std::max(detail::frame_size(single), detail::frame_size(pair));
+  if (options_.longest < static_cast<Index>(frame))
+    raise<config_error>(101, source, ": at most ", options_.longest, " ids, the frame has ", frame);
+}
 
-  /// The text of which words are taken: cleaned, ideographs apart, without accents, in lower case, as the options say.
-  std::string normalized(std::string_view text) const {
-    std::string out;
-    out.reserve(text.size());
-    for (const char byte : text) {
-      const auto c = static_cast<unsigned char>(byte);
-      if (c >= 0x80) return normalized_unicode(text);
-      const unsigned k = detail::first_classes[c];
-      if (options_.clean_text && (k & (CharClass::other | CharClass::white_space)) != 0) {
-        if (is_blank(c, k)) out += ' ';
-        continue;
-      }
-      out += options_.lower_case ? static_cast<char>(lower_case(char32_t{c})) : byte;
-    }
-    return out;
+MOTIONLANG_BODY std::vector<AddedToken> BertTokenizer::specials() const {
+  std::vector<AddedToken> out;
+  for (const std::string& piece : options_.special) {
+    if (const auto found = id(piece)) out.push_back({piece, *found});
   }
+  return out;
+}
 
- private:
-  /// Of a character that is white space or belongs to Other: whether it separates words. The others vanish.
-  static bool is_blank(char32_t c, unsigned k) {
-    return c == '\t' || c == '\n' || c == '\r' || (k & CharClass::other) == 0;
+MOTIONLANG_BODY void BertTokenizer::set_added(std::vector<AddedToken> tokens, std::string_view source) {
+  std::vector<AddedToken> before, after;
+  for (AddedToken& t : tokens) {
+    require_id(t.id, source);
+    if (t.normalized) t.content = normalized(t.content);
+    (t.normalized ? after : before).push_back(std::move(t));
   }
-  static bool is_cjk(char32_t c) {
-    constexpr char32_t ranges[][2] = {{0x3400, 0x4DBF},   {0x4E00, 0x9FFF},   {0xF900, 0xFAFF},   {0x20000, 0x2A6DF},
-                                      {0x2A700, 0x2B73F}, {0x2B740, 0x2B81F}, {0x2B920, 0x2CEAF}, {0x2F800, 0x2FA1F}};
-    return std::any_of(std::begin(ranges), std::end(ranges), [&](const auto& r) { return c >= r[0] && c <= r[1]; });
-  }
-  /// ASCII symbols count as punctuation.
-  static bool is_punctuation(char32_t c, unsigned k) {
-    if (c < 0x80) return c > 0x20 && c < 0x7F && (k & (CharClass::letter | CharClass::number)) == 0;
-    return (k & CharClass::punctuation) != 0;
-  }
-
-  std::string normalized_unicode(std::string_view text) const {
-    std::u32string clean;
-    for (const char32_t c : to_utf32(text)) {
-      const unsigned k = char_class(c);
-      if (options_.clean_text && (c == 0xFFFD || (k & (CharClass::other | CharClass::white_space)) != 0)) {
-        if (c != 0xFFFD && is_blank(c, k)) clean += U' ';
-      } else if (options_.split_cjk && is_cjk(c)) {
-        clean += {U' ', c, U' '};
-      } else {
-        clean += c;
-      }
-    }
-    if (options_.strip_accents.value_or(options_.lower_case)) {
-      clean = nfd(clean);
-      std::erase_if(clean, [](char32_t c) { return (char_class(c) & CharClass::nonspacing_mark) != 0; });
-    }
-    return to_utf8(options_.lower_case ? lower_case(clean, false) : clean);
-  }
-
-  void append_words(std::vector<Index>& ids, std::string_view text) const {
-    std::size_t begin = 0;
-    Index letters = 0;  // of the word that begins there, in code points
-    const auto flush = [&](std::size_t end) {
-      if (letters > options_.longest_word) {
-        ids.push_back(unknown_);
-      } else if (letters > 0) {
-        detail::append_longest_pieces(ids, text.substr(begin, end - begin), longest_, unknown_,
-                                      [&](std::string_view part, bool first) { return find(part, first); });
-      }
-      letters = 0;
-    };
-    for (std::size_t at = 0; at < text.size();) {
-      const std::size_t start = at;
-      const char32_t c = decode_utf8(text, at);
-      const unsigned k = char_class(c);
-      const bool alone = is_punctuation(c, k);
-      if (!alone && (k & CharClass::white_space) == 0) {
-        if (letters++ == 0) begin = start;
-        continue;
-      }
-      flush(start);
-      if (!alone) continue;
-      begin = start, letters = 1;
-      flush(at);
-    }
-    flush(text.size());
-  }
-
-  Index find(std::string_view part, bool first) const {
-    const auto& ids = first ? starts_ : continuations_;
-    const auto found = ids.find(part);
-    return found == ids.end() ? Index{-1} : found->second;
-  }
-
-  void index_pieces(std::string_view source) {
-    for (std::size_t i = 0; i < pieces_->size(); ++i) {
-      std::string_view piece = (*pieces_)[i];
-      if (piece.empty() || !is_utf8(piece))
-        raise<config_error>(107, source, ": piece ", i, piece.empty() ? " is empty" : " is not UTF-8");
-      const bool continues = !options_.continuation.empty() && piece.starts_with(options_.continuation);
-      if (continues) piece.remove_prefix(options_.continuation.size());
-      if (!(continues ? continuations_ : starts_).emplace(piece, static_cast<Index>(i)).second)
-        raise<config_error>(107, source, ": piece '", (*pieces_)[i], "' stands twice, the second time as id ", i);
-      longest_ = std::max(longest_, piece.size());
-    }
-  }
-  Index required(const std::string& piece, std::string_view source) const {
-    if (const auto found = id(piece)) return *found;
-    raise<config_error>(107, source, ": a vocabulary of ", size(), " pieces lacks '", piece, "'");
-  }
-  void require_id(Index id, std::string_view source) const {
-    if (id < 0 || id >= size()) raise<config_error>(107, source, ": id ", id, " among ", size(), " pieces");
-  }
-  void require_room(std::span<const FramePart> single, std::span<const FramePart> pair, std::string_view source) const {
-    const std::size_t frame = std::max(detail::frame_size(single), detail::frame_size(pair));
-    if (options_.longest < static_cast<Index>(frame))
-      raise<config_error>(101, source, ": at most ", options_.longest, " ids, the frame has ", frame);
-  }
-  std::vector<AddedToken> specials() const {
-    std::vector<AddedToken> out;
-    for (const std::string& piece : options_.special) {
-      if (const auto found = id(piece)) out.push_back({piece, *found});
-    }
-    return out;
-  }
-  void set_added(std::vector<AddedToken> tokens, std::string_view source) {
-    std::vector<AddedToken> before, after;
-    for (AddedToken& t : tokens) {
-      require_id(t.id, source);
-      if (t.normalized) t.content = normalized(t.content);
-      (t.normalized ? after : before).push_back(std::move(t));
-    }
-    raw_ = detail::AddedTokenSearch(std::move(before));
-    normalized_ = detail::AddedTokenSearch(std::move(after));
-  }
-
-  BertTokenizerOptions options_;
-  std::shared_ptr<const std::vector<std::string>> pieces_;
-  std::unordered_map<std::string_view, Index> starts_, continuations_;  // views into *pieces_
-  std::size_t longest_ = 0;                                             // bytes of a piece
-  Index begin_ = 0, end_ = 0, unknown_ = 0;
-  std::vector<FramePart> single_, pair_;
-  detail::AddedTokenSearch raw_, normalized_;
-};
-
-static_assert(Tokenizer<BertTokenizer>);
+  raw_ = detail::AddedTokenSearch(std::move(before));
+  normalized_ = detail::AddedTokenSearch(std::move(after));
+}
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP  // <motionlang/text/caption_encoder.hpp>
@@ -20637,7 +21919,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_TEXT_CLIP_TEXT_HPP
 /// The text tower of CLIP.
 ///
-///     const ClipText<B> network = load_clip_text<B>(weights);                       // io/text_network_file.hpp
+///     const ClipText<B> network = load_clip_text<B>(weights);                       // weights/text_network_file.hpp
 ///     const auto text = network(network.until_end(tokenize(tokenizer, texts)));     // nothing behind the end token
 ///     const auto vectors = network.project(pool(text, Pooling::end));               // what MDM and STMC take
 
@@ -20773,7 +22055,7 @@ MOTIONLANG_NAMESPACE_END
 #ifndef MOTIONLANG_HAS_TEXT_CLIP_TOKENIZER_HPP  // <motionlang/text/clip_tokenizer.hpp>
 #define MOTIONLANG_HAS_TEXT_CLIP_TOKENIZER_HPP
 /// The tokenizer of CLIP: byte-level pair encoding with a mark at the end of words. Vocabularies are read by
-/// io/tokenizer_files.hpp.
+/// weights/tokenizer_files.hpp.
 ///
 ///     const ClipTokenizer clip = read_clip_tokenizer("bpe_simple_vocab_16e6.txt.gz");
 ///     clip.encode("a person walks");                     // 49406 320 2533 8192 49407
@@ -20782,7 +22064,140 @@ MOTIONLANG_NAMESPACE_END
 /// Source   Radford et al. (2021), simple_tokenizer.py; Sennrich et al. (2016); spec text-encoders.md 9
 /// Differs  mojibake is not repaired (text_repair.hpp)
 
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// What happens to a text before its words are looked for.
+enum class ClipCleaning {
+  original,     // OpenAI's: repair_text, HTML entities twice, white space, lower case with final sigma
+  hugging_face  // NFC, white space, lower case without context; spec 9.2
+};
+
+struct ClipTokenizerOptions {
+  ClipCleaning cleaning = ClipCleaning::original;
+  Index longest = 77;                // ids of a text with its frame; MDM takes 22 for HumanML3D and KIT-ML
+  bool truncate = true;              // a longer text is cut, else refused
+  std::size_t cached_words = 16384;  // words whose ids are remembered
+  std::string begin = "<|startoftext|>", end = "<|endoftext|>", unknown = "<|endoftext|>", word_end = "</w>";
+};
+
+using BytePairMerges = std::vector<std::pair<std::string, std::string>>;
+
+namespace detail {
+
+class BytePairs;
+class WordCache;
+
+}  // namespace detail
+
+class ClipTokenizer {
+ public:
+  /// OpenAI's ids: 256 symbols of bytes, the same at the end of words, the merges, begin, end.
+  explicit ClipTokenizer(const BytePairMerges& merges, ClipTokenizerOptions options = {},
+                         std::string_view source = "ClipTokenizer");
+  /// Any ids. `added` instead of begin and end, as a tokenizer.json lists them: they are looked for before the words
+  /// are. Throws config_error 107, naming `source`, if begin or end is no piece, a piece is duplicated or a merge needs
+  /// a piece that there is not; 101 if options.longest leaves no room for the frame
+  ClipTokenizer(std::vector<std::string> pieces, const BytePairMerges& merges, ClipTokenizerOptions options = {},
+                std::string_view source = "ClipTokenizer", const std::vector<AddedToken>& added = {});
+
+  const ClipTokenizerOptions& options() const { return options_; }
+  const std::vector<std::string>& vocabulary() const { return *pieces_; }
+  Index size() const { return static_cast<Index>(pieces_->size()); }
+  Index begin_id() const { return begin_; }
+  Index end_id() const { return end_; }
+  /// OpenAI fills up with 0, Hugging Face with the end.
+  Index pad_id() const { return options_.cleaning == ClipCleaning::original ? 0 : end_; }
+
+  /// Other frames than begin, text, end. Throws config_error 107 for ids that are no pieces, 101 as the constructor.
+  void set_frames(std::vector<FramePart> single, std::vector<FramePart> pair, std::string_view source);
+
+  /// The framed ids of a text, at most options().longest: a text that is longer loses its last words, or throws
+  /// config_error 101.
+  std::vector<Index> encode(std::string_view text) const;
+  /// Two texts in one frame; never cut.
+  TokenPair encode_pair(std::string_view a, std::string_view b) const;
+  /// Without a frame, of any length.
+  std::vector<Index> encode_words(std::string_view text) const;
+
+  /// The text that ids spell, in lower case with a blank behind every word; begin and end are left out. Throws
+  /// shape_error 203 for an id that is not one of the vocabulary.
+  std::string decode(std::span<const Index> ids) const;
+
+  /// The text of which words are taken.
+  std::string cleaned(std::string_view text) const;
+
+ private:
+  static std::vector<std::string> openai_pieces(const BytePairMerges& merges, const ClipTokenizerOptions& options);
+
+  /// What a word may begin with, in the order in which it is tried. Without case, as the original compares, the long s
+  /// is an s.
+  std::size_t literal_at(std::string_view text) const;
+  std::size_t folded_prefix(std::string_view text, std::string_view literal) const;
+
+  /// Words: the literals, runs of letters, single numbers, runs of what is neither nor white space. U+0345 is lost in
+  /// the original: it is no letter, but without case it is the iota, which is one, so that neither kind of run takes
+  /// it.
+  void append_words(std::vector<Index>& ids, std::string_view text, detail::WordCache* cache) const;
+  void append_word(std::vector<Index>& ids, std::string_view word, detail::WordCache* cache) const;
+
+  ClipTokenizerOptions options_;
+  std::shared_ptr<const std::vector<std::string>> pieces_;
+  std::shared_ptr<const detail::BytePairs> pairs_;
+  std::shared_ptr<detail::WordCache> cache_;
+  detail::AddedTokenSearch raw_, cleaned_;
+  Index begin_ = 0, end_ = 0;
+  std::vector<FramePart> single_, pair_;
+};
+
+static_assert(Tokenizer<ClipTokenizer>);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_CLIP_TOKENIZER_IPP  // <motionlang/text/clip_tokenizer.ipp>
+#define MOTIONLANG_HAS_TEXT_CLIP_TOKENIZER_IPP
+// Bodies of clip_tokenizer.hpp.
+
 #include <queue>          // merges in their order
+
+#ifndef MOTIONLANG_HAS_TEXT_DETAIL_BYTE_SYMBOLS_HPP  // <motionlang/text/detail/byte_symbols.hpp>
+#define MOTIONLANG_HAS_TEXT_DETAIL_BYTE_SYMBOLS_HPP
+/// How vocabularies of byte-level pair encoding write bytes. Only bodies (*.ipp) include it.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The symbol of a byte in vocabularies: printable bytes stand for themselves, the others for U+0100 ... in their
+/// order.
+struct ByteSymbols {
+  std::array<std::string, 256> symbol;      // of a byte, UTF-8
+  std::array<unsigned char, 256> in_order;  // the bytes as the first ids have them: printable ones first
+  std::unordered_map<char32_t, unsigned char> byte;
+
+  ByteSymbols() {
+    std::size_t count = 0;
+    const auto printable = [](unsigned b) { return (b >= 0x21 && b <= 0x7E) || (b >= 0xA1 && b != 0xAD); };
+    char32_t next = 0x100;
+    for (const bool wanted : {true, false}) {
+      for (unsigned b = 0; b < 256; ++b) {
+        if (printable(b) != wanted) continue;
+        const char32_t c = wanted ? char32_t{b} : next++;
+        append_utf8(symbol[b], c);
+        in_order[count++] = static_cast<unsigned char>(b);
+        byte.emplace(c, static_cast<unsigned char>(b));
+      }
+    }
+  }
+  static const ByteSymbols& get() {
+    static const ByteSymbols symbols;
+    return symbols;
+  }
+};
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
 
 #ifndef MOTIONLANG_HAS_TEXT_TEXT_REPAIR_HPP  // <motionlang/text/text_repair.hpp>
 #define MOTIONLANG_HAS_TEXT_TEXT_REPAIR_HPP
@@ -20792,6 +22207,22 @@ MOTIONLANG_NAMESPACE_END
 /// Source   spec text-encoders.md 9.1; ftfy (Speer 2019); html.unescape of Python, the rules of HTML5
 /// Differs  from ftfy: text that was decoded in the wrong encoding ("mojibake") stays as it is; the steps are repeated
 ///          at most 100 times
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Replaces HTML entities as browsers do: named ones also without their semicolon where HTML allows that, the longest
+/// name first.
+std::string html_unescape(std::string_view text);
+
+/// Repairs a text: entities, C1 controls, ligatures, wide forms, curly quotes, line ends, terminal escapes, control
+/// characters, NFC. Bytes that are not UTF-8 become U+FFFD.
+std::string repair_text(std::string_view text);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_TEXT_REPAIR_IPP  // <motionlang/text/text_repair.ipp>
+#define MOTIONLANG_HAS_TEXT_TEXT_REPAIR_IPP
+// Bodies of text_repair.hpp.
 
 #ifndef MOTIONLANG_HAS_TEXT_DETAIL_HTML_ENTITIES_HPP  // <motionlang/text/detail/html_entities.hpp>
 #define MOTIONLANG_HAS_TEXT_DETAIL_HTML_ENTITIES_HPP
@@ -21261,6 +22692,7 @@ struct Reference {
   std::string text;
   std::size_t end = 0;
 };
+
 inline std::optional<Reference> numeric_reference(std::string_view text, std::size_t at) {
   if (at + 2 >= text.size() || text[at + 1] != '#') return std::nullopt;
   const bool hexadecimal = (text[at + 2] | 0x20) == 'x';
@@ -21434,9 +22866,7 @@ inline std::u32string repaired_once(std::u32string_view text) {
 
 }  // namespace detail
 
-/// Replaces HTML entities as browsers do: named ones also without their semicolon where HTML allows that, the longest
-/// name first.
-inline std::string html_unescape(std::string_view text) {
+MOTIONLANG_BODY std::string html_unescape(std::string_view text) {
   return detail::replace_references(text, [](std::string_view t, std::size_t at) -> std::optional<detail::Reference> {
     if (auto numeric = detail::numeric_reference(t, at)) return numeric;
     const std::size_t first = at + 1;
@@ -21455,9 +22885,7 @@ inline std::string html_unescape(std::string_view text) {
   });
 }
 
-/// Repairs a text: entities, C1 controls, ligatures, wide forms, curly quotes, line ends, terminal escapes, control
-/// characters, NFC. Bytes that are not UTF-8 become U+FFFD.
-inline std::string repair_text(std::string_view text) {
+MOTIONLANG_BODY std::string repair_text(std::string_view text) {
   const auto plain = [](char c) { return (c >= ' ' && c <= '~' && c != '&') || c == '\n' || c == '\t'; };
   if (std::all_of(text.begin(), text.end(), plain)) return std::string(text);
   std::string out;
@@ -21480,53 +22908,11 @@ inline std::string repair_text(std::string_view text) {
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What happens to a text before its words are looked for.
-enum class ClipCleaning {
-  original,     // OpenAI's: repair_text, HTML entities twice, white space, lower case with final sigma
-  hugging_face  // NFC, white space, lower case without context; spec 9.2
-};
-
-struct ClipTokenizerOptions {
-  ClipCleaning cleaning = ClipCleaning::original;
-  Index longest = 77;                // ids of a text with its frame; MDM takes 22 for HumanML3D and KIT-ML
-  bool truncate = true;              // a longer text is cut, else refused
-  std::size_t cached_words = 16384;  // words whose ids are remembered
-  std::string begin = "<|startoftext|>", end = "<|endoftext|>", unknown = "<|endoftext|>", word_end = "</w>";
-};
-
-using BytePairMerges = std::vector<std::pair<std::string, std::string>>;
-
 namespace detail {
-
-/// The symbol of a byte in vocabularies: printable bytes stand for themselves, the others for U+0100 ... in their
-/// order.
-struct ByteSymbols {
-  std::array<std::string, 256> symbol;      // of a byte, UTF-8
-  std::array<unsigned char, 256> in_order;  // the bytes as the first ids have them: printable ones first
-  std::unordered_map<char32_t, unsigned char> byte;
-
-  ByteSymbols() {
-    std::size_t count = 0;
-    const auto printable = [](unsigned b) { return (b >= 0x21 && b <= 0x7E) || (b >= 0xA1 && b != 0xAD); };
-    char32_t next = 0x100;
-    for (const bool wanted : {true, false}) {
-      for (unsigned b = 0; b < 256; ++b) {
-        if (printable(b) != wanted) continue;
-        const char32_t c = wanted ? char32_t{b} : next++;
-        append_utf8(symbol[b], c);
-        in_order[count++] = static_cast<unsigned char>(b);
-        byte.emplace(c, static_cast<unsigned char>(b));
-      }
-    }
-  }
-  static const ByteSymbols& get() {
-    static const ByteSymbols symbols;
-    return symbols;
-  }
-};
 
 /// Byte pair encoding of single words: merges pairs of neighbours in the order of their rank. A constant table.
 class BytePairs {
@@ -21538,7 +22924,7 @@ class BytePairs {
     std::unordered_map<std::string_view, Index> ids;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       if (!ids.emplace(pieces[i], static_cast<Index>(i)).second)
-        raise<config_error>(107, source, ": piece '", pieces[i], "' stands twice, the second time as id ", i);
+        raise<config_error>(107, source, ": piece '", pieces[i], "' is duplicated, the second time as id ", i);
     }
     const auto id_of = [&](const std::string& piece) {
       const auto found = ids.find(piece);
@@ -21560,7 +22946,7 @@ class BytePairs {
         if (id < 0) raise<config_error>(107, source, ": merge ", rank, ": '", piece, "' is no piece");
       }
       if (!merges_.emplace(key(a, b), Merge{rank, both}).second)
-        raise<config_error>(107, source, ": merge ", rank, ": '", left, "' and '", right, "' stand twice");
+        raise<config_error>(107, source, ": merge ", rank, ": '", left, "' and '", right, "' are duplicated");
     }
   }
 
@@ -21645,241 +23031,212 @@ class WordCache {
 
 }  // namespace detail
 
-class ClipTokenizer {
- public:
-  /// OpenAI's ids: 256 symbols of bytes, the same at the end of words, the merges, begin, end.
-  explicit ClipTokenizer(const BytePairMerges& merges, ClipTokenizerOptions options = {},
-                         std::string_view source = "ClipTokenizer")
-      : ClipTokenizer(openai_pieces(merges, options), merges, options, source) {}
-  /// Any ids. `added` instead of begin and end, as a tokenizer.json lists them: they are looked for before the words
-  /// are. Throws config_error 107, naming `source`, if begin or end is no piece, a piece stands twice or a merge needs
-  /// a piece that there is not; 101 if options.longest leaves no room for the frame
-  ClipTokenizer(std::vector<std::string> pieces, const BytePairMerges& merges, ClipTokenizerOptions options = {},
-                std::string_view source = "ClipTokenizer", const std::vector<AddedToken>& added = {})
-      : options_(std::move(options)) {
-    const auto id_of = [&](const std::string& piece) {
-      return static_cast<Index>(std::find(pieces.begin(), pieces.end(), piece) - pieces.begin());
-    };
-    const Index count = static_cast<Index>(pieces.size());
-    begin_ = id_of(options_.begin), end_ = id_of(options_.end);
-    for (const Index id : {begin_, end_}) {
-      if (id == count)
-        raise<config_error>(107, source, ": ", count, " pieces lack '", id == begin_ ? options_.begin : options_.end,
-                            "'");
+MOTIONLANG_BODY ClipTokenizer::ClipTokenizer(const BytePairMerges& merges, ClipTokenizerOptions options,
+                                             std::string_view source)
+    : ClipTokenizer(openai_pieces(merges, options), merges, options, source) {}
+
+MOTIONLANG_BODY ClipTokenizer::ClipTokenizer(std::vector<std::string> pieces, const BytePairMerges& merges,
+                                             ClipTokenizerOptions options, std::string_view source,
+                                             const std::vector<AddedToken>& added)
+    : options_(std::move(options)) {
+  const auto id_of = [&](const std::string& piece) {
+    return static_cast<Index>(std::find(pieces.begin(), pieces.end(), piece) - pieces.begin());
+  };
+  const Index count = static_cast<Index>(pieces.size());
+  begin_ = id_of(options_.begin), end_ = id_of(options_.end);
+  for (const Index id : {begin_, end_}) {
+    if (id == count)
+      raise<config_error>(107, source, ": ", count, " pieces lack '", id == begin_ ? options_.begin : options_.end,
+                          "'");
+  }
+  const Index unknown = options_.unknown.empty() ? count : id_of(options_.unknown);
+  pairs_ = std::make_shared<const detail::BytePairs>(pieces, merges, options_.word_end,
+                                                     unknown == count ? Index{-1} : unknown, source);
+  pieces_ = std::make_shared<const std::vector<std::string>>(std::move(pieces));
+  cache_ = std::make_shared<detail::WordCache>(options_.cached_words);
+  std::vector<AddedToken> before, after;
+  for (AddedToken t : added) {
+    if (t.id < 0 || t.id >= count) raise<config_error>(107, source, ": id ", t.id, " among ", count, " pieces");
+    if (t.normalized) t.content = cleaned(t.content);
+    (t.normalized ? after : before).push_back(std::move(t));
+  }
+  raw_ = detail::AddedTokenSearch(std::move(before));
+  cleaned_ = detail::AddedTokenSearch(std::move(after));
+  using enum FramePart::Kind;
+  set_frames({{token, begin_}, {text_a}, {token, end_}},
+             {{token, begin_}, {text_a}, {token, end_}, {token, end_}, {text_b}, {token, end_}}, source);
+}
+
+MOTIONLANG_BODY void ClipTokenizer::set_frames(std::vector<FramePart> single, std::vector<FramePart> pair,
+                                               std::string_view source) {
+  for (const auto* frame : {&single, &pair}) {
+    for (const FramePart& part : *frame) {
+      if (part.kind == FramePart::token && (part.id < 0 || part.id >= size()))
+        raise<config_error>(107, source, ": id ", part.id, " among ", size(), " pieces");
     }
-    const Index unknown = options_.unknown.empty() ? count : id_of(options_.unknown);
-    pairs_ = std::make_shared<const detail::BytePairs>(pieces, merges, options_.word_end,
-                                                       unknown == count ? Index{-1} : unknown, source);
-    pieces_ = std::make_shared<const std::vector<std::string>>(std::move(pieces));
-    cache_ = std::make_shared<detail::WordCache>(options_.cached_words);
-    std::vector<AddedToken> before, after;
-    for (AddedToken t : added) {
-      if (t.id < 0 || t.id >= count) raise<config_error>(107, source, ": id ", t.id, " among ", count, " pieces");
-      if (t.normalized) t.content = cleaned(t.content);
-      (t.normalized ? after : before).push_back(std::move(t));
+    if (options_.longest < static_cast<Index>(detail::frame_size(*frame)))
+      raise<config_error>(101, source, ": at most ", options_.longest, " ids, the frame has ",
+                          detail::frame_size(*frame));
+  }
+  single_ = std::move(single), pair_ = std::move(pair);
+}
+
+MOTIONLANG_BODY std::vector<Index> ClipTokenizer::encode(std::string_view text) const {
+  return detail::framed_text("ClipTokenizer", single_, encode_words(text), options_.longest, options_.truncate);
+}
+
+MOTIONLANG_BODY TokenPair ClipTokenizer::encode_pair(std::string_view a, std::string_view b) const {
+  return detail::framed_pair("ClipTokenizer", pair_, encode_words(a), encode_words(b), options_.longest);
+}
+
+MOTIONLANG_BODY std::vector<Index> ClipTokenizer::encode_words(std::string_view text) const {
+  std::vector<Index> ids;
+  const std::unique_lock lock(cache_->mutex, std::try_to_lock);  // a second thread does without the cache
+  detail::WordCache* cache = lock.owns_lock() ? cache_.get() : nullptr;
+  const auto special = [&](Index id) { ids.push_back(id); };
+  raw_.split(
+      text,
+      [&](std::string_view part) {
+        const std::string clean = cleaned(part);
+        cleaned_.split(
+            clean, [&](std::string_view words) { append_words(ids, words, cache); }, special);
+      },
+      special);
+  return ids;
+}
+
+MOTIONLANG_BODY std::string ClipTokenizer::decode(std::span<const Index> ids) const {
+  std::string out;
+  for (const Index id : ids) {
+    if (id < 0 || id >= size()) raise<shape_error>(203, "ClipTokenizer: id ", id, " of ", size());
+    if (id == begin_ || id == end_ || raw_.has(id) || cleaned_.has(id)) continue;
+    std::string_view piece = (*pieces_)[static_cast<std::size_t>(id)];
+    const bool last = !options_.word_end.empty() && piece.ends_with(options_.word_end);
+    if (last) piece.remove_suffix(options_.word_end.size());
+    for (std::size_t at = 0; at < piece.size();) {
+      const auto byte = detail::ByteSymbols::get().byte.find(decode_utf8(piece, at));
+      if (byte != detail::ByteSymbols::get().byte.end()) out += static_cast<char>(byte->second);
     }
-    raw_ = detail::AddedTokenSearch(std::move(before));
-    cleaned_ = detail::AddedTokenSearch(std::move(after));
-    using enum FramePart::Kind;
-    set_frames({{token, begin_}, {text_a}, {token, end_}},
-               {{token, begin_}, {text_a}, {token, end_}, {token, end_}, {text_b}, {token, end_}}, source);
+    if (last) out += ' ';
   }
+  if (out.ends_with(' ')) out.pop_back();
+  return out;
+}
 
-  const ClipTokenizerOptions& options() const { return options_; }
-  const std::vector<std::string>& vocabulary() const { return *pieces_; }
-  Index size() const { return static_cast<Index>(pieces_->size()); }
-  Index begin_id() const { return begin_; }
-  Index end_id() const { return end_; }
-  /// OpenAI fills up with 0, Hugging Face with the end.
-  Index pad_id() const { return options_.cleaning == ClipCleaning::original ? 0 : end_; }
-
-  /// Other frames than begin, text, end. Throws config_error 107 for ids that are no pieces, 101 as the constructor.
-  void set_frames(std::vector<FramePart> single, std::vector<FramePart> pair, std::string_view source) {
-    for (const auto* frame : {&single, &pair}) {
-      for (const FramePart& part : *frame) {
-        if (part.kind == FramePart::token && (part.id < 0 || part.id >= size()))
-          raise<config_error>(107, source, ": id ", part.id, " among ", size(), " pieces");
-      }
-      if (options_.longest < static_cast<Index>(detail::frame_size(*frame)))
-        raise<config_error>(101, source, ": at most ", options_.longest, " ids, the frame has ",
-                            detail::frame_size(*frame));
-    }
-    single_ = std::move(single), pair_ = std::move(pair);
+MOTIONLANG_BODY std::string ClipTokenizer::cleaned(std::string_view text) const {
+  std::string kept;
+  if (options_.cleaning == ClipCleaning::original) {
+    kept = repair_text(text);
+    if (kept.find('&') != kept.npos) kept = html_unescape(html_unescape(kept));
+    text = kept;
   }
-
-  /// The framed ids of a text, at most options().longest: a text that is longer loses its last words, or throws
-  /// config_error 101.
-  std::vector<Index> encode(std::string_view text) const {
-    return detail::framed_text("ClipTokenizer", single_, encode_words(text), options_.longest, options_.truncate);
-  }
-  /// Two texts in one frame; never cut.
-  TokenPair encode_pair(std::string_view a, std::string_view b) const {
-    return detail::framed_pair("ClipTokenizer", pair_, encode_words(a), encode_words(b), options_.longest);
-  }
-  /// Without a frame, of any length.
-  std::vector<Index> encode_words(std::string_view text) const {
-    std::vector<Index> ids;
-    const std::unique_lock lock(cache_->mutex, std::try_to_lock);  // a second thread does without the cache
-    detail::WordCache* cache = lock.owns_lock() ? cache_.get() : nullptr;
-    const auto special = [&](Index id) { ids.push_back(id); };
-    raw_.split(
-        text,
-        [&](std::string_view part) {
-          const std::string clean = cleaned(part);
-          cleaned_.split(
-              clean, [&](std::string_view words) { append_words(ids, words, cache); }, special);
-        },
-        special);
-    return ids;
-  }
-
-  /// The text that ids spell, in lower case with a blank behind every word; begin and end are left out. Throws
-  /// shape_error 203 for an id that is none.
-  std::string decode(std::span<const Index> ids) const {
-    std::string out;
-    for (const Index id : ids) {
-      if (id < 0 || id >= size()) raise<shape_error>(203, "ClipTokenizer: id ", id, " of ", size());
-      if (id == begin_ || id == end_ || raw_.has(id) || cleaned_.has(id)) continue;
-      std::string_view piece = (*pieces_)[static_cast<std::size_t>(id)];
-      const bool last = !options_.word_end.empty() && piece.ends_with(options_.word_end);
-      if (last) piece.remove_suffix(options_.word_end.size());
-      for (std::size_t at = 0; at < piece.size();) {
-        const auto byte = detail::ByteSymbols::get().byte.find(decode_utf8(piece, at));
-        if (byte != detail::ByteSymbols::get().byte.end()) out += static_cast<char>(byte->second);
-      }
-      if (last) out += ' ';
+  const bool ascii = std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
+  std::string out;
+  out.reserve(text.size());
+  if (ascii) {
+    for (const char c : text) {
+      const bool white = (char_class(static_cast<unsigned char>(c)) & CharClass::white_space) != 0;
+      if (!white)
+        out += static_cast<char>(lower_case(char32_t{static_cast<unsigned char>(c)}));
+      else if (!out.empty() && out.back() != ' ')
+        out += ' ';
     }
     if (out.ends_with(' ')) out.pop_back();
     return out;
   }
+  std::u32string single;
+  const bool original = options_.cleaning == ClipCleaning::original;
+  const std::u32string all = to_utf32(text);
+  for (const char32_t c : original ? all : nfc(all)) {
+    if ((char_class(c) & CharClass::white_space) == 0)
+      single += c;
+    else if (!single.empty() && single.back() != U' ')
+      single += U' ';
+  }
+  if (single.ends_with(U' ')) single.pop_back();
+  return to_utf8(lower_case(single, original));
+}
 
-  /// The text of which words are taken.
-  std::string cleaned(std::string_view text) const {
-    std::string kept;
-    if (options_.cleaning == ClipCleaning::original) {
-      kept = repair_text(text);
-      if (kept.find('&') != kept.npos) kept = html_unescape(html_unescape(kept));
-      text = kept;
-    }
-    const bool ascii =
-        std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
-    std::string out;
-    out.reserve(text.size());
-    if (ascii) {
-      for (const char c : text) {
-        const bool white = (char_class(static_cast<unsigned char>(c)) & CharClass::white_space) != 0;
-        if (!white)
-          out += static_cast<char>(lower_case(char32_t{static_cast<unsigned char>(c)}));
-        else if (!out.empty() && out.back() != ' ')
-          out += ' ';
+MOTIONLANG_BODY std::vector<std::string> ClipTokenizer::openai_pieces(const BytePairMerges& merges,
+                                                                      const ClipTokenizerOptions& options) {
+  const detail::ByteSymbols& symbols = detail::ByteSymbols::get();
+  std::vector<std::string> pieces;
+  for (const char* end : {"", options.word_end.c_str()}) {
+    for (const unsigned char b : symbols.in_order) pieces.push_back(symbols.symbol[b] + end);
+  }
+  for (const auto& [left, right] : merges) pieces.push_back(left + right);
+  pieces.insert(pieces.end(), {options.begin, options.end});
+  return pieces;
+}
+
+MOTIONLANG_BODY std::size_t ClipTokenizer::literal_at(std::string_view text) const {
+  if (text.front() != '<' && text.front() != '\'') return 0;
+  for (const std::string_view literal :
+       {"<|startoftext|>", "<|endoftext|>", "'s", "'t", "'re", "'ve", "'m", "'ll", "'d"}) {
+    if (const std::size_t size = folded_prefix(text, literal); size != 0) return size;
+  }
+  return 0;
+}
+
+MOTIONLANG_BODY std::size_t ClipTokenizer::folded_prefix(std::string_view text, std::string_view literal) const {
+  std::size_t at = 0;
+  for (const char c : literal) {
+    if (at < text.size() && text[at] == c)
+      ++at;
+    else if (c == 's' && options_.cleaning == ClipCleaning::original && text.substr(at).starts_with("\xC5\xBF"))
+      at += 2;
+    else
+      return 0;
+  }
+  return at;
+}
+
+MOTIONLANG_BODY void ClipTokenizer::append_words(std::vector<Index>& ids, std::string_view text,
+                                                 detail::WordCache* cache) const {
+  const auto kind_of = [&](char32_t c) {
+    if (c == 0x345 && options_.cleaning == ClipCleaning::original) return CharClass::white_space;
+    return char_class(c) & (CharClass::letter | CharClass::number | CharClass::white_space);
+  };
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t begin = at;
+    if (const std::size_t size = literal_at(text.substr(at)); size != 0) {
+      at += size;
+    } else {
+      const unsigned kind = kind_of(decode_utf8(text, at));
+      if (kind == CharClass::white_space) continue;
+      for (std::size_t next = at; kind != CharClass::number && at < text.size(); at = next) {
+        if (kind_of(decode_utf8(text, next)) != kind) break;
       }
-      if (out.ends_with(' ')) out.pop_back();
-      return out;
     }
-    std::u32string single;
-    const bool original = options_.cleaning == ClipCleaning::original;
-    const std::u32string all = to_utf32(text);
-    for (const char32_t c : original ? all : nfc(all)) {
-      if ((char_class(c) & CharClass::white_space) == 0)
-        single += c;
-      else if (!single.empty() && single.back() != U' ')
-        single += U' ';
-    }
-    if (single.ends_with(U' ')) single.pop_back();
-    return to_utf8(lower_case(single, original));
+    append_word(ids, text.substr(begin, at - begin), cache);
   }
+}
 
- private:
-  static std::vector<std::string> openai_pieces(const BytePairMerges& merges, const ClipTokenizerOptions& options) {
-    const detail::ByteSymbols& symbols = detail::ByteSymbols::get();
-    std::vector<std::string> pieces;
-    for (const char* end : {"", options.word_end.c_str()}) {
-      for (const unsigned char b : symbols.in_order) pieces.push_back(symbols.symbol[b] + end);
-    }
-    for (const auto& [left, right] : merges) pieces.push_back(left + right);
-    pieces.insert(pieces.end(), {options.begin, options.end});
-    return pieces;
+MOTIONLANG_BODY void ClipTokenizer::append_word(std::vector<Index>& ids, std::string_view word,
+                                                detail::WordCache* cache) const {
+  const bool marks = raw_.empty() && cleaned_.empty();  // added tokens have been taken out already
+  if (marks && (word == options_.begin || word == options_.end)) {
+    ids.push_back(word == options_.begin ? begin_ : end_);
+    return;
   }
-
-  /// What a word may begin with, in the order in which it is tried. Without case, as the original compares, the long s
-  /// is an s.
-  std::size_t literal_at(std::string_view text) const {
-    if (text.front() != '<' && text.front() != '\'') return 0;
-    for (const std::string_view literal :
-         {"<|startoftext|>", "<|endoftext|>", "'s", "'t", "'re", "'ve", "'m", "'ll", "'d"}) {
-      if (const std::size_t size = folded_prefix(text, literal); size != 0) return size;
-    }
-    return 0;
+  if (const auto* known = cache != nullptr ? cache->find(word) : nullptr; known != nullptr) {
+    ids.insert(ids.end(), known->begin(), known->end());
+    return;
   }
-  std::size_t folded_prefix(std::string_view text, std::string_view literal) const {
-    std::size_t at = 0;
-    for (const char c : literal) {
-      if (at < text.size() && text[at] == c)
-        ++at;
-      else if (c == 's' && options_.cleaning == ClipCleaning::original && text.substr(at).starts_with("\xC5\xBF"))
-        at += 2;
-      else
-        return 0;
-    }
-    return at;
-  }
-
-  /// Words: the literals, runs of letters, single numbers, runs of what is neither nor white space. U+0345 is lost in
-  /// the original: it is no letter, but without case it is the iota, which is one, so that neither kind of run takes
-  /// it.
-  void append_words(std::vector<Index>& ids, std::string_view text, detail::WordCache* cache) const {
-    const auto kind_of = [&](char32_t c) {
-      if (c == 0x345 && options_.cleaning == ClipCleaning::original) return CharClass::white_space;
-      return char_class(c) & (CharClass::letter | CharClass::number | CharClass::white_space);
-    };
-    for (std::size_t at = 0; at < text.size();) {
-      const std::size_t begin = at;
-      if (const std::size_t size = literal_at(text.substr(at)); size != 0) {
-        at += size;
-      } else {
-        const unsigned kind = kind_of(decode_utf8(text, at));
-        if (kind == CharClass::white_space) continue;
-        for (std::size_t next = at; kind != CharClass::number && at < text.size(); at = next) {
-          if (kind_of(decode_utf8(text, next)) != kind) break;
-        }
-      }
-      append_word(ids, text.substr(begin, at - begin), cache);
-    }
-  }
-  void append_word(std::vector<Index>& ids, std::string_view word, detail::WordCache* cache) const {
-    const bool marks = raw_.empty() && cleaned_.empty();  // added tokens have been taken out already
-    if (marks && (word == options_.begin || word == options_.end)) {
-      ids.push_back(word == options_.begin ? begin_ : end_);
-      return;
-    }
-    if (const auto* known = cache != nullptr ? cache->find(word) : nullptr; known != nullptr) {
-      ids.insert(ids.end(), known->begin(), known->end());
-      return;
-    }
-    const std::size_t before = ids.size();
-    pairs_->append(ids, word);
-    if (cache != nullptr) cache->keep(word, std::span(ids).subspan(before));
-  }
-
-  ClipTokenizerOptions options_;
-  std::shared_ptr<const std::vector<std::string>> pieces_;
-  std::shared_ptr<const detail::BytePairs> pairs_;
-  std::shared_ptr<detail::WordCache> cache_;
-  detail::AddedTokenSearch raw_, cleaned_;
-  Index begin_ = 0, end_ = 0;
-  std::vector<FramePart> single_, pair_;
-};
-
-static_assert(Tokenizer<ClipTokenizer>);
+  const std::size_t before = ids.size();
+  pairs_->append(ids, word);
+  if (cache != nullptr) cache->keep(word, std::span(ids).subspan(before));
+}
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_GLOVE_HPP  // <motionlang/text/glove.hpp>
 #define MOTIONLANG_HAS_TEXT_GLOVE_HPP
 /// Word vectors with a part of speech: the text side of TM2T and of the HumanML3D evaluators.
 ///
-///     const GloVe words = read_glove("glove/our_vab");                                       // io/glove_file.hpp
+///     const GloVe words = read_glove("glove/our_vab");                                       // weights/glove_file.hpp
 ///     const TextFeatures<B> text = words.encode<B>(texts);                  // texts: "a/DET man/NOUN walk/VERB"
 ///
 /// A row is the vector of a word and, behind it, a one among the 15 tags. Texts are lists of word/tag, the second field
@@ -21907,125 +23264,42 @@ enum class SpeechTag { verb, noun, det, adp, num, aux, pron, adj, adv, loc, body
 inline constexpr Index speech_tags = 15;
 
 /// By the name in the caption files; SpeechTag::other if there is none.
-inline SpeechTag speech_tag(std::string_view name) {
-  constexpr std::array<std::string_view, 15> names{"VERB",     "NOUN",    "DET",     "ADP",      "NUM",
-                                                   "AUX",      "PRON",    "ADJ",     "ADV",      "Loc_VIP",
-                                                   "Body_VIP", "Obj_VIP", "Act_VIP", "Desc_VIP", "OTHER"};
-  const auto found = std::find(names.begin(), names.end(), name);
-  return found == names.end() ? SpeechTag::other : static_cast<SpeechTag>(found - names.begin());
-}
+SpeechTag speech_tag(std::string_view name);
 
 /// The words that matter to motions have tags of their own: the first list that has the word. Nothing for other words.
-inline std::optional<SpeechTag> motion_tag(std::string_view word) {
-  constexpr std::array<std::pair<SpeechTag, std::string_view>, 5> lists{
-      {{SpeechTag::loc,
-        " left right clockwise counterclockwise anticlockwise forward back backward up down straight curve "},
-       {SpeechTag::body, " arm chin foot feet face hand mouth leg waist eye knee shoulder thigh "},
-       {SpeechTag::obj, " stair dumbbell chair window floor car ball handrail baseball basketball "},
-       {SpeechTag::act,
-        " walk run swing pick bring kick put squat throw hop dance jump turn stumble stop sit lift lower raise wash "
-        "stand kneel "
-        "stroll rub bend balance flap jog shuffle lean rotate spin spread climb "},
-       {SpeechTag::desc, " slowly carefully fast careful slow quickly happy angry sad happily angrily sadly "}}};
-  const std::string whole = concat_text(" ", word, " ");
-  for (const auto& [tag, list] : lists) {
-    if (list.find(whole) != list.npos) return tag;
-  }
-  return std::nullopt;
-}
+std::optional<SpeechTag> motion_tag(std::string_view word);
 
 /// Vectors of words, with "sos", "eos" and "unk" among them.
 class GloVe {
  public:
   /// vectors has a row of `width` numbers for each word. Throws shape_error 205 if it has not, config_error 103 if sos,
-  /// eos or unk is missing or a word stands twice.
-  GloVe(const std::vector<std::string>& words, std::vector<float> vectors, Index width)
-      : vectors_(std::move(vectors)), width_(width) {
-    if (width < 1 || vectors_.size() != words.size() * static_cast<std::size_t>(width))
-      raise<shape_error>(205, "GloVe: ", vectors_.size(), " numbers for ", words.size(), " words of ", width);
-    for (std::size_t i = 0; i < words.size(); ++i) {
-      if (!row_.emplace(words[i], i).second) raise<config_error>(103, "GloVe: the word '", words[i], "' stands twice");
-    }
-    for (const char* mark : {"sos", "eos", "unk"}) {
-      if (!row_.contains(mark)) raise<config_error>(103, "GloVe: no word '", mark, "'");
-    }
-  }
+  /// eos or unk is missing or a word is duplicated.
+  GloVe(const std::vector<std::string>& words, std::vector<float> vectors, Index width);
 
   Index size() const { return static_cast<Index>(row_.size()); }
   Index width() const { return width_; }
   bool contains(const std::string& word) const { return row_.contains(word); }
   /// Its row; of an unknown word that of "unk". This is the number of the word in TM2T.
-  Index id(const std::string& word) const {
-    const auto found = row_.find(word);
-    return static_cast<Index>(found == row_.end() ? row_.at("unk") : found->second);
-  }
+  Index id(const std::string& word) const;
   /// The word of a row; behind the last row "pad". Throws shape_error 203 for other numbers.
-  std::string word(Index id) const {
-    if (id == size()) return "pad";
-    for (const auto& [word, row] : row_) {
-      if (static_cast<Index>(row) == id) return word;
-    }
-    raise<shape_error>(203, "GloVe: word ", id, " of ", size());
-  }
+  std::string word(Index id) const;
   /// All of them in the order of their rows.
-  std::vector<std::string> words() const {
-    std::vector<std::string> out(row_.size());
-    for (const auto& [word, row] : row_) out[row] = word;
-    return out;
-  }
-  std::span<const float> vector(const std::string& word) const {
-    return std::span(vectors_).subspan(static_cast<std::size_t>(id(word) * width_), static_cast<std::size_t>(width_));
-  }
+  std::vector<std::string> words() const;
+  std::span<const float> vector(const std::string& word) const;
   /// The tag that counts: of an unknown word `other`, else the one of the word's list, else the given one.
-  SpeechTag tag(const TaggedWord& w) const {
-    return contains(w.word) ? motion_tag(w.word).value_or(speech_tag(w.tag)) : SpeechTag::other;
-  }
+  SpeechTag tag(const TaggedWord& w) const;
 
   /// sos, at most `longest` words, eos. Throws config_error 101 if `longest` is negative.
-  static std::vector<TaggedWord> framed(std::span<const TaggedWord> words, Index longest) {
-    if (longest < 0) raise<config_error>(101, "GloVe: at most ", longest, " words");
-    std::vector<TaggedWord> out{{"sos", "OTHER"}};
-    const auto count = std::min<std::size_t>(words.size(), static_cast<std::size_t>(longest));
-    out.insert(out.end(), words.begin(), words.begin() + static_cast<std::ptrdiff_t>(count));
-    out.push_back({"eos", "OTHER"});
-    return out;
-  }
+  static std::vector<TaggedWord> framed(std::span<const TaggedWord> words, Index longest);
 
   /// "word/tag word/tag" where every word has a slash; other texts are captions, in which a slash is a mark like any
   /// other ("walks and/or runs"). Throws config_error 107 for a word with no tag or several beside one with a tag of
   /// the table.
-  std::vector<TaggedWord> tokens(std::string_view text) const {
-    std::vector<TaggedWord> out;
-    std::string_view wrong;
-    bool tagged = false;
-    for (std::size_t at = 0; (at = text.find_first_not_of(' ', at)) != text.npos;) {
-      const std::size_t end = std::min(text.find(' ', at), text.size());
-      const std::string_view token = text.substr(at, end - at);
-      at = end;
-      const std::size_t slash = token.find('/');
-      if (slash == token.npos || token.find('/', slash + 1) != token.npos) {
-        if (wrong.empty()) wrong = token;
-        continue;
-      }
-      out.push_back({std::string(token.substr(0, slash)), std::string(token.substr(slash + 1))});
-      tagged = tagged || speech_tag(out.back().tag) != SpeechTag::other;
-    }
-    if (wrong.empty()) return out;
-    if (tagged) raise<config_error>(107, "GloVe: '", wrong, "' is not word/tag");
-    return caption_tokens(text);
-  }
+  std::vector<TaggedWord> tokens(std::string_view text) const;
   /// An approximation to what was done with spaCy: hyphens are deleted, words are lowered, those with digits are passed
   /// over; -s, -es, -ed and -ing are taken away where the word is unknown and the rest is known. Tags come from the
   /// lists of `motion_tag` only.
-  std::vector<TaggedWord> caption_tokens(std::string_view text) const {
-    std::string joined(text);
-    std::erase(joined, '-');
-    std::vector<TaggedWord> out;
-    for (const std::string& word : WordPiece::words(joined)) {
-      if (word.find_first_of("0123456789") == word.npos) out.push_back({known_form(word), "OTHER"});
-    }
-    return out;
-  }
+  std::vector<TaggedWord> caption_tokens(std::string_view text) const;
 
   /// Rows of width + 15 numbers: sos, the words, eos.
   template <Backend B>
@@ -22047,18 +23321,7 @@ class GloVe {
   }
 
  private:
-  std::string known_form(const std::string& word) const {
-    if (contains(word)) return word;
-    for (const std::string_view end : {"ing", "ed", "es", "s"}) {
-      if (!word.ends_with(end) || word.size() < end.size() + 2) continue;
-      const std::string stem = word.substr(0, word.size() - end.size());
-      if (contains(stem)) return stem;
-      if (contains(stem + "e")) return stem + "e";
-      if (stem.back() == stem[stem.size() - 2] && contains(stem.substr(0, stem.size() - 1)))
-        return stem.substr(0, stem.size() - 1);
-    }
-    return word;
-  }
+  std::string known_form(const std::string& word) const;
 
   std::vector<float> vectors_;
   Index width_;
@@ -22066,6 +23329,133 @@ class GloVe {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_GLOVE_IPP  // <motionlang/text/glove.ipp>
+#define MOTIONLANG_HAS_TEXT_GLOVE_IPP
+// Bodies of glove.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY SpeechTag speech_tag(std::string_view name) {
+  constexpr std::array<std::string_view, 15> names{"VERB",     "NOUN",    "DET",     "ADP",      "NUM",
+                                                   "AUX",      "PRON",    "ADJ",     "ADV",      "Loc_VIP",
+                                                   "Body_VIP", "Obj_VIP", "Act_VIP", "Desc_VIP", "OTHER"};
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? SpeechTag::other : static_cast<SpeechTag>(found - names.begin());
+}
+
+MOTIONLANG_BODY std::optional<SpeechTag> motion_tag(std::string_view word) {
+  constexpr std::array<std::pair<SpeechTag, std::string_view>, 5> lists{
+      {{SpeechTag::loc,
+        " left right clockwise counterclockwise anticlockwise forward back backward up down straight curve "},
+       {SpeechTag::body, " arm chin foot feet face hand mouth leg waist eye knee shoulder thigh "},
+       {SpeechTag::obj, " stair dumbbell chair window floor car ball handrail baseball basketball "},
+       {SpeechTag::act,
+        " walk run swing pick bring kick put squat throw hop dance jump turn stumble stop sit lift lower raise wash "
+        "stand kneel "
+        "stroll rub bend balance flap jog shuffle lean rotate spin spread climb "},
+       {SpeechTag::desc, " slowly carefully fast careful slow quickly happy angry sad happily angrily sadly "}}};
+  const std::string whole = concat_text(" ", word, " ");
+  for (const auto& [tag, list] : lists) {
+    if (list.find(whole) != list.npos) return tag;
+  }
+  return std::nullopt;
+}
+
+MOTIONLANG_BODY GloVe::GloVe(const std::vector<std::string>& words, std::vector<float> vectors, Index width)
+    : vectors_(std::move(vectors)), width_(width) {
+  if (width < 1 || vectors_.size() != words.size() * static_cast<std::size_t>(width))
+    raise<shape_error>(205, "GloVe: ", vectors_.size(), " numbers for ", words.size(), " words of ", width);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (!row_.emplace(words[i], i).second) raise<config_error>(103, "GloVe: the word '", words[i], "' is duplicated");
+  }
+  for (const char* mark : {"sos", "eos", "unk"}) {
+    if (!row_.contains(mark)) raise<config_error>(103, "GloVe: no word '", mark, "'");
+  }
+}
+
+MOTIONLANG_BODY Index GloVe::id(const std::string& word) const {
+  const auto found = row_.find(word);
+  return static_cast<Index>(found == row_.end() ? row_.at("unk") : found->second);
+}
+
+MOTIONLANG_BODY std::string GloVe::word(Index id) const {
+  if (id == size()) return "pad";
+  for (const auto& [word, row] : row_) {
+    if (static_cast<Index>(row) == id) return word;
+  }
+  raise<shape_error>(203, "GloVe: word ", id, " of ", size());
+}
+
+MOTIONLANG_BODY std::vector<std::string> GloVe::words() const {
+  std::vector<std::string> out(row_.size());
+  for (const auto& [word, row] : row_) out[row] = word;
+  return out;
+}
+
+MOTIONLANG_BODY std::span<const float> GloVe::vector(const std::string& word) const {
+  return std::span(vectors_).subspan(static_cast<std::size_t>(id(word) * width_), static_cast<std::size_t>(width_));
+}
+
+MOTIONLANG_BODY SpeechTag GloVe::tag(const TaggedWord& w) const {
+  return contains(w.word) ? motion_tag(w.word).value_or(speech_tag(w.tag)) : SpeechTag::other;
+}
+
+MOTIONLANG_BODY std::vector<TaggedWord> GloVe::framed(std::span<const TaggedWord> words, Index longest) {
+  if (longest < 0) raise<config_error>(101, "GloVe: at most ", longest, " words");
+  std::vector<TaggedWord> out{{"sos", "OTHER"}};
+  const auto count = std::min<std::size_t>(words.size(), static_cast<std::size_t>(longest));
+  out.insert(out.end(), words.begin(), words.begin() + static_cast<std::ptrdiff_t>(count));
+  out.push_back({"eos", "OTHER"});
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<TaggedWord> GloVe::tokens(std::string_view text) const {
+  std::vector<TaggedWord> out;
+  std::string_view wrong;
+  bool tagged = false;
+  for (std::size_t at = 0; (at = text.find_first_not_of(' ', at)) != text.npos;) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::string_view token = text.substr(at, end - at);
+    at = end;
+    const std::size_t slash = token.find('/');
+    if (slash == token.npos || token.find('/', slash + 1) != token.npos) {
+      if (wrong.empty()) wrong = token;
+      continue;
+    }
+    out.push_back({std::string(token.substr(0, slash)), std::string(token.substr(slash + 1))});
+    tagged = tagged || speech_tag(out.back().tag) != SpeechTag::other;
+  }
+  if (wrong.empty()) return out;
+  if (tagged) raise<config_error>(107, "GloVe: '", wrong, "' is not word/tag");
+  return caption_tokens(text);
+}
+
+MOTIONLANG_BODY std::vector<TaggedWord> GloVe::caption_tokens(std::string_view text) const {
+  std::string joined(text);
+  std::erase(joined, '-');
+  std::vector<TaggedWord> out;
+  for (const std::string& word : WordPiece::words(joined)) {
+    if (word.find_first_of("0123456789") == word.npos) out.push_back({known_form(word), "OTHER"});
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string GloVe::known_form(const std::string& word) const {
+  if (contains(word)) return word;
+  for (const std::string_view end : {"ing", "ed", "es", "s"}) {
+    if (!word.ends_with(end) || word.size() < end.size() + 2) continue;
+    const std::string stem = word.substr(0, word.size() - end.size());
+    if (contains(stem)) return stem;
+    if (contains(stem + "e")) return stem + "e";
+    if (stem.back() == stem[stem.size() - 2] && contains(stem.substr(0, stem.size() - 1)))
+      return stem.substr(0, stem.size() - 1);
+  }
+  return word;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_JOINED_LABELS_HPP  // <motionlang/text/joined_labels.hpp>
@@ -22090,7 +23480,37 @@ struct NoTagger {};
 
 /// The words joined by single blanks, "ing" after the second verb unless it ends so. Naive as published: "run" becomes
 /// "runing". Of a word its form in the sentence is wanted, not its lemma; verbs have the tag "VERB".
-inline std::string second_verb_to_gerund(std::span<const TaggedWord> words) {
+std::string second_verb_to_gerund(std::span<const TaggedWord> words);
+
+namespace detail {
+
+/// Without a tagger.
+std::string sentence_of_labels(std::span<const std::string> labels, Conjunction conjunction);
+
+}  // namespace detail
+
+/// No label: an empty sentence.
+template <class Tagger = NoTagger>
+std::string join_labels(std::span<const std::string> labels, Conjunction conjunction, Tagger&& tagger = {}) {
+  std::string out = detail::sentence_of_labels(labels, conjunction);
+  if constexpr (!std::is_same_v<std::remove_cvref_t<Tagger>, NoTagger>) {
+    if (!labels.empty() && (conjunction == Conjunction::while_ || conjunction == Conjunction::during)) {
+      const std::vector<TaggedWord> words = tagger(std::string_view(out));
+      return second_verb_to_gerund(words);
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_JOINED_LABELS_IPP  // <motionlang/text/joined_labels.ipp>
+#define MOTIONLANG_HAS_TEXT_JOINED_LABELS_IPP
+// Bodies of joined_labels.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string second_verb_to_gerund(std::span<const TaggedWord> words) {
   std::string out;
   int verbs = 0;
   for (const TaggedWord& w : words) {
@@ -22101,9 +23521,9 @@ inline std::string second_verb_to_gerund(std::span<const TaggedWord> words) {
   return out;
 }
 
-/// No label: an empty sentence.
-template <class Tagger = NoTagger>
-std::string join_labels(std::span<const std::string> labels, Conjunction conjunction, Tagger&& tagger = {}) {
+namespace detail {
+
+MOTIONLANG_BODY std::string sentence_of_labels(std::span<const std::string> labels, Conjunction conjunction) {
   using enum Conjunction;
   const bool several = labels.size() > 1;
   const std::string_view between = conjunction == while_   ? " while "
@@ -22117,16 +23537,13 @@ std::string join_labels(std::span<const std::string> labels, Conjunction conjunc
   }
   if (several && conjunction == simultaneously) out = "simultaneously " + out;
   if (several && conjunction == same_time) out += " at the same time";
-  if constexpr (!std::is_same_v<std::remove_cvref_t<Tagger>, NoTagger>) {
-    if (!labels.empty() && (conjunction == while_ || conjunction == during)) {
-      const std::vector<TaggedWord> words = tagger(std::string_view(out));
-      return second_verb_to_gerund(words);
-    }
-  }
   return out;
 }
 
+}  // namespace detail
+
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_HPP  // <motionlang/text/mirror_caption.hpp>
@@ -22144,6 +23561,17 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// The caption of the mirrored motion.
+std::string mirror_caption(std::string_view caption);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_IPP  // <motionlang/text/mirror_caption.ipp>
+#define MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_IPP
+// Bodies of mirror_caption.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
 namespace detail {
 
 /// Letters and digits; bytes of other characters than ASCII belong to words.
@@ -22151,6 +23579,7 @@ constexpr bool in_word(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
          static_cast<unsigned char>(c) >= 0x80;
 }
+
 constexpr bool is_capital(char c) { return c >= 'A' && c <= 'Z'; }
 
 /// The word for the other side, in small letters; empty if a word has no side.
@@ -22204,8 +23633,7 @@ inline std::string joined_words(const std::vector<std::string_view>& pieces, std
 
 }  // namespace detail
 
-/// The caption of the mirrored motion.
-inline std::string mirror_caption(std::string_view caption) {
+MOTIONLANG_BODY std::string mirror_caption(std::string_view caption) {
   const auto pieces = detail::words_and_gaps(caption);
   std::string out;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -22227,6 +23655,7 @@ inline std::string mirror_caption(std::string_view caption) {
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_TEXT_TOKENIZED_ENCODER_HPP  // <motionlang/text/tokenized_encoder.hpp>
@@ -22324,174 +23753,12 @@ struct WordPieceTokens {
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_COMPOSE_ALIGNMENT_HPP  // <motionlang/compose/alignment.hpp>
-#define MOTIONLANG_HAS_COMPOSE_ALIGNMENT_HPP
-/// TEACH's way to put generated parts one behind the other: the next part is turned and moved onto the last frame of
-/// the one before it, the frames between them are interpolated.
-///
-/// Source    TEACH (Athanasiou et al., 3DV 2022), tools/interpolation.py; spec teach.md 5.1
-/// Notation  last frame of what is there -> e, first frame of the next part -> b
-/// World     Z up. The turn is the difference of the z of two rotation vectors, which is that of the headings only for
-///           bodies that do not lean; published so.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Pose and place of one frame.
-template <Scalar S>
-struct PoseInWorld {
-  std::span<const Matrix3<S>> rotations;  // (joints); joint 0 in the world
-  Vec3<S> trans;
-};
-
-/// Whether the next part is also turned to the heading of what is there, or moved only.
-enum class Alignment { full, translation };
-
-/// The part's first frame comes to stand where e stands; heights stay.
-/// rotations  (frames, joints) of the part, turned in place
-/// trans      (frames), moved in place
-/// Throws     shape_error 205 if the sizes do not fit
-template <Scalar S>
-void align_to(const PoseInWorld<S>& e, std::span<Matrix3<S>> rotations, std::span<Vec3<S>> trans,
-              Alignment alignment = Alignment::full) {
-  const std::size_t joints = e.rotations.size();
-  if (joints == 0 || rotations.size() != trans.size() * joints) {
-    raise<shape_error>(205, "align_to: ", rotations.size(), " rotations for ", trans.size(), " frames of ", joints,
-                       " joints");
-  }
-  if (trans.empty()) return;
-  auto turn = Matrix3<S>::identity();
-  if (alignment == Alignment::full) {
-    const S angle = pytorch3d::matrix_to_axis_angle(rotations[0]).z - pytorch3d::matrix_to_axis_angle(e.rotations[0]).z;
-    turn = axis_rotation(2, -angle);
-  }
-  const Vec3<S> first = trans[0];
-  for (std::size_t f = 0; f < trans.size(); ++f) {
-    rotations[f * joints] = turn * rotations[f * joints];
-    const Vec3<S> path = turn * (trans[f] - first);
-    trans[f] = {e.trans.x + path.x, e.trans.y + path.y, trans[f].z};
-  }
-}
-
-namespace detail {
-
-/// sin((1-t) o)/sin o a + sin(t o)/sin o b for the shorter way round; straight for a . b > 0.99.
-template <Scalar S>
-Quaternion<S> teach_slerp(const Quaternion<S>& p, const Quaternion<S>& q, S t) {
-  const Quaternion<S> a = normalized(p), other = normalized(q);
-  const S d = dot(a, other), cosine = std::abs(d);
-  const Quaternion<S> b = (d < S(0) ? S(-1) : S(1)) * other;
-  S wa = S(1) - t, wb = t;
-  if (!(S(1) - cosine < S(0.01))) {
-    const S o = std::acos(cosine);
-    wa = std::sin(wa * o) / std::sin(o), wb = std::sin(wb * o) / std::sin(o);
-  }
-  return normalized(wa * a + wb * b);
-}
-
-}  // namespace detail
-
-/// `frames` frames between two, at k / (frames + 1): rotations along the shorter arc, places in a straight line.
-/// Throws shape_error 205 if the poses differ in their joints.
-template <Scalar S>
-SmplVelpMotion<S> slerp_window(const PoseInWorld<S>& e, const PoseInWorld<S>& b, Index frames) {
-  if (e.rotations.size() != b.rotations.size()) {
-    raise<shape_error>(205, "slerp_window: ", e.rotations.size(), " and ", b.rotations.size(), " joints");
-  }
-  SmplVelpMotion<S> out;
-  for (Index k = 1; k <= frames; ++k) {
-    const S t = static_cast<S>(k) / static_cast<S>(frames + 1);
-    for (std::size_t j = 0; j < e.rotations.size(); ++j) {
-      out.rotations.push_back(to_matrix(detail::teach_slerp(pytorch3d::matrix_to_quaternion(e.rotations[j]),
-                                                            pytorch3d::matrix_to_quaternion(b.rotations[j]), t)));
-    }
-    out.trans.push_back((S(1) - t) * e.trans + t * b.trans);
-  }
-  return out;
-}
-
-/// Parts that stand one behind the other, each aligned to the end of the one before it; the first `window` frames of
-/// all parts but the first are interpolated.
-/// lengths  frames of the parts, all of the motion together
-/// Throws   shape_error 205 if the motion has another number of frames or a part no frame behind its window;
-///          config_error 101 for a negative window
-template <Scalar S>
-void join_parts(SmplVelpMotion<S>& motion, std::span<const Index> lengths, Index window = 0,
-                Alignment alignment = Alignment::full) {
-  if (window < 0) raise<config_error>(101, "join_parts: a window of ", window, " frames");
-  const auto frames = std::ssize(motion.trans);
-  const auto joints = frames == 0 ? 0 : motion.rotations.size() / motion.trans.size();
-  const auto rotations = std::span(motion.rotations);
-  const auto trans = std::span(motion.trans);
-  const auto pose = [&](std::size_t f) {
-    return PoseInWorld<S>{std::span<const Matrix3<S>>(rotations.subspan(f * joints, joints)), trans[f]};
-  };
-  Index end = 0;
-  for (std::size_t part = 0; part < lengths.size(); ++part) {
-    const Index start = end, gap = part == 0 ? 0 : window;
-    end += lengths[part];
-    if (lengths[part] <= gap || end > frames)
-      raise<shape_error>(205, "join_parts: part ", part, " of ", lengths[part], " frames, window ", window,
-                         ", motion of ", frames, " frames");
-    if (part == 0) continue;
-    const auto last = static_cast<std::size_t>(start - 1), next = static_cast<std::size_t>(start + gap),
-               count = static_cast<std::size_t>(end - start - gap);
-    align_to(pose(last), rotations.subspan(next * joints, count * joints), trans.subspan(next, count), alignment);
-    const auto between = slerp_window(pose(last), pose(next), gap);
-    std::copy(between.rotations.begin(), between.rotations.end(), rotations.subspan((last + 1) * joints).begin());
-    std::copy(between.trans.begin(), between.trans.end(), trans.subspan(last + 1).begin());
-  }
-  if (end != frames) raise<shape_error>(205, "join_parts: parts of ", end, " frames, motion of ", frames);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_COMPOSE_BABEL_SEGMENT_HPP  // <motionlang/compose/babel_segment.hpp>
-#define MOTIONLANG_HAS_COMPOSE_BABEL_SEGMENT_HPP
-/// Stretches of a motion with a text, as BABEL has them. What TEACH and SINC make of them: teach_pairs.hpp,
-/// simultaneous_segments.hpp. Read by io/babel.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Frames [start, end) with their text.
-struct BabelSegment {
-  Index start = 0, end = 0;
-  std::string text;
-  bool operator==(const BabelSegment&) const = default;
-
-  bool is_transition() const { return text == "transition"; }
-};
-
-/// Labels that TEACH and SINC train nothing on.
-inline constexpr std::array<std::string_view, 7> babel_excluded_labels{"t-pose", "a-pose", "a pose",    "t pose",
-                                                                       "tpose",  "apose",  "transition"};
-inline bool is_babel_excluded(std::string_view label) {
-  return std::find(babel_excluded_labels.begin(), babel_excluded_labels.end(), label) != babel_excluded_labels.end();
-}
-
-/// The segments that SINC takes, in their order: without empty ones and excluded labels. One without text stays here
-/// (it
-/// counts as simultaneous with others) and is nothing to train on. Source  spec sinc.md 5.1
-inline std::vector<BabelSegment> sinc_segments(std::vector<BabelSegment> segments) {
-  std::erase_if(segments, [](const BabelSegment& s) { return s.end <= s.start || is_babel_excluded(s.text); });
-  return segments;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
 #ifndef MOTIONLANG_HAS_COMPOSE_BASELINES_HPP  // <motionlang/compose/baselines.hpp>
 #define MOTIONLANG_HAS_COMPOSE_BASELINES_HPP
 /// The timelines of the baselines that STMC is compared with: everything on one track, or in one sentence.
 ///
 /// Source  STMC (Petrovich et al. 2024), mtt/create_baselines.py; spec stmc.md 5. They are made from seconds and
 ///         written to files, which are then read at 20 fps; converting with to_frames gives the same.
-
-#ifndef MOTIONLANG_HAS_COMPOSE_INTERVALS_HPP  // <motionlang/compose/intervals.hpp>
-#define MOTIONLANG_HAS_COMPOSE_INTERVALS_HPP
-/// Cutting a timeline at every start and end: between two neighbouring cuts the set of active texts is constant.
-///
-/// Source  STMC (Petrovich et al. 2024), section 3.2; spec stmc.md 3.1
 
 #ifndef MOTIONLANG_HAS_COMPOSE_TIMELINE_HPP  // <motionlang/compose/timeline.hpp>
 #define MOTIONLANG_HAS_COMPOSE_TIMELINE_HPP
@@ -22541,13 +23808,7 @@ using TimelineInSeconds = BasicTimeline<double>;
 inline constexpr Index latest_time = 1'000'000'000;
 
 /// trunc(fps * seconds), calculated in double as the published readers do. Throws config_error 101 if it is not a time.
-inline Index frame_at(double seconds, double fps) {
-  const double frame = std::trunc(fps * seconds);
-  if (!(std::abs(frame) <= static_cast<double>(latest_time))) {
-    raise<config_error>(101, "frame_at: ", seconds, " s at ", fps, " frames per second is out of range");
-  }
-  return static_cast<Index>(frame);
-}
+Index frame_at(double seconds, double fps);
 
 /// Moves a timeline so that it begins at 0.
 template <class T>
@@ -22559,7 +23820,28 @@ void shift_to_zero(BasicTimeline<T>& timeline) {
 }
 
 /// Frames of a timeline, shifted to 0 after the conversion. Throws config_error 101.
-inline Timeline to_frames(const TimelineInSeconds& timeline, double fps) {
+Timeline to_frames(const TimelineInSeconds& timeline, double fps);
+
+/// Seconds of a timeline, such that to_frames gives the same frames back. Throws config_error 101.
+TimelineInSeconds to_seconds(const Timeline& timeline, double fps);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_TIMELINE_IPP  // <motionlang/compose/timeline.ipp>
+#define MOTIONLANG_HAS_COMPOSE_TIMELINE_IPP
+// Bodies of timeline.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Index frame_at(double seconds, double fps) {
+  const double frame = std::trunc(fps * seconds);
+  if (!(std::abs(frame) <= static_cast<double>(latest_time))) {
+    raise<config_error>(101, "frame_at: ", seconds, " s at ", fps, " frames per second is out of range");
+  }
+  return static_cast<Index>(frame);
+}
+
+MOTIONLANG_BODY Timeline to_frames(const TimelineInSeconds& timeline, double fps) {
   Timeline out;
   for (const auto& i : timeline.intervals) {
     out.intervals.push_back({i.text, frame_at(i.start, fps), frame_at(i.end, fps), i.parts, i.place});
@@ -22568,8 +23850,7 @@ inline Timeline to_frames(const TimelineInSeconds& timeline, double fps) {
   return out;
 }
 
-/// Seconds of a timeline, such that to_frames gives the same frames back. Throws config_error 101.
-inline TimelineInSeconds to_seconds(const Timeline& timeline, double fps) {
+MOTIONLANG_BODY TimelineInSeconds to_seconds(const Timeline& timeline, double fps) {
   const auto seconds = [&](Index frame) {
     double t = static_cast<double>(frame) / fps;
     while (frame_at(t, fps) < frame) t = std::nextafter(t, HUGE_VAL);  // the quotient was rounded down
@@ -22583,6 +23864,36 @@ inline TimelineInSeconds to_seconds(const Timeline& timeline, double fps) {
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline BodyParts united(BodyParts a, BodyParts b) { return {a.bits | b.bits}; }
+
+}  // namespace detail
+
+/// One track (DiffCollage): on each piece between cuts the active texts joined by " while ", with all their parts.
+/// Pieces without a text are left out.
+TimelineInSeconds single_track(const TimelineInSeconds& timeline);
+
+/// One sentence, "T0 and then T1 while T2", with the parts of all texts, from 0 to at most 9.8 s, the longest motion
+/// that the models were trained on. The published rule is for timelines of three texts: of longer ones the first three
+/// are in the sentence, shorter ones leave its end away.
+TimelineInSeconds one_text(const TimelineInSeconds& timeline);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_BASELINES_IPP  // <motionlang/compose/baselines.ipp>
+#define MOTIONLANG_HAS_COMPOSE_BASELINES_IPP
+// Bodies of baselines.hpp.
+
+#ifndef MOTIONLANG_HAS_COMPOSE_INTERVALS_HPP  // <motionlang/compose/intervals.hpp>
+#define MOTIONLANG_HAS_COMPOSE_INTERVALS_HPP
+/// Cutting a timeline at every start and end: between two neighbouring cuts the set of active texts is constant.
+///
+/// Source  STMC (Petrovich et al. 2024), section 3.2; spec stmc.md 3.1
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -22648,15 +23959,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-namespace detail {
-
-inline BodyParts united(BodyParts a, BodyParts b) { return {a.bits | b.bits}; }
-
-}  // namespace detail
-
-/// One track (DiffCollage): on each piece between cuts the active texts joined by " while ", with all their parts.
-/// Pieces without a text are left out.
-inline TimelineInSeconds single_track(const TimelineInSeconds& timeline) {
+MOTIONLANG_BODY TimelineInSeconds single_track(const TimelineInSeconds& timeline) {
   TimelineInSeconds out;
   for (const auto& piece : elementary_pieces(timeline)) {
     if (piece.intervals.empty()) continue;
@@ -22671,16 +23974,15 @@ inline TimelineInSeconds single_track(const TimelineInSeconds& timeline) {
   return out;
 }
 
-/// One sentence: "T0 and then T1 while T2", from 0 to at most 9.8 s, the longest motion that the models were trained
-/// on. The published rule is for three texts; fewer leave its end away, more are joined by further "while".
-inline TimelineInSeconds one_text(const TimelineInSeconds& timeline) {
+MOTIONLANG_BODY TimelineInSeconds one_text(const TimelineInSeconds& timeline) {
   constexpr double longest = 9.8;
+  constexpr const char* words[] = {"", " and then ", " while "};
   if (timeline.intervals.empty()) return {};
   IntervalInSeconds joined{"", 0.0, 0.0, {}};
   double first = timeline.intervals.front().start;
   for (std::size_t i = 0; i < timeline.intervals.size(); ++i) {
     const IntervalInSeconds& interval = timeline.intervals[i];
-    joined.text += (i == 0 ? "" : i == 1 ? " and then " : " while ") + interval.text;
+    if (i < std::size(words)) joined.text += words[i] + interval.text;
     joined.parts = detail::united(joined.parts, interval.parts);
     first = std::min(first, interval.start);
   }
@@ -22690,16 +23992,44 @@ inline TimelineInSeconds one_text(const TimelineInSeconds& timeline) {
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_BODY_PART_ANSWERS_HPP  // <motionlang/compose/body_part_answers.hpp>
 #define MOTIONLANG_HAS_COMPOSE_BODY_PART_ANSWERS_HPP
 /// What a language model answered when it was asked which body parts an action moves, as the parts of SINC; and a table
-/// of such answers. Read from a file by io/body_part_table.hpp; without a table, body_part_lexicon.hpp guesses.
+/// of such answers. Read from a file by datasets/body_part_table.hpp; without a table, body_part_lexicon.hpp guesses.
 ///
 ///     parse_body_part_answer("Answer: right leg\nleft leg\nbuttocks")   // global, left leg, right leg
 ///
 /// Source   SINC (Athanasiou et al., ICCV 2023), text_list_to_bp; spec sinc.md 6
 /// Differs  from the code: each line is stripped, so that "- waist" is one; "left shoulder" is understood
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// One part per line; those of the face, wrists and hands say nothing; shoulders are arms, buttocks and waist the
+/// pelvis, the neck is the torso. Throws config_error 103 for a name that is not one, and if no part is named.
+SincParts parse_body_part_answer(std::string_view answer);
+
+/// Parts of actions by their labels. The order of the labels is that of the file: lists of partners follow it.
+class BodyPartTable {
+ public:
+  /// The last one counts if a label is added again. Throws config_error 103.
+  void add(const std::string& label, std::string_view answer);
+
+  const std::vector<std::string>& labels() const { return labels_; }
+  /// Throws config_error 103 if the label is not in the table.
+  const SincParts& parts(const std::string& label) const;
+
+ private:
+  std::vector<std::string> labels_;
+  std::unordered_map<std::string, SincParts> parts_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_BODY_PART_ANSWERS_IPP  // <motionlang/compose/body_part_answers.ipp>
+#define MOTIONLANG_HAS_COMPOSE_BODY_PART_ANSWERS_IPP
+// Bodies of body_part_answers.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -22720,9 +24050,7 @@ inline std::string plain_answer(std::string_view answer) {
 
 }  // namespace detail
 
-/// One part per line; those of the face, wrists and hands say nothing; shoulders are arms, buttocks and waist the
-/// pelvis, the neck is the torso. Throws config_error 103 for a name that is none, and if no part is named.
-inline SincParts parse_body_part_answer(std::string_view answer) {
+MOTIONLANG_BODY SincParts parse_body_part_answer(std::string_view answer) {
   std::set<std::string, std::less<>> named;
   const std::string plain = detail::plain_answer(answer);
   detail::for_each_line(plain, [&](std::string_view line, Index) {
@@ -22746,33 +24074,23 @@ inline SincParts parse_body_part_answer(std::string_view answer) {
   return parts;
 }
 
-/// Parts of actions by their labels. The order of the labels is that of the file: lists of partners follow it.
-class BodyPartTable {
- public:
-  /// The last one counts if a label is added again. Throws config_error 103.
-  void add(const std::string& label, std::string_view answer) {
-    static constexpr std::array<std::string_view, 5> everything{"animal behavior series", "bird behavior series",
-                                                                "marine animal behavior series",
-                                                                "elephant behavior series", "swim on air"};
-    const bool forced = std::find(everything.begin(), everything.end(), label) != everything.end();
-    const SincParts parts = forced ? ~SincParts{} : parse_body_part_answer(answer);
-    if (parts_.insert_or_assign(label, parts).second) labels_.push_back(label);
-  }
+MOTIONLANG_BODY void BodyPartTable::add(const std::string& label, std::string_view answer) {
+  static constexpr std::array<std::string_view, 5> everything{"animal behavior series", "bird behavior series",
+                                                              "marine animal behavior series",
+                                                              "elephant behavior series", "swim on air"};
+  const bool forced = std::find(everything.begin(), everything.end(), label) != everything.end();
+  const SincParts parts = forced ? ~SincParts{} : parse_body_part_answer(answer);
+  if (parts_.insert_or_assign(label, parts).second) labels_.push_back(label);
+}
 
-  const std::vector<std::string>& labels() const { return labels_; }
-  /// Throws config_error 103 if the label is not in the table.
-  const SincParts& parts(const std::string& label) const {
-    const auto found = parts_.find(label);
-    if (found == parts_.end()) raise<config_error>(103, "BodyPartTable: no parts of '", label, "'");
-    return found->second;
-  }
-
- private:
-  std::vector<std::string> labels_;
-  std::unordered_map<std::string, SincParts> parts_;
-};
+MOTIONLANG_BODY const SincParts& BodyPartTable::parts(const std::string& label) const {
+  const auto found = parts_.find(label);
+  if (found == parts_.end()) raise<config_error>(103, "BodyPartTable: no parts of '", label, "'");
+  return found->second;
+}
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_BODY_PART_LEXICON_HPP  // <motionlang/compose/body_part_lexicon.hpp>
@@ -22785,6 +24103,24 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Rule   every known word adds its parts; words of one arm mean the right one unless "left arm", "left hand", ... is
 ///        written; both arms with "both", with "left and right", or with a plural; nothing known: all parts
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+BodyParts guess_body_parts(std::string_view text);
+
+/// Guesses the parts of all intervals that have none.
+template <class T>
+void guess_missing_parts(BasicTimeline<T>& timeline) {
+  for (auto& i : timeline.intervals) {
+    if (i.parts.empty()) i.parts = guess_body_parts(i.text);
+  }
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_BODY_PART_LEXICON_IPP  // <motionlang/compose/body_part_lexicon.ipp>
+#define MOTIONLANG_HAS_COMPOSE_BODY_PART_LEXICON_IPP
+// Bodies of body_part_lexicon.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -22912,7 +24248,7 @@ struct Sides {
 
 }  // namespace detail
 
-inline BodyParts guess_body_parts(std::string_view text) {
+MOTIONLANG_BODY BodyParts guess_body_parts(std::string_view text) {
   using enum BodyPart;
   const std::vector<std::string> words = detail::words_of(text);
   detail::WordMeaning sum;
@@ -22934,15 +24270,8 @@ inline BodyParts guess_body_parts(std::string_view text) {
   return parts.empty() ? BodyParts::all() : parts;
 }
 
-/// Guesses the parts of all intervals that have none.
-template <class T>
-void guess_missing_parts(BasicTimeline<T>& timeline) {
-  for (auto& i : timeline.intervals) {
-    if (i.parts.empty()) i.parts = guess_body_parts(i.text);
-  }
-}
-
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_COLLAGE_HPP  // <motionlang/compose/collage.hpp>
@@ -22951,8 +24280,8 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Independent of the feature type and of the network: any layout with a partition into parts, any `Denoiser`.
 
-#ifndef MOTIONLANG_HAS_COMPOSE_COMBINE_HPP  // <motionlang/compose/combine.hpp>
-#define MOTIONLANG_HAS_COMPOSE_COMBINE_HPP
+#ifndef MOTIONLANG_HAS_COMPOSE_STITCHING_HPP  // <motionlang/compose/stitching.hpp>
+#define MOTIONLANG_HAS_COMPOSE_STITCHING_HPP
 /// Values of a composition: crops cut out of a motion, and a motion put together from crops, per body part and
 /// interval.
 ///
@@ -22970,8 +24299,58 @@ MOTIONLANG_NAMESPACE_END
 /// Differs    from the reference, where told to: gaps are filled with the unconditional text "" (the reference stops),
 ///            and transitions at which no part changes can be left out
 
-#ifndef MOTIONLANG_HAS_COMPOSE_OPTIONS_HPP  // <motionlang/compose/options.hpp>
-#define MOTIONLANG_HAS_COMPOSE_OPTIONS_HPP
+#ifndef MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP  // <motionlang/compose/overlap.hpp>
+#define MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP
+/// Overlap around the cuts of a timeline: how far texts reach beyond their ends, and the windows of transitions.
+///
+/// Source   STMC (Petrovich et al. 2024), section 3.3; spec stmc.md 3.4-3.6
+/// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap, the longer half to the
+///          right
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A half-open range of frames.
+struct FrameRange {
+  Index start = 0, end = 0;
+  Index size() const { return end - start; }
+  bool operator==(const FrameRange&) const = default;
+};
+
+/// A total of O frames: l = O div 2 to the left of a cut, r = O - l to the right.
+struct Overlap {
+  Index left = 0, right = 0;
+
+  /// Throws config_error 101 if it is negative or beyond `latest_time`.
+  static Overlap of_frames(Index total);
+  static Overlap of_seconds(double total, double fps) { return of_frames(frame_at(total, fps)); }
+
+  /// [max(s - l, 0), min(e + r, frames))
+  FrameRange extend(FrameRange range, Index frames) const {
+    return {std::max<Index>(range.start - left, 0), std::min(range.end + right, frames)};
+  }
+  /// Around a cut x: [max(x - l, 0), min(x + r, frames)).
+  FrameRange window(Index cut, Index frames) const { return extend({cut, cut}, frames); }
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_OVERLAP_IPP  // <motionlang/compose/overlap.ipp>
+#define MOTIONLANG_HAS_COMPOSE_OVERLAP_IPP
+// Bodies of overlap.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Overlap Overlap::of_frames(Index total) {
+  if (total < 0 || total > latest_time) raise<config_error>(101, "Overlap: ", total, " frames");
+  return {total / 2, total - total / 2};
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_COMPOSE_PLAN_OPTIONS_HPP  // <motionlang/compose/plan_options.hpp>
+#define MOTIONLANG_HAS_COMPOSE_PLAN_OPTIONS_HPP
 /// What a caller can choose when timelines are planned.
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -23069,45 +24448,6 @@ PartOwners assign_parts(const BasicTimeline<T>& timeline, std::span<const Index>
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_COMPOSE_TRANSITION_HPP  // <motionlang/compose/transition.hpp>
-#define MOTIONLANG_HAS_COMPOSE_TRANSITION_HPP
-/// Overlap around the cuts of a timeline: how far texts reach beyond their ends, and the windows of transitions.
-///
-/// Source   STMC (Petrovich et al. 2024), section 3.3; spec stmc.md 3.4-3.6
-/// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap, the longer half to the
-///          right
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// A half-open range of frames.
-struct FrameRange {
-  Index start = 0, end = 0;
-  Index size() const { return end - start; }
-  bool operator==(const FrameRange&) const = default;
-};
-
-/// A total of O frames: l = O div 2 to the left of a cut, r = O - l to the right.
-struct Overlap {
-  Index left = 0, right = 0;
-
-  /// Throws config_error 101 if it is negative or beyond `latest_time`.
-  static Overlap of_frames(Index total) {
-    if (total < 0 || total > latest_time) raise<config_error>(101, "Overlap: ", total, " frames");
-    return {total / 2, total - total / 2};
-  }
-  static Overlap of_seconds(double total, double fps) { return of_frames(frame_at(total, fps)); }
-
-  /// [max(s - l, 0), min(e + r, frames))
-  FrameRange extend(FrameRange range, Index frames) const {
-    return {std::max<Index>(range.start - left, 0), std::min(range.end + right, frames)};
-  }
-  /// Around a cut x: [max(x - l, 0), min(x + r, frames)).
-  FrameRange window(Index cut, Index frames) const { return extend({cut, cut}, frames); }
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// A stretch of the timeline that the denoiser sees as one sequence. Crops without frames (overlap 0) are kept, so that
@@ -23173,6 +24513,64 @@ struct BatchPlan {
 
 namespace detail {
 
+/// Throws timeline_error 505 at a piece without a text.
+void require_text(const Piece& piece);
+
+/// Throws timeline_error 508 at a crop of more than `longest` frames (0: any number).
+void check_crops(const TimelinePlan& plan, Index longest);
+
+/// A plan with its pieces, which have no owners yet. Throws timeline_error 504, 505, 507, config_error 101.
+TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options);
+
+/// What follows from the owners of the pieces. Throws timeline_error 506, 508.
+void finish_plan(TimelinePlan& plan, const PlanOptions& options);
+
+}  // namespace detail
+
+/// The plan of one timeline. `ties` decides between equal base texts: FirstWins, or a generator (see PlanOptions and
+/// sinc_assignment.hpp).
+/// Throws     timeline_error 504, 505 (gap), 506 (hidden text), 507, 508 (crop too long), config_error 101
+template <Shuffler G>
+TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options, G& ties) {
+  TimelinePlan plan = detail::pieces_of(std::move(timeline), options);
+  for (const Piece& piece : plan.pieces) {
+    detail::require_text(piece);
+    plan.owners.push_back(assign_parts(plan.timeline, piece.intervals, ties));
+  }
+  detail::finish_plan(plan, options);
+  return plan;
+}
+TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options = {});
+
+/// Puts plans into one batch.
+BatchPlan batch_plans(std::vector<TimelinePlan> plans);
+
+/// Plans of all timelines, in order, with one generator.
+template <Shuffler G>
+BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options, G& ties) {
+  std::vector<TimelinePlan> plans;
+  for (const Timeline& t : timelines) plans.push_back(plan_timeline(t, options, ties));
+  return batch_plans(std::move(plans));
+}
+BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options = {});
+
+/// Smallest and largest number of additions minus subtractions over all parts and frames. Both are 1 in a plan that
+/// extends and has transition crops, or does neither.
+struct NetWeights {
+  int smallest = 0, largest = 0;
+};
+NetWeights net_weights(const TimelinePlan& plan);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_PLAN_IPP  // <motionlang/compose/plan.ipp>
+#define MOTIONLANG_HAS_COMPOSE_PLAN_IPP
+// Bodies of plan.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
 inline std::string quoted(const Interval& i) { return concat_text("'", i.text, "' (", i.start, " to ", i.end, ")"); }
 
 /// " (line 3, column 1)", nothing if the interval was not read from a text.
@@ -23190,18 +24588,9 @@ inline void check_timeline(const Timeline& timeline) {
   if (timeline.end() == 0) raise<timeline_error>(504, "plan_timeline: the timeline has no frame");
 }
 
-/// Owners piece by piece, in time order. Throws timeline_error 505 at a piece without a text.
-template <Shuffler G>
-void assign_pieces(TimelinePlan& plan, G& ties) {
-  plan.pieces = elementary_pieces(plan.timeline);
-  const Index first = plan.pieces.empty() ? plan.frames : plan.pieces.front().start;
-  if (first > 0) raise<timeline_error>(505, "plan_timeline: no text covers frames 0 to ", first);
-  for (const Piece& piece : plan.pieces) {
-    if (piece.intervals.empty()) {
-      raise<timeline_error>(505, "plan_timeline: no text covers frames ", piece.start, " to ", piece.end);
-    }
-    plan.owners.push_back(assign_parts(plan.timeline, piece.intervals, ties));
-  }
+MOTIONLANG_BODY void require_text(const Piece& piece) {
+  if (!piece.intervals.empty()) return;
+  raise<timeline_error>(505, "plan_timeline: no text covers frames ", piece.start, " to ", piece.end);
 }
 
 /// Joins neighbouring pieces of a part that have the same owner.
@@ -23237,12 +24626,11 @@ inline std::vector<Index> transition_cuts(const TimelinePlan& plan, HiddenTexts 
   return cuts;
 }
 
-/// Throws timeline_error 508 at a crop of more than `longest` frames (0: any number).
-inline void check_crops(const TimelinePlan& plan, Index longest) {
+MOTIONLANG_BODY void check_crops(const TimelinePlan& plan, Index longest) {
   for (const Crop& c : plan.crops) {
     if (longest == 0 || c.range.size() <= longest) continue;
-    raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", c.range.size(),
-                          " frames with its overlap; the denoiser accepts ", longest,
+    raise<timeline_error>(508, "timeline: '", plan.text(c), "' needs a crop of ", counted(c.range.size(), "frame"),
+                          " with its overlap; the denoiser accepts ", longest,
                           c.is_transition() ? ""
                                             : place_of(plan.timeline.intervals[static_cast<std::size_t>(c.interval)]) +
                                                   ". Divide it into shorter ones");
@@ -23280,33 +24668,35 @@ inline void make_slices(TimelinePlan& plan, const std::vector<Index>& cuts, cons
   }
 }
 
-}  // namespace detail
-
-/// The plan of one timeline. `ties` decides between equal base texts: FirstWins, or a generator (see PlanOptions and
-/// sinc_assignment.hpp).
-/// Throws     timeline_error 504, 505 (gap), 506 (hidden text), 507, 508 (crop too long), config_error 101
-template <Shuffler G>
-TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options, G& ties) {
-  detail::check_timeline(timeline);
-  const Overlap overlap = Overlap::of_frames(options.overlap);
+MOTIONLANG_BODY TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options) {
+  check_timeline(timeline);
+  Overlap::of_frames(options.overlap);
   TimelinePlan plan;
   if (options.gaps == Gaps::fill) fill_gaps(timeline);
   plan.timeline = std::move(timeline);
   plan.frames = plan.timeline.end();
-  detail::assign_pieces(plan, ties);
-  detail::merge_pieces(plan);
-  const std::vector<Index> cuts = detail::transition_cuts(plan, options.hidden);
-  detail::make_crops(plan, cuts, overlap, options);
-  detail::make_slices(plan, cuts, overlap, options);
+  plan.pieces = elementary_pieces(plan.timeline);
+  const Index first = plan.pieces.empty() ? plan.frames : plan.pieces.front().start;
+  if (first > 0) raise<timeline_error>(505, "plan_timeline: no text covers frames 0 to ", first);
   return plan;
 }
-inline TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options = {}) {
+
+MOTIONLANG_BODY void finish_plan(TimelinePlan& plan, const PlanOptions& options) {
+  const Overlap overlap = Overlap::of_frames(options.overlap);
+  merge_pieces(plan);
+  const std::vector<Index> cuts = transition_cuts(plan, options.hidden);
+  make_crops(plan, cuts, overlap, options);
+  make_slices(plan, cuts, overlap, options);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options) {
   FirstWins ties;
   return plan_timeline(std::move(timeline), options, ties);
 }
 
-/// Puts plans into one batch.
-inline BatchPlan batch_plans(std::vector<TimelinePlan> plans) {
+MOTIONLANG_BODY BatchPlan batch_plans(std::vector<TimelinePlan> plans) {
   BatchPlan batch;
   batch.timelines = std::move(plans);
   for (const TimelinePlan& plan : batch.timelines) {
@@ -23316,24 +24706,12 @@ inline BatchPlan batch_plans(std::vector<TimelinePlan> plans) {
   return batch;
 }
 
-/// Plans of all timelines, in order, with one generator.
-template <Shuffler G>
-BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options, G& ties) {
-  std::vector<TimelinePlan> plans;
-  for (const Timeline& t : timelines) plans.push_back(plan_timeline(t, options, ties));
-  return batch_plans(std::move(plans));
-}
-inline BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options = {}) {
+MOTIONLANG_BODY BatchPlan plan_timelines(std::span<const Timeline> timelines, const PlanOptions& options) {
   FirstWins ties;
   return plan_timelines(timelines, options, ties);
 }
 
-/// Smallest and largest number of additions minus subtractions over all parts and frames. Both are 1 in a plan that
-/// extends and has transition crops, or does neither.
-struct NetWeights {
-  int smallest = 0, largest = 0;
-};
-inline NetWeights net_weights(const TimelinePlan& plan) {
+MOTIONLANG_BODY NetWeights net_weights(const TimelinePlan& plan) {
   NetWeights net{std::numeric_limits<int>::max(), std::numeric_limits<int>::min()};
   for (int p = 0; p < body_part_count; ++p) {
     std::vector<std::pair<Index, int>> steps{{0, 0}, {plan.frames, 0}};  // frame, change of the weight
@@ -23356,6 +24734,7 @@ inline NetWeights net_weights(const TimelinePlan& plan) {
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -23382,21 +24761,19 @@ struct CropRows {
 
   /// With crop_frames > 0 every crop has exactly that many frames, whatever follows its range (MDM); the motions need
   /// as many rows behind their end. A crop without frames has no rows.
-  static CropRows of(const BatchPlan& plan, Index crop_frames = 0) {
-    CropRows out;
-    out.stride = plan.frames + crop_frames;
-    std::vector<Index> lengths;
-    for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
-      for (const Crop& c : plan.timelines[m].crops) {
-        const Index n = crop_frames > 0 && c.range.size() > 0 ? crop_frames : c.range.size();
-        for (Index i = 0; i < n; ++i) out.rows.push_back(static_cast<Index>(m) * out.stride + c.range.start + i);
-        lengths.push_back(n);
-      }
-    }
-    out.offsets = Offsets(lengths);
-    return out;
-  }
+  static CropRows of(const BatchPlan& plan, Index crop_frames = 0);
 };
+
+namespace detail {
+
+/// Rows of crops that are added to rows of motions for one part, with 1 or -1 each.
+struct PartMoves {
+  std::vector<Index> from, to;
+  std::vector<signed char> sign;
+};
+PartMoves moves_of_part(const BatchPlan& plan, const Offsets& crops, Index stride, BodyPart part);
+
+}  // namespace detail
 
 /// Puts crops together: for each body part the additions of the plan, then its subtractions.
 ///     motion[to, part] = sum crops[from, part] - sum transitions[from, part]
@@ -23413,22 +24790,9 @@ class Stitcher {
     for (int p = 0; p < body_part_count; ++p) {
       Part part;
       part.mask = detail::part_mask<B>(layout, static_cast<BodyPart>(p));
-      std::vector<typename B::scalar> sign;
-      for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
-        auto take = [&](const std::vector<Slice>& slices, double s) {
-          for (const Slice& slice : slices) {
-            if (slice.part != static_cast<BodyPart>(p)) continue;
-            const Index from = crops.begin(plan.first_crop[m] + slice.crop) + slice.from.start;
-            for (Index i = 0; i < slice.to.size(); ++i) {
-              part.from.push_back(from + i);
-              part.to.push_back(static_cast<Index>(m) * stride + slice.to.start + i);
-              sign.push_back(static_cast<typename B::scalar>(s));
-            }
-          }
-        };
-        take(plan.timelines[m].add, 1);
-        take(plan.timelines[m].subtract, -1);
-      }
+      auto moves = detail::moves_of_part(plan, crops, stride, static_cast<BodyPart>(p));
+      const std::vector<typename B::scalar> sign(moves.sign.begin(), moves.sign.end());
+      part.from = std::move(moves.from), part.to = std::move(moves.to);
       part.sign = Tensor<B, 2>::from(sign, {static_cast<Index>(sign.size()), 1});
       parts_.push_back(std::move(part));
     }
@@ -23482,6 +24846,54 @@ Tensor<B, 2> interpolate_transitions(const BatchPlan& plan, const FeatureLayout&
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_STITCHING_IPP  // <motionlang/compose/stitching.ipp>
+#define MOTIONLANG_HAS_COMPOSE_STITCHING_IPP
+// Bodies of stitching.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY CropRows CropRows::of(const BatchPlan& plan, Index crop_frames) {
+  CropRows out;
+  out.stride = plan.frames + crop_frames;
+  std::vector<Index> lengths;
+  for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
+    for (const Crop& c : plan.timelines[m].crops) {
+      const Index n = crop_frames > 0 && c.range.size() > 0 ? crop_frames : c.range.size();
+      for (Index i = 0; i < n; ++i) out.rows.push_back(static_cast<Index>(m) * out.stride + c.range.start + i);
+      lengths.push_back(n);
+    }
+  }
+  out.offsets = Offsets(lengths);
+  return out;
+}
+
+namespace detail {
+
+MOTIONLANG_BODY PartMoves moves_of_part(const BatchPlan& plan, const Offsets& crops, Index stride, BodyPart part) {
+  PartMoves out;
+  for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
+    auto take = [&](const std::vector<Slice>& slices, signed char sign) {
+      for (const Slice& slice : slices) {
+        if (slice.part != part) continue;
+        const Index from = crops.begin(plan.first_crop[m] + slice.crop) + slice.from.start;
+        for (Index i = 0; i < slice.to.size(); ++i) {
+          out.from.push_back(from + i);
+          out.to.push_back(static_cast<Index>(m) * stride + slice.to.start + i);
+          out.sign.push_back(sign);
+        }
+      }
+    };
+    take(plan.timelines[m].add, 1);
+    take(plan.timelines[m].subtract, -1);
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -23491,6 +24903,40 @@ template <Backend B>
 struct CollageStep {
   Tensor<B, 2> crops, cond, null, guided, x0;
 };
+
+namespace detail {
+
+/// Jobs that go through the network together: sequences of frames, each with one or several texts.
+struct JobBatch {
+  std::vector<Index> rows;  // of x
+  Offsets frames, uses;     // uses: the texts of each sequence
+  std::vector<Index> texts;
+};
+struct JobBatches {
+  std::vector<JobBatch> batches;
+  std::vector<Index> cond, null;  // for every row of the crops its row of all batches, with its text and without
+};
+struct JobOptions {
+  bool guided = true;
+  bool divide = true;  // whether a sequence has the same result in any batch
+  Index rows_at_once = 0;
+};
+
+/// texts: of every crop; null: the unconditional one.
+JobBatches plan_jobs(const CropRows& crops, std::span<const Index> texts, Index null, const JobOptions& options);
+
+/// For every crop its text as a number: equal texts have the same, "" that of the unconditional one.
+std::vector<Index> texts_of_crops(const BatchPlan& plan, Index null);
+
+/// Throws shape_error 204 unless there is a text for every interval, and one unconditional one.
+void check_texts(const BatchPlan& plan, Index texts, Index nulls);
+
+/// The rows of crops of fixed size without those behind their own frames.
+CropRows own_frames(const BatchPlan& plan, Index stride, Index crop_frames);
+
+Offsets joined(const Offsets& a, const Offsets& b);
+
+}  // namespace detail
 
 /// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
 /// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow
@@ -23511,14 +24957,15 @@ class Collage {
       : denoiser_(&denoiser),
         plan_(std::move(plan)),
         layout_(layout),
-        texts_{{concat(0, text.tokens.rows, null.tokens.rows), joined(text.tokens.offsets, null.tokens.offsets)},
-               text.end_position,
-               std::max(text.padded_tokens, null.padded_tokens)},
+        texts_{
+            {concat(0, text.tokens.rows, null.tokens.rows), detail::joined(text.tokens.offsets, null.tokens.offsets)},
+            text.end_position,
+            std::max(text.padded_tokens, null.padded_tokens)},
         guidance_(guidance),
         rows_at_once_(rows_at_once) {
     if (rows_at_once < 0) raise<config_error>(101, "Collage: ", rows_at_once, " rows at once");
     texts_.end_position.insert(texts_.end_position.end(), null.end_position.begin(), null.end_position.end());
-    check_texts(text.count(), null.count());
+    detail::check_texts(plan_, text.count(), null.count());
     prepare_step();
   }
   /// The same with some crops and slices of its plan only (compose/edits.hpp).
@@ -23570,11 +25017,6 @@ class Collage {
   Tensor<B, 2> stitch(const Tensor<B, 2>& crops) const { return stitch_(crops); }
 
  private:
-  /// Frames of a crop with a text: what the network sees as one sequence.
-  struct Job {
-    Index first, length, text;  // first: row of the motions
-    auto operator<=>(const Job&) const = default;
-  };
   /// Jobs that go through the network together: sequences of frames, each with one or several texts.
   struct Batch {
     std::vector<Index> rows;  // of x
@@ -23582,33 +25024,15 @@ class Collage {
     decltype(encoded_text<B>(std::declval<const D&>(), TextFeatures<B>())) text;
   };
 
-  void check_texts(Index texts, Index nulls) const {
-    Index intervals = 0;
-    for (const TimelinePlan& p : plan_.timelines) intervals += static_cast<Index>(p.timeline.intervals.size());
-    if (texts == intervals && nulls == 1) return;
-    raise<shape_error>(204, "Collage: ", texts, " texts for ", intervals, " intervals; ", nulls,
-                       " unconditional texts");
-  }
-
   void prepare_step() {
     const DenoiserTraits traits = denoiser_->traits();
     for (const TimelinePlan& p : plan_.timelines) detail::check_crops(p, traits.longest());
     const bool fixed = traits.crop_frames > 0;
     motion_ = CropRows::of(plan_, traits.crop_frames);
     // With a mask, a crop of fixed size shrinks to its own frames again: masked frames take no part.
-    crops_ = fixed && traits.uses_lengths ? own_frames(traits.crop_frames) : motion_;
+    crops_ = fixed && traits.uses_lengths ? detail::own_frames(plan_, motion_.stride, traits.crop_frames) : motion_;
     stitch_ = Stitcher<B>(plan_, layout_, crops_.offsets, motion_.stride);
     build_batch();
-  }
-
-  CropRows own_frames(Index crop_frames) const {
-    CropRows out = CropRows::of(plan_);
-    for (Index& row : out.rows) {  // the same frames in motions with more rows
-      const Index m = row / plan_.frames;
-      row += m * crop_frames;
-    }
-    out.stride = motion_.stride;
-    return out;
   }
 
   /// What the network makes of all jobs, one after the other.
@@ -23625,95 +25049,17 @@ class Collage {
     return concat(std::span<const Tensor<B, 2>>(parts), 0);
   }
 
-  /// For every crop its text as a number of texts_: equal texts have the same, "" that of the unconditional one.
-  std::vector<Index> texts_of_crops() const {
-    const Index null = texts_.count() - 1;
-    std::vector<Index> out;
-    std::map<std::string_view, Index> known{{"", null}};
-    Index first = 0;
-    for (const TimelinePlan& p : plan_.timelines) {
-      for (const Crop& c : p.crops)
-        out.push_back(c.is_transition() ? null : known.emplace(p.text(c), first + c.interval).first->second);
-      first += static_cast<Index>(p.timeline.intervals.size());
-    }
-    return out;
-  }
-
   void build_batch() {
     const detail::RowsTogether in_any_batch(detail::RowsTogether::many);
     const Index null = texts_.count() - 1;
-    std::vector<std::pair<Job, Job>> crops;  // with its text, and without
-    std::map<Job, Index> begin;              // of all jobs, where their rows begin in the batch
-    for (Index i = 0; const Index text : texts_of_crops()) {
-      const Index length = crops_.offsets.length(i);
-      const Index first = length == 0 ? 0 : crops_.rows[static_cast<std::size_t>(crops_.offsets.begin(i))];
-      crops.push_back({{first, length, text}, {first, length, null}});
-      ++i;
-      if (length == 0) continue;
-      begin[crops.back().first];
-      if (guidance_ != 1) begin[crops.back().second];
+    auto jobs = detail::plan_jobs(crops_, detail::texts_of_crops(plan_, null), null,
+                                  {.guided = guidance_ != 1, .divide = can_divide(), .rows_at_once = rows_at_once_});
+    cond_ = std::move(jobs.cond), null_ = std::move(jobs.null);
+    batches_.clear();
+    for (detail::JobBatch& b : jobs.batches) {
+      batches_.push_back({std::move(b.rows), std::move(b.frames), std::move(b.uses),
+                          encoded_text<B>(*denoiser_, gather(texts_, b.texts))});
     }
-    batches_.clear(), cond_.clear(), null_.clear();
-    if (!can_divide()) return build_two_calls(crops);
-    std::vector<Job> jobs;
-    for (const auto& [job, at] : begin) jobs.push_back(job);
-    detail::sort(jobs, [](const Job& a, const Job& b) { return a.length != b.length ? a.length > b.length : a < b; });
-
-    const Index most = rows_at_once_ > 0 ? rows_at_once_ : std::numeric_limits<Index>::max();
-    std::vector<Index> rows, lengths, uses, which;  // of the next batch
-    Index results = 0, before = 0;                  // rows of its results, and of those of the batches so far
-    const Job* last = nullptr;                      // of the batch
-    const auto end_batch = [&] {
-      batches_.push_back({rows, Offsets(lengths), Offsets(uses), encoded_text<B>(*denoiser_, gather(texts_, which))});
-      before += results;
-      results = 0, last = nullptr;
-      rows.clear(), lengths.clear(), uses.clear(), which.clear();
-    };
-    for (const Job& job : jobs) {
-      if (last != nullptr && results + job.length > most) end_batch();
-      begin[job] = before + results;
-      results += job.length;
-      which.push_back(job.text);
-      if (last != nullptr && last->first == job.first && last->length == job.length) {
-        ++uses.back();
-      } else {
-        for (Index r = 0; r < job.length; ++r) rows.push_back(job.first + r);
-        lengths.push_back(job.length);
-        uses.push_back(1);
-      }
-      last = &job;
-    }
-    end_batch();
-    for (const auto& [with, without] : crops) {
-      for (Index r = 0; r < with.length; ++r) {
-        cond_.push_back(begin[with] + r);
-        if (guidance_ != 1) null_.push_back(begin[without] + r);
-      }
-    }
-  }
-  /// Where a sequence depends on the others: as published, all crops in their order, and then the same without their
-  /// texts.
-  void build_two_calls(std::span<const std::pair<Job, Job>> crops) {
-    const Index rows = crops_.offsets.rows();
-    for (Index call = 0; call < (guidance_ == 1 ? 1 : 2); ++call) {
-      std::vector<Index> lengths, which;
-      for (const auto& [with, without] : crops) {
-        if (with.length == 0) continue;
-        lengths.push_back(with.length);
-        which.push_back(call == 0 ? with.text : without.text);
-      }
-      const Offsets frames(lengths);
-      batches_.push_back(
-          {crops_.rows, frames, Offsets::equal(frames.count(), 1), encoded_text<B>(*denoiser_, gather(texts_, which))});
-      for (Index r = 0; r < rows; ++r) (call == 0 ? cond_ : null_).push_back(call * rows + r);
-    }
-  }
-  static Offsets joined(const Offsets& a, const Offsets& b) {
-    std::vector<Index> lengths;
-    for (const Offsets* o : {&a, &b}) {
-      for (Index i = 0; i < o->count(); ++i) lengths.push_back(o->length(i));
-    }
-    return Offsets(lengths);
   }
 
   const D* denoiser_;
@@ -23765,7 +25111,137 @@ Tensor<B, 2> sample_collage(const Collage<B, D>& collage, const GaussianDiffusio
 
 /// Every interval of a plan as a motion of its own, for text-to-motion without a timeline and for the SINC baselines.
 /// With `frames` > 0 all of them have that many frames.
-inline BatchPlan independent_plan(const BatchPlan& plan, Index frames = 0) {
+BatchPlan independent_plan(const BatchPlan& plan, Index frames = 0);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_COLLAGE_IPP  // <motionlang/compose/collage.ipp>
+#define MOTIONLANG_HAS_COMPOSE_COLLAGE_IPP
+// Bodies of collage.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Frames of a crop with a text: what the network sees as one sequence.
+struct CropJob {
+  Index first, length, text;  // first: row of the motions
+  auto operator<=>(const CropJob&) const = default;
+};
+
+/// Where a sequence depends on the others: as published, all crops in their order, and then the same without their
+/// texts.
+inline JobBatches two_calls(const CropRows& crops, std::span<const Index> texts, Index null, bool guided) {
+  JobBatches out;
+  const Index rows = crops.offsets.rows();
+  for (const bool with_text : {true, false}) {
+    if (!with_text && !guided) break;
+    std::vector<Index> lengths, which;
+    for (Index i = 0; i < crops.offsets.count(); ++i) {
+      if (crops.offsets.length(i) == 0) continue;
+      lengths.push_back(crops.offsets.length(i));
+      which.push_back(with_text ? texts[static_cast<std::size_t>(i)] : null);
+    }
+    const Offsets frames(lengths);
+    out.batches.push_back({crops.rows, frames, Offsets::equal(frames.count(), 1), which});
+    for (Index r = 0; r < rows; ++r) (with_text ? out.cond : out.null).push_back(with_text ? r : rows + r);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY JobBatches plan_jobs(const CropRows& crops, std::span<const Index> texts, Index null,
+                                     const JobOptions& options) {
+  if (!options.divide) return two_calls(crops, texts, null, options.guided);
+  std::vector<std::pair<CropJob, CropJob>> pairs;  // with its text, and without
+  std::map<CropJob, Index> begin;                  // of all jobs, where their rows begin in the batch
+  for (Index i = 0; const Index text : texts) {
+    const Index length = crops.offsets.length(i);
+    const Index first = length == 0 ? 0 : crops.rows[static_cast<std::size_t>(crops.offsets.begin(i))];
+    pairs.push_back({{first, length, text}, {first, length, null}});
+    ++i;
+    if (length == 0) continue;
+    begin[pairs.back().first];
+    if (options.guided) begin[pairs.back().second];
+  }
+  std::vector<CropJob> jobs;
+  for (const auto& [job, at] : begin) jobs.push_back(job);
+  sort(jobs, [](const CropJob& a, const CropJob& b) { return a.length != b.length ? a.length > b.length : a < b; });
+
+  const Index most = options.rows_at_once > 0 ? options.rows_at_once : std::numeric_limits<Index>::max();
+  JobBatches out;
+  std::vector<Index> rows, lengths, uses, which;  // of the next batch
+  Index results = 0, before = 0;                  // rows of its results, and of those of the batches so far
+  const CropJob* last = nullptr;                  // of the batch
+  const auto end_batch = [&] {
+    out.batches.push_back({rows, Offsets(lengths), Offsets(uses), which});
+    before += results;
+    results = 0, last = nullptr;
+    rows.clear(), lengths.clear(), uses.clear(), which.clear();
+  };
+  for (const CropJob& job : jobs) {
+    if (last != nullptr && results + job.length > most) end_batch();
+    begin[job] = before + results;
+    results += job.length;
+    which.push_back(job.text);
+    if (last != nullptr && last->first == job.first && last->length == job.length) {
+      ++uses.back();
+    } else {
+      for (Index r = 0; r < job.length; ++r) rows.push_back(job.first + r);
+      lengths.push_back(job.length);
+      uses.push_back(1);
+    }
+    last = &job;
+  }
+  end_batch();
+  for (const auto& [with, without] : pairs) {
+    for (Index r = 0; r < with.length; ++r) {
+      out.cond.push_back(begin[with] + r);
+      if (options.guided) out.null.push_back(begin[without] + r);
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<Index> texts_of_crops(const BatchPlan& plan, Index null) {
+  std::vector<Index> out;
+  std::map<std::string_view, Index> known{{"", null}};
+  Index first = 0;
+  for (const TimelinePlan& p : plan.timelines) {
+    for (const Crop& c : p.crops)
+      out.push_back(c.is_transition() ? null : known.emplace(p.text(c), first + c.interval).first->second);
+    first += static_cast<Index>(p.timeline.intervals.size());
+  }
+  return out;
+}
+
+MOTIONLANG_BODY void check_texts(const BatchPlan& plan, Index texts, Index nulls) {
+  Index intervals = 0;
+  for (const TimelinePlan& p : plan.timelines) intervals += static_cast<Index>(p.timeline.intervals.size());
+  if (texts == intervals && nulls == 1) return;
+  raise<shape_error>(204, "Collage: ", texts, " texts for ", intervals, " intervals; ", nulls, " unconditional texts");
+}
+
+MOTIONLANG_BODY CropRows own_frames(const BatchPlan& plan, Index stride, Index crop_frames) {
+  CropRows out = CropRows::of(plan);
+  for (Index& row : out.rows) {  // the same frames in motions with more rows
+    const Index m = row / plan.frames;
+    row += m * crop_frames;
+  }
+  out.stride = stride;
+  return out;
+}
+
+MOTIONLANG_BODY Offsets joined(const Offsets& a, const Offsets& b) {
+  std::vector<Index> lengths;
+  for (const Offsets* o : {&a, &b}) {
+    for (Index i = 0; i < o->count(); ++i) lengths.push_back(o->length(i));
+  }
+  return Offsets(lengths);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY BatchPlan independent_plan(const BatchPlan& plan, Index frames) {
   std::vector<TimelinePlan> alone;
   for (const TimelinePlan& p : plan.timelines) {
     for (const Interval& i : p.timeline.intervals) {
@@ -23777,6 +25253,7 @@ inline BatchPlan independent_plan(const BatchPlan& plan, Index frames = 0) {
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP  // <motionlang/compose/cut_texts.hpp>
 #define MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP
@@ -23786,6 +25263,23 @@ MOTIONLANG_NAMESPACE_END
 ///     const auto motion = stmc.generate(cut_texts(timeline, stmc.fps), rng);
 ///
 /// Differs  from STMC (Petrovich et al. 2024), section 3.3, where each text is one crop
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Seconds of a text that a denoiser does as a whole. HumanML3D's clips and ours end at 9.8 s, and the longest crops
+/// are what a model has seen least of: ours walks as far in 8 s as in 10.
+inline constexpr double longest_whole_text = 8;
+/// Seconds below which a part would be too short for the denoiser to do what the text says.
+inline constexpr double shortest_part = 0.5;
+
+/// cut_at_handovers, divide_long_texts. Throws what they throw.
+Timeline cut_texts(const Timeline& timeline, double fps);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_IPP  // <motionlang/compose/cut_texts.ipp>
+#define MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_IPP
+// Bodies of cut_texts.hpp.
 
 #ifndef MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP  // <motionlang/compose/handovers.hpp>
 #define MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP
@@ -23803,7 +25297,17 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// Cuts every text at the times at which it gets or loses body parts, unless a stretch would be shorter than `least`
 /// frames. Throws config_error 101 if too many texts lie over each other.
-inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
+Timeline cut_at_handovers(const Timeline& timeline, Index least);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_HANDOVERS_IPP  // <motionlang/compose/handovers.ipp>
+#define MOTIONLANG_HAS_COMPOSE_HANDOVERS_IPP
+// Bodies of handovers.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Timeline cut_at_handovers(const Timeline& timeline, Index least) {
   const auto pieces = elementary_pieces(timeline);
   std::vector<PartOwners> owners;
   FirstWins ties;
@@ -23834,6 +25338,7 @@ inline Timeline cut_at_handovers(const Timeline& timeline, Index least) {
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP  // <motionlang/compose/long_texts.hpp>
 #define MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP
@@ -23852,7 +25357,25 @@ inline constexpr Index most_parts = 100000;
 namespace detail {
 
 /// An interval in `count` parts that follow each other, equally long to a frame.
-inline std::vector<Interval> equal_parts(const Interval& whole, Index count) {
+std::vector<Interval> equal_parts(const Interval& whole, Index count);
+
+}  // namespace detail
+
+/// Divides every text of more than `longest` frames into as few parts as will do, which are equally long to a frame.
+/// Throws config_error 101 unless longest is 1 or more, and for more than most_parts of a text.
+Timeline divide_long_texts(const Timeline& timeline, Index longest);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_IPP  // <motionlang/compose/long_texts.ipp>
+#define MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_IPP
+// Bodies of long_texts.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::vector<Interval> equal_parts(const Interval& whole, Index count) {
   std::vector<Interval> parts;
   const Index frames = whole.end - whole.start;
   for (Index i = 0; i < count; ++i) {
@@ -23866,16 +25389,14 @@ inline std::vector<Interval> equal_parts(const Interval& whole, Index count) {
 
 }  // namespace detail
 
-/// Divides every text of more than `longest` frames into as few parts as will do, which are equally long to a frame.
-/// Throws config_error 101 unless longest is 1 or more, and for more than most_parts of a text.
-inline Timeline divide_long_texts(const Timeline& timeline, Index longest) {
-  if (longest < 1) raise<config_error>(101, "divide_long_texts: parts of ", longest, " frames");
+MOTIONLANG_BODY Timeline divide_long_texts(const Timeline& timeline, Index longest) {
+  if (longest < 1) raise<config_error>(101, "divide_long_texts: parts of ", counted(longest, "frame"));
   Timeline out;
   for (const Interval& whole : timeline.intervals) {
     const Index parts = std::max<Index>(1, (whole.end - whole.start + longest - 1) / longest);
     if (parts > most_parts) {
-      raise<config_error>(101, "divide_long_texts: '", whole.text, "' of ", whole.end - whole.start, " frames makes ",
-                          parts, " parts, expected ", most_parts, " at most");
+      raise<config_error>(101, "divide_long_texts: '", whole.text, "' of ", counted(whole.end - whole.start, "frame"),
+                          " makes ", counted(parts, "part"), ", expected ", most_parts, " at most");
     }
     for (Interval& part : detail::equal_parts(whole, parts)) out.intervals.push_back(std::move(part));
   }
@@ -23884,21 +25405,16 @@ inline Timeline divide_long_texts(const Timeline& timeline, Index longest) {
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Seconds of a text that a denoiser does as a whole. HumanML3D's clips and ours end at 9.8 s, and the longest crops
-/// are what a model has seen least of: ours walks as far in 8 s as in 10.
-inline constexpr double longest_whole_text = 8;
-/// Seconds below which a part would be too short for the denoiser to do what the text says.
-inline constexpr double shortest_part = 0.5;
-
-/// cut_at_handovers, divide_long_texts. Throws what they throw.
-inline Timeline cut_texts(const Timeline& timeline, double fps) {
+MOTIONLANG_BODY Timeline cut_texts(const Timeline& timeline, double fps) {
   return divide_long_texts(cut_at_handovers(timeline, frame_at(shortest_part, fps)), frame_at(longest_whole_text, fps));
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_EDITS_HPP  // <motionlang/compose/edits.hpp>
@@ -23916,6 +25432,59 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// The frames that differ between two runs with the same noise, of which the first is recorded, after each step.
+class EditSpread {
+ public:
+  /// The plans of both runs, and how many rows every timeline has in them. The timelines of a batch are compared by
+  /// their place in it.
+  /// reads   frames that the denoiser reads from the start of a crop; 0: those of the crop
+  /// within  frames further than this from the edit are said not to differ, although they would
+  EditSpread(const BatchPlan& before, Index rows_before, BatchPlan after, Index rows, Index reads = 0,
+             std::optional<Index> within = {});
+
+  /// Whether frame f of timeline m differs after this step.
+  bool differs(std::size_t m, Index f) const { return differs_[m][static_cast<std::size_t>(f)] != 0; }
+  /// Frames of all timelines that differ.
+  Index frames() const;
+
+  /// Whether every timeline with frames that differ has no others.
+  bool everywhere() const;
+  /// Whether `within` has changed anything so far.
+  bool limited() const { return limited_; }
+
+  /// The next step. Whether more frames differ after it.
+  bool advance();
+
+  /// The plan with only those crops that make frames that differ; the others have no frames and no slices.
+  BatchPlan needed() const;
+
+ private:
+  template <class F>
+  static void for_each_slice(const TimelinePlan& plan, F f) {
+    for (const Slice& s : plan.add) f(s);
+    for (const Slice& s : plan.subtract) f(s);
+  }
+  Index count(std::size_t m) const {
+    return std::count(differs_[m].begin(), differs_[m].begin() + plan_.timelines[m].frames, 1);
+  }
+  bool any(std::size_t m, const FrameRange& range) const;
+  /// Frames that are at most `within` away from one that is marked.
+  static std::vector<char> near(const std::vector<char>& marked, Index within);
+
+  BatchPlan plan_;
+  Index rows_ = 0, reads_ = 0;
+  bool limited_ = false;
+  std::vector<std::vector<char>> differs_, reachable_;  // of every row of every timeline
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_EDITS_IPP  // <motionlang/compose/edits.ipp>
+#define MOTIONLANG_HAS_COMPOSE_EDITS_IPP
+// Bodies of edits.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
 namespace detail {
 
 /// A crop that is added to a part of a frame, or subtracted from it. Two frames with equal lists are stitched alike.
@@ -23926,6 +25495,7 @@ struct FrameTerm {
   std::string_view text;
   bool operator==(const FrameTerm&) const = default;
 };
+
 /// Of `rows` frames; frames behind the end are made of nothing.
 inline std::vector<std::vector<FrameTerm>> frame_terms(const TimelinePlan& plan, Index rows) {
   std::vector<std::vector<FrameTerm>> terms(static_cast<std::size_t>(rows));
@@ -23942,121 +25512,92 @@ inline std::vector<std::vector<FrameTerm>> frame_terms(const TimelinePlan& plan,
 
 }  // namespace detail
 
-/// The frames that differ between two runs with the same noise, of which the first is recorded, after each step.
-class EditSpread {
- public:
-  /// The plans of both runs, and how many rows every timeline has in them. The timelines of a batch are compared by
-  /// their place in it.
-  /// reads   frames that the denoiser reads from the start of a crop; 0: those of the crop
-  /// within  frames further than this from the edit are said not to differ, although they would
-  EditSpread(const BatchPlan& before, Index rows_before, BatchPlan after, Index rows, Index reads = 0,
-             std::optional<Index> within = {})
-      : plan_(std::move(after)), rows_(rows), reads_(reads) {
-    for (std::size_t m = 0; m < plan_.timelines.size(); ++m) {
-      std::vector<char> edited(static_cast<std::size_t>(rows), 1);  // where nothing is recorded
-      if (m < before.timelines.size()) {
-        const Index longest = std::max(rows, rows_before);
-        const auto was = detail::frame_terms(before.timelines[m], longest),
-                   is = detail::frame_terms(plan_.timelines[m], longest);
-        for (std::size_t f = 0; f < edited.size(); ++f)
-          edited[f] = std::cmp_greater_equal(f, rows_before) || was[f] != is[f];
+MOTIONLANG_BODY EditSpread::EditSpread(const BatchPlan& before, Index rows_before, BatchPlan after, Index rows,
+                                       Index reads, std::optional<Index> within)
+    : plan_(std::move(after)), rows_(rows), reads_(reads) {
+  for (std::size_t m = 0; m < plan_.timelines.size(); ++m) {
+    std::vector<char> edited(static_cast<std::size_t>(rows), 1);  // where nothing is recorded
+    if (m < before.timelines.size()) {
+      const Index longest = std::max(rows, rows_before);
+      const auto was = detail::frame_terms(before.timelines[m], longest),
+                 is = detail::frame_terms(plan_.timelines[m], longest);
+      for (std::size_t f = 0; f < edited.size(); ++f)
+        edited[f] = std::cmp_greater_equal(f, rows_before) || was[f] != is[f];
+    }
+    reachable_.push_back(within ? near(edited, *within) : std::vector<char>(edited.size(), 1));
+    differs_.push_back(std::move(edited));
+  }
+}
+
+MOTIONLANG_BODY Index EditSpread::frames() const {
+  Index n = 0;
+  for (std::size_t m = 0; m < differs_.size(); ++m) n += count(m);
+  return n;
+}
+
+MOTIONLANG_BODY bool EditSpread::everywhere() const {
+  for (std::size_t m = 0; m < differs_.size(); ++m) {
+    const FrameRange all{0, plan_.timelines[m].frames};
+    if (any(m, all) && count(m) < all.size()) return false;
+  }
+  return true;
+}
+
+MOTIONLANG_BODY bool EditSpread::advance() {
+  const Index before = frames();
+  for (std::size_t m = 0; m < differs_.size(); ++m) {
+    const TimelinePlan& plan = plan_.timelines[m];
+    std::vector<char> now = differs_[m];
+    for_each_slice(plan, [&](const Slice& s) {
+      const FrameRange& crop = plan.crops[static_cast<std::size_t>(s.crop)].range;
+      if (crop.size() == 0 || !any(m, {crop.start, reads_ > 0 ? std::min(crop.start + reads_, rows_) : crop.end}))
+        return;
+      for (auto f = static_cast<std::size_t>(s.to.start); f < static_cast<std::size_t>(s.to.end); ++f) {
+        now[f] |= reachable_[m][f];
+        limited_ |= now[f] == 0;
       }
-      reachable_.push_back(within ? near(edited, *within) : std::vector<char>(edited.size(), 1));
-      differs_.push_back(std::move(edited));
+    });
+    differs_[m] = std::move(now);
+  }
+  return frames() > before;
+}
+
+MOTIONLANG_BODY BatchPlan EditSpread::needed() const {
+  BatchPlan out = plan_;
+  for (std::size_t m = 0; m < differs_.size(); ++m) {
+    TimelinePlan& plan = out.timelines[m];
+    std::vector<char> used(plan.crops.size());
+    for_each_slice(plan,
+                   [&](const Slice& s) { used[static_cast<std::size_t>(s.crop)] |= static_cast<char>(any(m, s.to)); });
+    const auto unused = [&](const Slice& s) { return used[static_cast<std::size_t>(s.crop)] == 0; };
+    std::erase_if(plan.add, unused), std::erase_if(plan.subtract, unused);
+    for (std::size_t c = 0; c < used.size(); ++c) {
+      if (used[c] == 0) plan.crops[c].range.end = plan.crops[c].range.start;
     }
   }
+  return out;
+}
 
-  /// Whether frame f of timeline m differs after this step.
-  bool differs(std::size_t m, Index f) const { return differs_[m][static_cast<std::size_t>(f)] != 0; }
-  /// Frames of all timelines that differ.
-  Index frames() const {
-    Index n = 0;
-    for (std::size_t m = 0; m < differs_.size(); ++m) n += count(m);
-    return n;
-  }
+MOTIONLANG_BODY bool EditSpread::any(std::size_t m, const FrameRange& range) const {
+  const auto begin = differs_[m].begin();
+  return std::find(begin + range.start, begin + range.end, 1) != begin + range.end;
+}
 
-  /// Whether every timeline with frames that differ has no others.
-  bool everywhere() const {
-    for (std::size_t m = 0; m < differs_.size(); ++m) {
-      const FrameRange all{0, plan_.timelines[m].frames};
-      if (any(m, all) && count(m) < all.size()) return false;
+MOTIONLANG_BODY std::vector<char> EditSpread::near(const std::vector<char>& marked, Index within) {
+  std::vector<char> out(marked.size());
+  const auto sweep = [&](auto first, auto last, auto to) {
+    for (Index left = -1; first != last; ++first, ++to) {
+      left = *first != 0 ? within : left - 1;
+      if (left >= 0) *to = 1;
     }
-    return true;
-  }
-  /// Whether `within` has changed anything so far.
-  bool limited() const { return limited_; }
-
-  /// The next step. Whether more frames differ after it.
-  bool advance() {
-    const Index before = frames();
-    for (std::size_t m = 0; m < differs_.size(); ++m) {
-      const TimelinePlan& plan = plan_.timelines[m];
-      std::vector<char> now = differs_[m];
-      for_each_slice(plan, [&](const Slice& s) {
-        const FrameRange& crop = plan.crops[static_cast<std::size_t>(s.crop)].range;
-        if (crop.size() == 0 || !any(m, {crop.start, reads_ > 0 ? std::min(crop.start + reads_, rows_) : crop.end}))
-          return;
-        for (auto f = static_cast<std::size_t>(s.to.start); f < static_cast<std::size_t>(s.to.end); ++f) {
-          now[f] |= reachable_[m][f];
-          limited_ |= now[f] == 0;
-        }
-      });
-      differs_[m] = std::move(now);
-    }
-    return frames() > before;
-  }
-
-  /// The plan with only those crops that make frames that differ; the others have no frames and no slices.
-  BatchPlan needed() const {
-    BatchPlan out = plan_;
-    for (std::size_t m = 0; m < differs_.size(); ++m) {
-      TimelinePlan& plan = out.timelines[m];
-      std::vector<char> used(plan.crops.size());
-      for_each_slice(
-          plan, [&](const Slice& s) { used[static_cast<std::size_t>(s.crop)] |= static_cast<char>(any(m, s.to)); });
-      const auto unused = [&](const Slice& s) { return used[static_cast<std::size_t>(s.crop)] == 0; };
-      std::erase_if(plan.add, unused), std::erase_if(plan.subtract, unused);
-      for (std::size_t c = 0; c < used.size(); ++c) {
-        if (used[c] == 0) plan.crops[c].range.end = plan.crops[c].range.start;
-      }
-    }
-    return out;
-  }
-
- private:
-  template <class F>
-  static void for_each_slice(const TimelinePlan& plan, F f) {
-    for (const Slice& s : plan.add) f(s);
-    for (const Slice& s : plan.subtract) f(s);
-  }
-  Index count(std::size_t m) const {
-    return std::count(differs_[m].begin(), differs_[m].begin() + plan_.timelines[m].frames, 1);
-  }
-  bool any(std::size_t m, const FrameRange& range) const {
-    const auto begin = differs_[m].begin();
-    return std::find(begin + range.start, begin + range.end, 1) != begin + range.end;
-  }
-  /// Frames that are at most `within` away from one that is marked.
-  static std::vector<char> near(const std::vector<char>& marked, Index within) {
-    std::vector<char> out(marked.size());
-    const auto sweep = [&](auto first, auto last, auto to) {
-      for (Index left = -1; first != last; ++first, ++to) {
-        left = *first != 0 ? within : left - 1;
-        if (left >= 0) *to = 1;
-      }
-    };
-    sweep(marked.begin(), marked.end(), out.begin());
-    sweep(marked.rbegin(), marked.rend(), out.rbegin());
-    return out;
-  }
-
-  BatchPlan plan_;
-  Index rows_ = 0, reads_ = 0;
-  bool limited_ = false;
-  std::vector<std::vector<char>> differs_, reachable_;  // of every row of every timeline
-};
+  };
+  sweep(marked.begin(), marked.end(), out.begin());
+  sweep(marked.rbegin(), marked.rend(), out.rbegin());
+  return out;
+}
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_IN_TURN_HPP  // <motionlang/compose/in_turn.hpp>
@@ -24068,6 +25609,23 @@ MOTIONLANG_NAMESPACE_END
 ///
 ///     actions_in_turn("walk forward, then sit down")                 // {"walk forward", "sit down"}
 ///     const auto motion = stmc.generate(in_turn(timeline), rng);
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The actions that a sentence says one after the other: it is cut at "then", "afterwards", "after that", "after which"
+/// and "followed by" (with the "and" before them), at semicolons and at full stops. "and" alone joins what is done at
+/// once. A sentence of one action is given back as it is.
+std::vector<std::string> actions_in_turn(std::string_view sentence);
+
+/// Every text of several actions becomes as many texts, one after the other, which share its frames evenly. Throws
+/// config_error 101 if it has fewer frames than actions.
+Timeline in_turn(const Timeline& timeline);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_IN_TURN_IPP  // <motionlang/compose/in_turn.ipp>
+#define MOTIONLANG_HAS_COMPOSE_IN_TURN_IPP
+// Bodies of in_turn.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -24110,10 +25668,7 @@ inline std::size_t words_of_turn(const std::vector<SentenceWord>& words, std::si
 
 }  // namespace detail
 
-/// The actions that a sentence says one after the other: it is cut at "then", "afterwards", "after that", "after which"
-/// and "followed by" (with the "and" before them), at semicolons and at full stops. "and" alone joins what is done at
-/// once. A sentence of one action is given back as it is.
-inline std::vector<std::string> actions_in_turn(std::string_view sentence) {
+MOTIONLANG_BODY std::vector<std::string> actions_in_turn(std::string_view sentence) {
   const auto words = detail::sentence_words(sentence);
   std::vector<std::string> actions;
   std::string action;
@@ -24135,15 +25690,13 @@ inline std::vector<std::string> actions_in_turn(std::string_view sentence) {
   return actions.size() > 1 ? actions : std::vector<std::string>{std::string(sentence)};
 }
 
-/// Every text of several actions becomes as many texts, one after the other, which share its frames evenly. Throws
-/// config_error 101 if it has fewer frames than actions.
-inline Timeline in_turn(const Timeline& timeline) {
+MOTIONLANG_BODY Timeline in_turn(const Timeline& timeline) {
   Timeline out;
   for (const Interval& whole : timeline.intervals) {
     const auto actions = actions_in_turn(whole.text);
     if (whole.end - whole.start < std::ssize(actions))
-      raise<config_error>(101, "in_turn: '", whole.text, "' has ", actions.size(), " actions in ",
-                          whole.end - whole.start, " frames");
+      raise<config_error>(101, "in_turn: '", whole.text, "' has ", counted(actions.size(), "action"), " in ",
+                          counted(whole.end - whole.start, "frame"));
     auto parts = detail::equal_parts(whole, std::ssize(actions));
     for (std::size_t i = 0; i < parts.size(); ++i) {
       parts[i].text = actions[i];
@@ -24154,6 +25707,7 @@ inline Timeline in_turn(const Timeline& timeline) {
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_MTT_TIMELINES_HPP  // <motionlang/compose/mtt_timelines.hpp>
@@ -24172,37 +25726,92 @@ MOTIONLANG_NAMESPACE_END
 /// where
 ///         the window of the third interval was chosen, which is where it lies
 
-#ifndef MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_HPP  // <motionlang/compose/timeline_text.hpp>
-#define MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_HPP
-/// The text form of timelines.
-///
-///     line      := text "#" start "#" end { "#" body part }          times in seconds
-///     timeline  := line { line }
-///     file      := timelines separated by blank lines
-///
-/// Source   STMC (Petrovich et al. 2024), src/stmc.py read_timelines and src/text.py; there is no comment syntax and a
-///          text cannot contain '#'
-/// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
-///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
-///          intervals are no matter of the text: see PlanOptions.
-/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is
-///          wrong with the whole of a timeline is found when it is planned, and named by line and column of an interval
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A text and the body parts that it moves.
+struct MttText {
+  std::string text;
+  BodyParts parts;
+};
+
+/// Lines "text # part # part"; blank lines are skipped. Throws timeline_error 501 without a part or for a text that is
+/// not UTF-8, 503, 507.
+std::vector<MttText> parse_mtt_texts(std::string_view file, std::string_view name = "texts");
+
+struct MttOptions {
+  Index count = 500;
+  std::int64_t seed = 1234;
+  double mean = 6, std = 1.2, cap = 9.2;  // of durations, seconds
+  std::array<Index, body_part_count> weights = {1, 1, 3, 1,
+                                                1};  // how often a text with this part is drawn; by BodyPart
+};
+
+/// Throws config_error 101 if the texts and weights give no pair, 102 if they leave none for the second track
+std::vector<TimelineInSeconds> mtt_timelines(std::span<const MttText> texts, const MttOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_MTT_TIMELINES_IPP  // <motionlang/compose/mtt_timelines.ipp>
+#define MOTIONLANG_HAS_COMPOSE_MTT_TIMELINES_IPP
+// Bodies of mtt_timelines.hpp.
+
+#ifndef MOTIONLANG_HAS_COMPOSE_DETAIL_TIMELINE_LINE_HPP  // <motionlang/compose/detail/timeline_line.hpp>
+#define MOTIONLANG_HAS_COMPOSE_DETAIL_TIMELINE_LINE_HPP
+/// A line of a file of timelines. Only bodies (*.ipp) include it.
+
+#ifndef MOTIONLANG_HAS_COMPOSE_DETAIL_SECONDS_TEXT_HPP  // <motionlang/compose/detail/seconds_text.hpp>
+#define MOTIONLANG_HAS_COMPOSE_DETAIL_SECONDS_TEXT_HPP
+/// Times in seconds as they are written in timelines.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-struct TimelineTextOptions {
-  double fps = 20;  // frame = trunc(fps * seconds)
-  bool as_published =
-      false;  // take intervals without a frame, and texts without parts as they are; else those move all
-  std::string_view name = "timeline";  // of the file, for messages
-};
+namespace detail {
 
-/// A text with a length, for motions of one text each.
-struct TimedText {
-  std::string text;
-  Index frames = 0;
-  bool operator==(const TimedText&) const = default;
-};
+/// A time in seconds, finite and not beyond `latest_time`; nothing if the whole text is none.
+std::optional<double> parse_seconds(std::string_view text);
+
+/// Shortest decimal form, as Python prints a float: 5.5, 8.0, 1e-05, 1e+16.
+void append_python_float(std::string& out, double x);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_DETAIL_SECONDS_TEXT_IPP  // <motionlang/compose/detail/seconds_text.ipp>
+#define MOTIONLANG_HAS_COMPOSE_DETAIL_SECONDS_TEXT_IPP
+// Bodies of seconds_text.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::optional<double> parse_seconds(std::string_view text) {
+  double t = 0;
+  const char* last = text.data() + text.size();
+  const auto [end, status] = detail::from_chars(text.data(), last, t);
+  const bool good = status == std::errc{} && end == last && std::abs(t) <= static_cast<double>(latest_time);
+  return good ? std::optional(t) : std::nullopt;
+}
+
+MOTIONLANG_BODY void append_python_float(std::string& out, double x) {
+  char digits[64];
+  const double size = std::abs(x);
+  const bool fixed = size == 0 || (size >= 1e-4 && size < 1e16);
+  const auto end = detail::to_chars(digits, digits + sizeof digits, x,
+                                    fixed ? std::chars_format::fixed : std::chars_format::scientific)
+                       .ptr;
+  const std::string_view text(digits, static_cast<std::size_t>(end - digits));
+  out += text;
+  if (fixed && text.find('.') == text.npos) out += ".0";
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -24210,15 +25819,6 @@ namespace detail {
 template <class... T>
 [[noreturn]] void fail_at(int id, std::string_view name, const TextPlace& place, const T&... what) {
   raise<timeline_error>(id, name, ":", place.line, ":", place.column, ": ", what...);
-}
-
-/// A time in seconds, finite and not beyond `latest_time`; nothing if the whole text is none.
-inline std::optional<double> parse_seconds(std::string_view text) {
-  double t = 0;
-  const char* last = text.data() + text.size();
-  const auto [end, status] = std::from_chars(text.data(), last, t);
-  const bool good = status == std::errc{} && end == last && std::abs(t) <= static_cast<double>(latest_time);
-  return good ? std::optional(t) : std::nullopt;
 }
 
 /// One line of a file, split at '#'. Knows where it stands.
@@ -24279,158 +25879,14 @@ class TimelineLine {
   std::vector<std::string_view> fields_;
 };
 
-/// T = Index: frames at options.fps; T = double: seconds.
-template <class T>
-BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOptions& options) {
-  if (line.fields() < 3) line.fail(501, line.fields(), "expected 'text # start # end # body parts'");
-  const auto time = [&](std::size_t i) {
-    if constexpr (std::is_same_v<T, Index>) {
-      const double seconds = line.seconds(i);
-      if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, i, "'", line.field(i), "' is too late");
-      return frame_at(seconds, options.fps);
-    } else {
-      return line.seconds(i);
-    }
-  };
-  BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3), line.place(0)};
-  if (out.parts == BodyParts{} && !options.as_published) out.parts = BodyParts::all();
-  if (!(out.start < out.end) && !options.as_published) {
-    line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s ",
-              line.seconds(1) < line.seconds(2) ? "has no frame" : "is empty or ends before it starts");
-  }
-  return out;
-}
-
-template <class T>
-std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const TimelineTextOptions& options) {
-  if (!(options.fps > 0)) raise<config_error>(101, "parse_timelines: fps ", options.fps);
-  std::vector<BasicTimeline<T>> out;
-  bool inside = false;
-  for_each_line(text, [&](std::string_view line, Index number) {
-    const bool blank = trim(line).empty();
-    if (!blank) {
-      if (!inside) out.emplace_back();
-      out.back().intervals.push_back(parse_interval<T>(TimelineLine(line, number, options.name), options));
-    }
-    inside = !blank;
-  });
-  if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
-  for (auto& timeline : out) {
-    shift_to_zero(timeline);
-    for (const auto& i : timeline.intervals) {
-      if (i.end <= static_cast<T>(latest_time)) continue;
-      fail_at(502, options.name, i.place, "a timeline that lasts ", i.end, " is too long");
-    }
-  }
-  return out;
-}
-
-/// Shortest decimal form, as Python prints a float: 5.5, 8.0, 1e-05, 1e+16.
-inline void append_python_float(std::string& out, double x) {
-  char digits[64];
-  const double size = std::abs(x);
-  const bool fixed = size == 0 || (size >= 1e-4 && size < 1e16);
-  const auto end =
-      std::to_chars(digits, digits + sizeof digits, x, fixed ? std::chars_format::fixed : std::chars_format::scientific)
-          .ptr;
-  const std::string_view text(digits, static_cast<std::size_t>(end - digits));
-  out += text;
-  if (fixed && text.find('.') == text.npos) out += ".0";
-}
-
 }  // namespace detail
-
-/// All timelines of a file, in frames, each shifted to begin at 0.
-inline std::vector<Timeline> parse_timelines(std::string_view text, const TimelineTextOptions& options = {}) {
-  return detail::parse_timelines_as<Index>(text, options);
-}
-/// All timelines of a file, in seconds; options.fps has no effect.
-inline std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_view text,
-                                                                 const TimelineTextOptions& options = {}) {
-  return detail::parse_timelines_as<double>(text, options);
-}
-/// The only timeline of a text. Throws timeline_error 509 if there are several.
-///
-///     auto timeline = parse_timeline("walking in a circle # 0.0 # 6.0 # legs\n"
-///                                    "raising both hands  # 2.0 # 5.0 # left arm # right arm\n", {.fps = 20});
-inline Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options = {}) {
-  auto all = parse_timelines(text, options);
-  if (all.size() > 1)
-    detail::fail_at(509, options.name, all[1].intervals.front().place, all.size(), " timelines where one is expected");
-  return std::move(all.front());
-}
-
-/// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than
-/// three fields. The published programs ask for one such line only (`as_published`), and then blame the others.
-inline bool is_text_list(std::string_view text, const TimelineTextOptions& options = {}) {
-  Index lines = 0, short_lines = 0;
-  detail::for_each_line(text, [&](std::string_view line, Index number) {
-    if (detail::trim(line).empty()) return;
-    ++lines;
-    short_lines += detail::TimelineLine(line, number, options.name).fields() < 3 ? 1 : 0;
-  });
-  return short_lines > 0 && (options.as_published || short_lines == lines);
-}
-
-/// Lines "text # duration"; blank lines are skipped. Throws timeline_error 501, 502, 504, 507.
-inline std::vector<TimedText> parse_text_list(std::string_view text, const TimelineTextOptions& options = {}) {
-  std::vector<TimedText> out;
-  detail::for_each_line(text, [&](std::string_view content, Index number) {
-    if (detail::trim(content).empty()) return;
-    const detail::TimelineLine line(content, number, options.name);
-    if (line.fields() != 2) line.fail(501, std::min<std::size_t>(line.fields(), 2), "expected 'text # duration'");
-    const double seconds = line.seconds(1);
-    if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, 1, "'", line.field(1), "' is too long");
-    const Index frames = frame_at(seconds, options.fps);
-    if (frames <= 0 && !options.as_published) line.fail(504, 1, "a duration of ", line.field(1), " s has no frame");
-    out.push_back({line.text(), frames});
-  });
-  if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
-  return out;
-}
-
-/// The text form: fields joined by " # ", body parts in alphabetical order, an empty line after each timeline. Reading
-/// it gives the same timelines back (texts trimmed, begin at 0). Throws timeline_error 510 if a text contains '#' or a
-/// line end.
-inline std::string write_timelines(std::span<const TimelineInSeconds> timelines) {
-  using enum BodyPart;
-  std::string out;
-  for (const TimelineInSeconds& timeline : timelines) {
-    for (const IntervalInSeconds& i : timeline.intervals) {
-      if (i.text.find_first_of("#\r\n") != i.text.npos) {
-        raise<timeline_error>(510, "write_timelines: the text '", i.text, "' contains '#' or a line end");
-      }
-      out += i.text + " # ";
-      detail::append_python_float(out, i.start);
-      out += " # ";
-      detail::append_python_float(out, i.end);
-      for (BodyPart part : {head, left_arm, legs, right_arm, spine}) {
-        if (i.parts.has(part)) out += " # " + to_string(part);
-      }
-      out += '\n';
-    }
-    out += '\n';
-  }
-  return out;
-}
-inline std::string write_timeline(const TimelineInSeconds& timeline) {
-  return write_timelines(std::span(&timeline, 1));
-}
 
 MOTIONLANG_NAMESPACE_END
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A text and the body parts that it moves.
-struct MttText {
-  std::string text;
-  BodyParts parts;
-};
-
-/// Lines "text # part # part"; blank lines are skipped. Throws timeline_error 501 without a part or for a text that is
-/// not UTF-8, 503, 507.
-inline std::vector<MttText> parse_mtt_texts(std::string_view file, std::string_view name = "texts") {
+MOTIONLANG_BODY std::vector<MttText> parse_mtt_texts(std::string_view file, std::string_view name) {
   std::vector<MttText> out;
   detail::for_each_line(file, [&](std::string_view content, Index number) {
     if (detail::trim(content).empty()) return;
@@ -24441,14 +25897,6 @@ inline std::vector<MttText> parse_mtt_texts(std::string_view file, std::string_v
   if (out.empty()) raise<timeline_error>(507, name, ": no line");
   return out;
 }
-
-struct MttOptions {
-  Index count = 500;
-  std::int64_t seed = 1234;
-  double mean = 6, std = 1.2, cap = 9.2;  // of durations, seconds
-  std::array<Index, body_part_count> weights = {1, 1, 3, 1,
-                                                1};  // how often a text with this part is drawn; by BodyPart
-};
 
 namespace detail {
 
@@ -24511,8 +25959,8 @@ class MttGenerator {
 
 }  // namespace detail
 
-/// Throws config_error 101 if the texts and weights give no pair, 102 if they leave none for the second track
-inline std::vector<TimelineInSeconds> mtt_timelines(std::span<const MttText> texts, const MttOptions& options = {}) {
+MOTIONLANG_BODY std::vector<TimelineInSeconds> mtt_timelines(std::span<const MttText> texts,
+                                                             const MttOptions& options) {
   detail::MttGenerator generator(texts, options);
   std::vector<TimelineInSeconds> out;
   for (int misses = 0; std::ssize(out) < options.count;) {
@@ -24520,7 +25968,7 @@ inline std::vector<TimelineInSeconds> mtt_timelines(std::span<const MttText> tex
       out.push_back(std::move(*timeline));
       misses = 0;
     } else if (++misses > 100'000) {  // the published loop would not end
-      raise<config_error>(102, "mtt_timelines: of ", texts.size(), " texts none fits beside two others");
+      raise<config_error>(102, "mtt_timelines: of ", counted(texts.size(), "text"), " none fits beside two others");
     }
   }
   return out;
@@ -24528,55 +25976,6 @@ inline std::vector<TimelineInSeconds> mtt_timelines(std::span<const MttText> tex
 
 MOTIONLANG_NAMESPACE_END
 #endif
-
-#ifndef MOTIONLANG_HAS_COMPOSE_SIMULTANEOUS_SEGMENTS_HPP  // <motionlang/compose/simultaneous_segments.hpp>
-#define MOTIONLANG_HAS_COMPOSE_SIMULTANEOUS_SEGMENTS_HPP
-/// Stretches in which several actions happen at once, out of overlapping segments of one motion: what SINC is trained
-/// on.
-///
-///     simultaneous_segments(std::vector<BabelSegment>{{0, 60, "walk"}, {30, 90, "wave"}})   // [30, 60) {walk, wave}
-///
-/// Source   SINC (Athanasiou et al., ICCV 2023), spatial_compositions; spec sinc.md 5.2
-/// Differs  from the code, whose order of labels is that of a hash table: here they are sorted
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-struct SimultaneousSegment {
-  Index start = 0, end = 0;
-  std::vector<std::string> texts;  // sorted; a text that stands twice stands twice
-  bool operator==(const SimultaneousSegment&) const = default;
-};
-
-/// Between any two neighbouring starts or ends: the texts that are active, if they are two to `most`. An action and a
-/// transition are no two actions. Throws config_error 101 for a segment that is empty.
-inline std::vector<SimultaneousSegment> simultaneous_segments(std::span<const BabelSegment> segments, Index most = 4) {
-  std::vector<Index> cuts;
-  for (const BabelSegment& s : segments) {
-    if (s.end <= s.start) {
-      raise<config_error>(101, "simultaneous_segments: '", s.text, "' goes from ", s.start, " to ", s.end);
-    }
-    cuts.insert(cuts.end(), {s.start, s.end});
-  }
-  std::sort(cuts.begin(), cuts.end());
-  cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
-  std::vector<SimultaneousSegment> out;
-  for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-    SimultaneousSegment piece{cuts[i], cuts[i + 1], {}};
-    bool transition = false;
-    for (const BabelSegment& s : segments) {
-      if (s.start > piece.start || s.end < piece.end) continue;
-      piece.texts.push_back(s.text);
-      transition |= s.is_transition();
-    }
-    const Index count = std::ssize(piece.texts);
-    if (count < 2 || count > most || (count == 2 && transition)) continue;
-    std::sort(piece.texts.begin(), piece.texts.end());
-    out.push_back(std::move(piece));
-  }
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_COMPOSE_SINC_COMPOSITION_HPP  // <motionlang/compose/sinc_composition.hpp>
@@ -24604,15 +26003,7 @@ struct SincComposition {
   bool path_of_b;
   std::size_t frames, from_a, from_b;
 
-  SincComposition(SincParts parts_b, std::size_t frames_a, std::size_t frames_b, SincTrim trim) {
-    const SincParts lower = sinc_parts(SincPart::global, SincPart::left_leg, SincPart::right_leg);
-    path_of_b = (parts_b & lower).any();
-    of_b = path_of_b ? parts_b | lower : parts_b & ~lower;
-    frames = std::min(frames_a, frames_b);
-    const bool both_ends = trim == SincTrim::both_ends;
-    from_a = both_ends ? (frames_a - frames) / 2 : 0;
-    from_b = both_ends ? (frames_b - frames) / 2 : 0;
-  }
+  SincComposition(SincParts parts_b, std::size_t frames_a, std::size_t frames_b, SincTrim trim);
 };
 
 }  // namespace detail
@@ -24643,8 +26034,34 @@ SmplVelpMotion<S> compose_motions(const SmplVelpMotion<S>& a, SincParts parts_a,
 
 /// The same of clips on one skeleton, SMPL's 24 joints; a hand goes with its arm.
 /// Throws config_error 102 for other skeletons or frame rates that differ.
-inline Motion compose_motions(const Motion& a, SincParts parts_a, const Motion& b, SincParts parts_b,
-                              SincTrim trim = SincTrim::end) {
+Motion compose_motions(const Motion& a, SincParts parts_a, const Motion& b, SincParts parts_b,
+                       SincTrim trim = SincTrim::end);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_SINC_COMPOSITION_IPP  // <motionlang/compose/sinc_composition.ipp>
+#define MOTIONLANG_HAS_COMPOSE_SINC_COMPOSITION_IPP
+// Bodies of sinc_composition.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY SincComposition::SincComposition(SincParts parts_b, std::size_t frames_a, std::size_t frames_b,
+                                                 SincTrim trim) {
+  const SincParts lower = sinc_parts(SincPart::global, SincPart::left_leg, SincPart::right_leg);
+  path_of_b = (parts_b & lower).any();
+  of_b = path_of_b ? parts_b | lower : parts_b & ~lower;
+  frames = std::min(frames_a, frames_b);
+  const bool both_ends = trim == SincTrim::both_ends;
+  from_a = both_ends ? (frames_a - frames) / 2 : 0;
+  from_b = both_ends ? (frames_b - frames) / 2 : 0;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Motion compose_motions(const Motion& a, SincParts parts_a, const Motion& b, SincParts parts_b,
+                                       SincTrim trim) {
   if (parts_a.count() < parts_b.count()) return compose_motions(b, parts_b, a, parts_a, trim);
   detail::require_same_kind("compose_motions", a, b);
   if (a.skeleton.names != smpl24_skeleton().names)
@@ -24665,244 +26082,321 @@ inline Motion compose_motions(const Motion& a, SincParts parts_a, const Motion& 
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
 
-#ifndef MOTIONLANG_HAS_COMPOSE_SINC_ITEMS_HPP  // <motionlang/compose/sinc_items.hpp>
-#define MOTIONLANG_HAS_COMPOSE_SINC_ITEMS_HPP
-/// What SINC trains on in one step: an item as it is, or one combined with an action of other body parts.
+#ifndef MOTIONLANG_HAS_COMPOSE_TEACH_JOIN_HPP  // <motionlang/compose/teach_join.hpp>
+#define MOTIONLANG_HAS_COMPOSE_TEACH_JOIN_HPP
+/// TEACH's way to put generated parts one behind the other: the next part is turned and moved onto the last frame of
+/// the one before it, the frames between them are interpolated.
 ///
-///     const SincItems items(list_of_items, table);
-///     const SincElement e = items.draw(k, {}, rng);
-///     if (e.partner) train(compose_motions(features of k, e.parts[0], features of *e.partner, e.parts[1]));
-///
-/// Source   SINC (Athanasiou et al., ICCV 2023), load_keyid; spec sinc.md 5.3, 5.4
+/// Source    TEACH (Athanasiou et al., 3DV 2022), tools/interpolation.py; spec teach.md 5.1
+/// Notation  last frame of what is there -> e, first frame of the next part -> b
+/// World     Z up. The turn is the difference of the z of two rotation vectors, which is that of the headings only for
+///           bodies that do not lean; published so.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Where an item comes from, the first word of its key: "seg", "seq", "spatial_pairs", "separate_pairs".
-enum class SincSource { segment, sequence, simultaneous, pair };
-
-struct SincItem {
-  SincSource source = SincSource::segment;
-  std::vector<std::string> labels;
-  Index frames = 0;
+/// Pose and place of one frame.
+template <Scalar S>
+struct PoseInWorld {
+  std::span<const Matrix3<S>> rotations;  // (joints); joint 0 in the world
+  Vec3<S> trans;
 };
 
-struct SincDrawOptions {
-  double proportion = 0.5;  // of single actions that get a partner
-  bool synthetic = true;
-  bool random = false;  // any partner, any parts: the ablation
-  SincWindow window{};
-};
+/// Whether the next part is also turned to the heading of what is there, or moved only.
+enum class Alignment { full, translation };
 
-struct SincElement {
-  std::optional<Index> partner;     // number of the item that is combined with this one
-  std::vector<std::string> labels;  // of the item; with a partner: the first one of each
-  std::vector<SincParts> parts;     // of each label
-  FrameSlice window;                // of the item; a combined one is not cut
-};
+/// The part's first frame comes to stand where e stands; heights stay.
+/// rotations  (frames, joints) of the part, turned in place
+/// trans      (frames), moved in place
+/// Throws     shape_error 205 if the sizes do not fit
+template <Scalar S>
+void align_to(const PoseInWorld<S>& e, std::span<Matrix3<S>> rotations, std::span<Vec3<S>> trans,
+              Alignment alignment = Alignment::full) {
+  const std::size_t joints = e.rotations.size();
+  if (joints == 0 || rotations.size() != trans.size() * joints) {
+    raise<shape_error>(205, "align_to: ", rotations.size(), " rotations for ", trans.size(), " frames of ", joints,
+                       " joints");
+  }
+  if (trans.empty()) return;
+  auto turn = Matrix3<S>::identity();
+  if (alignment == Alignment::full) {
+    const S angle = pytorch3d::matrix_to_axis_angle(rotations[0]).z - pytorch3d::matrix_to_axis_angle(e.rotations[0]).z;
+    turn = axis_rotation(2, -angle);
+  }
+  const Vec3<S> first = trans[0];
+  for (std::size_t f = 0; f < trans.size(); ++f) {
+    rotations[f * joints] = turn * rotations[f * joints];
+    const Vec3<S> path = turn * (trans[f] - first);
+    trans[f] = {e.trans.x + path.x, e.trans.y + path.y, trans[f].z};
+  }
+}
 
-/// Philox and other generators of single numbers: uniform in [0, 1), and below n.
-template <class G>
-concept UniformDraws = requires(G& g, std::uint32_t n) {
-  { g.uniform() } -> std::convertible_to<double>;
-  { g.below(n) } -> std::integral;
-};
+namespace detail {
 
-/// All items, and which can be combined. Holds a table of parts by reference.
-class SincItems {
- public:
-  SincItems(std::vector<SincItem> items, const BodyPartTable& table) : items_(std::move(items)), table_(&table) {
-    for (std::size_t i = 0; i < items_.size(); ++i) {
-      const SincItem& item = items_[i];
-      if (item.labels.empty()) raise<config_error>(101, "SincItems: item ", i, " has no label");
-      if (is_single(item)) singles_[item.labels.front()].push_back(static_cast<Index>(i));
-      if (item.source != SincSource::simultaneous) not_simultaneous_.push_back(static_cast<Index>(i));
+/// sin((1-t) o)/sin o a + sin(t o)/sin o b for the shorter way round; straight for a . b > 0.99.
+template <Scalar S>
+Quaternion<S> teach_slerp(const Quaternion<S>& p, const Quaternion<S>& q, S t) {
+  const Quaternion<S> a = normalized(p), other = normalized(q);
+  const S d = dot(a, other), cosine = std::abs(d);
+  const Quaternion<S> b = (d < S(0) ? S(-1) : S(1)) * other;
+  S wa = S(1) - t, wb = t;
+  if (!(S(1) - cosine < S(0.01))) {
+    const S o = std::acos(cosine);
+    wa = std::sin(wa * o) / std::sin(o), wb = std::sin(wb * o) / std::sin(o);
+  }
+  return normalized(wa * a + wb * b);
+}
+
+}  // namespace detail
+
+/// `frames` frames between two, at k / (frames + 1): rotations along the shorter arc, places in a straight line.
+/// Throws shape_error 205 if the poses differ in their joints.
+template <Scalar S>
+SmplVelpMotion<S> slerp_window(const PoseInWorld<S>& e, const PoseInWorld<S>& b, Index frames) {
+  if (e.rotations.size() != b.rotations.size()) {
+    raise<shape_error>(205, "slerp_window: ", e.rotations.size(), " and ", b.rotations.size(), " joints");
+  }
+  SmplVelpMotion<S> out;
+  for (Index k = 1; k <= frames; ++k) {
+    const S t = static_cast<S>(k) / static_cast<S>(frames + 1);
+    for (std::size_t j = 0; j < e.rotations.size(); ++j) {
+      out.rotations.push_back(to_matrix(detail::teach_slerp(pytorch3d::matrix_to_quaternion(e.rotations[j]),
+                                                            pytorch3d::matrix_to_quaternion(b.rotations[j]), t)));
     }
+    out.trans.push_back((S(1) - t) * e.trans + t * b.trans);
   }
+  return out;
+}
 
-  /// Single actions whose first label moves no part that the first label of item k moves: by label in the order of the
-  /// table, then in their own. Throws config_error 103 for a label without parts.
-  std::vector<Index> partners(Index k) const {
-    const SincParts& own = table_->parts(at(k).labels.front());
-    std::vector<Index> out;
-    for (const std::string& label : table_->labels()) {
-      const auto found = singles_.find(label);
-      if (found == singles_.end() || !are_compatible(own, table_->parts(label))) continue;
-      out.insert(out.end(), found->second.begin(), found->second.end());
-    }
-    return out;
+/// Parts that stand one behind the other, each aligned to the end of the one before it; the first `window` frames of
+/// all parts but the first are interpolated.
+/// lengths  frames of the parts, all of the motion together
+/// Throws   shape_error 205 if the motion has another number of frames or a part no frame behind its window;
+///          config_error 101 for a negative window
+template <Scalar S>
+void join_parts(SmplVelpMotion<S>& motion, std::span<const Index> lengths, Index window = 0,
+                Alignment alignment = Alignment::full) {
+  if (window < 0) raise<config_error>(101, "join_parts: a window of ", window, " frames");
+  const auto frames = std::ssize(motion.trans);
+  const auto joints = frames == 0 ? 0 : motion.rotations.size() / motion.trans.size();
+  const auto rotations = std::span(motion.rotations);
+  const auto trans = std::span(motion.trans);
+  const auto pose = [&](std::size_t f) {
+    return PoseInWorld<S>{std::span<const Matrix3<S>>(rotations.subspan(f * joints, joints)), trans[f]};
+  };
+  Index end = 0;
+  for (std::size_t part = 0; part < lengths.size(); ++part) {
+    const Index start = end, gap = part == 0 ? 0 : window;
+    end += lengths[part];
+    if (lengths[part] <= gap || end > frames)
+      raise<shape_error>(205, "join_parts: part ", part, " of ", lengths[part], " frames, window ", window,
+                         ", motion of ", frames, " frames");
+    if (part == 0) continue;
+    const auto last = static_cast<std::size_t>(start - 1), next = static_cast<std::size_t>(start + gap),
+               count = static_cast<std::size_t>(end - start - gap);
+    align_to(pose(last), rotations.subspan(next * joints, count * joints), trans.subspan(next, count), alignment);
+    const auto between = slerp_window(pose(last), pose(next), gap);
+    std::copy(between.rotations.begin(), between.rotations.end(), rotations.subspan((last + 1) * joints).begin());
+    std::copy(between.trans.begin(), between.trans.end(), trans.subspan(last + 1).begin());
   }
-
-  /// Draws: whether a partner is wanted (for every item), the partner, in random mode twelve bits, the window.
-  /// Throws config_error 101 for a number that is no item, 103 for a label without parts.
-  template <UniformDraws G>
-  SincElement draw(Index k, const SincDrawOptions& options, G& rng) const {
-    const SincItem& item = at(k);
-    SincElement out{std::nullopt, item.labels, {}, {}};
-    const double u = rng.uniform();
-    if (options.synthetic && u < options.proportion && is_single(item)) {
-      const std::vector<Index> candidates = options.random ? not_simultaneous_ : partners(k);
-      if (!candidates.empty()) out.partner = candidates[static_cast<std::size_t>(below(rng, std::ssize(candidates)))];
-    }
-    if (out.partner) out.labels = {item.labels.front(), at(*out.partner).labels.front()};
-    for (const std::string& label : out.labels) {
-      SincParts& parts = out.parts.emplace_back();
-      if (!out.partner || !options.random) {
-        parts = table_->parts(label);
-      } else {
-        for (std::size_t p = 0; p < sinc_part_count; ++p) parts[p] = below(rng, 2) == 1;
-      }
-    }
-    out.window = options.window.of(item.frames, [&](Index n) { return below(rng, n); });
-    return out;
-  }
-
- private:
-  static bool is_single(const SincItem& item) {
-    return item.source == SincSource::segment || item.source == SincSource::sequence;
-  }
-  template <class G>
-  static Index below(G& rng, Index n) {
-    return static_cast<Index>(rng.below(static_cast<std::uint32_t>(n)));
-  }
-  const SincItem& at(Index k) const {
-    if (k < 0 || k >= std::ssize(items_)) raise<config_error>(101, "SincItems: no item ", k, " of ", items_.size());
-    return items_[static_cast<std::size_t>(k)];
-  }
-
-  std::vector<SincItem> items_;
-  const BodyPartTable* table_;
-  std::unordered_map<std::string, std::vector<Index>> singles_;  // by their first label
-  std::vector<Index> not_simultaneous_;
-};
+  if (end != frames) raise<shape_error>(205, "join_parts: parts of ", end, " frames, motion of ", frames);
+}
 
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_COMPOSE_TEACH_PAIRS_HPP  // <motionlang/compose/teach_pairs.hpp>
-#define MOTIONLANG_HAS_COMPOSE_TEACH_PAIRS_HPP
-/// Pairs of actions that follow one another, out of overlapping segments of one motion: what TEACH is trained on.
+#ifndef MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_HPP  // <motionlang/compose/timeline_text.hpp>
+#define MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_HPP
+/// The text form of timelines.
 ///
-///     for (const ActionPair& pair : teach_pairs(babel_intervals(labels, 30, frames))) {
-///       const PairFrames cut = pair.frames();
-///       if (is_teach_length(cut)) train(pair.first.text, pair.second.text, cut);
-///     }
+///     line      := text "#" start "#" end { "#" body part }          times in seconds
+///     timeline  := line { line }
+///     file      := timelines separated by blank lines
 ///
-/// Source    TEACH (Athanasiou et al., 3DV 2022), separate_actions; spec teach.md 4.3
-/// Notation  segment S -> (start, end); X before S: X begins and ends earlier and touches S; X after S likewise
-/// Differs   from the paper: two overlapping actions are not parted in the middle of their overlap but half of it after
-///           the end of the first one, as the code does
+/// Source   STMC (Petrovich et al. 2024), src/stmc.py read_timelines and src/text.py; there is no comment syntax and a
+///          text cannot contain '#'
+/// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
+///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
+///          intervals are no matter of the text: see PlanOptions.
+/// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is
+///          wrong with the whole of a timeline is found when it is planned, and named by line and column of an interval
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Frames of a pair: the parts lie end to end. Published: the last frame of each, and of the second action the frame
-/// behind its last.
-struct PairFrames {
-  FrameRange first;
-  std::optional<FrameRange> transition;
-  FrameRange second;
-
-  FrameRange all() const { return {first.start, second.end}; }
-  Index transition_size() const { return transition ? transition->size() : 0; }
-  bool operator==(const PairFrames&) const = default;
+struct TimelineTextOptions {
+  double fps = 20;  // frame = trunc(fps * seconds)
+  bool as_published =
+      false;  // take intervals without a frame, and texts without parts as they are; else those move all
+  std::string_view name = "timeline";  // of the file, for messages
 };
 
-struct ActionPair {
-  BabelSegment first;
-  std::optional<BabelSegment> transition;
-  BabelSegment second;
-  bool operator==(const ActionPair&) const = default;
-
-  /// A transition counts only where the actions do not touch each other.
-  PairFrames frames() const {
-    if (transition && first.end < second.start) {
-      const Index cut = transition->start + 1;
-      return {{first.start, cut}, FrameRange{cut, second.start}, {second.start, second.end}};
-    }
-    const Index overlap = transition ? second.start - first.end : first.end - second.start;
-    const Index cut = (2 * first.end + overlap) / 2 + 1;
-    return {{first.start, cut}, std::nullopt, {cut, second.end}};
-  }
+/// A text with a length, for motions of one text each: it moves the whole body.
+struct TimedText {
+  std::string text;
+  Index frames = 0;
+  bool operator==(const TimedText&) const = default;
 };
+
+/// All timelines of a file, in frames, each shifted to begin at 0.
+std::vector<Timeline> parse_timelines(std::string_view text, const TimelineTextOptions& options = {});
+/// All timelines of a file, in seconds; options.fps has no effect.
+std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_view text,
+                                                          const TimelineTextOptions& options = {});
+/// The only timeline of a text. Throws timeline_error 509 if there are several.
+///
+///     auto timeline = parse_timeline("walking in a circle # 0.0 # 6.0 # legs\n"
+///                                    "raising both hands  # 2.0 # 5.0 # left arm # right arm\n", {.fps = 20});
+Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options = {});
+
+/// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than
+/// three fields, or a body part where timelines have their second time. The published programs ask for one line of
+/// fewer than three fields only (`as_published`), and then blame the others.
+bool is_text_list(std::string_view text, const TimelineTextOptions& options = {});
+
+/// Lines "text # duration"; blank lines are skipped. Body parts may follow, as in timelines, and have no effect: a
+/// single text moves the whole body. `as_published` takes any further field. Throws timeline_error 501 ... 504, 507.
+std::vector<TimedText> parse_text_list(std::string_view text, const TimelineTextOptions& options = {});
+
+/// The text form: fields joined by " # ", body parts in alphabetical order, an empty line after each timeline. Reading
+/// it gives the same timelines back (texts trimmed, begin at 0). Throws timeline_error 510 if a text contains '#' or a
+/// line end.
+std::string write_timelines(std::span<const TimelineInSeconds> timelines);
+std::string write_timeline(const TimelineInSeconds& timeline);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_IPP  // <motionlang/compose/timeline_text.ipp>
+#define MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_IPP
+// Bodies of timeline_text.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-inline bool is_before(const BabelSegment& x, const BabelSegment& s) {
-  return x.start < s.start && x.end < s.end && x.end >= s.start;
-}
-inline bool is_after(const BabelSegment& x, const BabelSegment& s) {
-  return s.start < x.start && x.start <= s.end && x.end > s.end;
+/// T = Index: frames at options.fps; T = double: seconds.
+template <class T>
+BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOptions& options) {
+  if (line.fields() < 3) line.fail(501, line.fields(), "expected 'text # start # end # body parts'");
+  const auto time = [&](std::size_t i) {
+    if constexpr (std::is_same_v<T, Index>) {
+      const double seconds = line.seconds(i);
+      if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, i, "'", line.field(i), "' is too late");
+      return frame_at(seconds, options.fps);
+    } else {
+      return line.seconds(i);
+    }
+  };
+  BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3), line.place(0)};
+  if (out.parts == BodyParts{} && !options.as_published) out.parts = BodyParts::all();
+  if (!(out.start < out.end) && !options.as_published) {
+    line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s ",
+              line.seconds(1) < line.seconds(2) ? "has no frame" : "is empty or ends before it starts");
+  }
+  return out;
 }
 
-/// Sorted by start and end, without poses at rest. Of several with the same times the last text counts.
-inline std::vector<BabelSegment> actions_and_transitions(std::span<const BabelSegment> segments) {
-  std::map<std::pair<Index, Index>, std::string_view> texts;
-  for (const BabelSegment& s : segments) {
-    if (s.is_transition() || !is_babel_excluded(s.text)) texts[{s.start, s.end}] = s.text;
+template <class T>
+std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const TimelineTextOptions& options) {
+  if (!(options.fps > 0)) raise<config_error>(101, "parse_timelines: fps ", options.fps);
+  std::vector<BasicTimeline<T>> out;
+  bool inside = false;
+  for_each_line(text, [&](std::string_view line, Index number) {
+    const bool blank = trim(line).empty();
+    if (!blank) {
+      if (!inside) out.emplace_back();
+      out.back().intervals.push_back(parse_interval<T>(TimelineLine(line, number, options.name), options));
+    }
+    inside = !blank;
+  });
+  if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
+  for (auto& timeline : out) {
+    shift_to_zero(timeline);
+    for (const auto& i : timeline.intervals) {
+      if (i.end <= static_cast<T>(latest_time)) continue;
+      fail_at(502, options.name, i.place, "a timeline that lasts ", i.end, " is too long");
+    }
   }
-  std::vector<BabelSegment> out;
-  for (const auto& [times, text] : texts) out.push_back({times.first, times.second, std::string(text)});
   return out;
 }
 
 }  // namespace detail
 
-/// Every action with the ones that it touches, and every transition with the actions on both sides, in the order of the
-/// segments; each pair once. `segments` may stand in any order.
-inline std::vector<ActionPair> teach_pairs(std::span<const BabelSegment> segments) {
-  const std::vector<BabelSegment> sorted = detail::actions_and_transitions(segments);
-  std::vector<ActionPair> out;
-  const auto add = [&](ActionPair pair) {
-    if (std::find(out.begin(), out.end(), pair) == out.end()) out.push_back(std::move(pair));
-  };
-  for (const BabelSegment& s : sorted) {
-    std::vector<BabelSegment> before, after;
-    for (const BabelSegment& x : sorted) {
-      if (x.is_transition() && !s.is_transition()) continue;
-      if (detail::is_before(x, s)) before.push_back(x);
-      if (detail::is_after(x, s)) after.push_back(x);
-    }
-    if (!s.is_transition()) {
-      for (const BabelSegment& b : before) add({b, std::nullopt, s});
-      for (const BabelSegment& a : after) add({s, std::nullopt, a});
-    } else if (s.start > 0) {
-      for (const BabelSegment& b : before) {
-        for (const BabelSegment& a : after) add({b, s, a});
+MOTIONLANG_BODY std::vector<Timeline> parse_timelines(std::string_view text, const TimelineTextOptions& options) {
+  return detail::parse_timelines_as<Index>(text, options);
+}
+
+MOTIONLANG_BODY std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_view text,
+                                                                          const TimelineTextOptions& options) {
+  return detail::parse_timelines_as<double>(text, options);
+}
+
+MOTIONLANG_BODY Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options) {
+  auto all = parse_timelines(text, options);
+  if (all.size() > 1)
+    detail::fail_at(509, options.name, all[1].intervals.front().place, all.size(), " timelines where one is expected");
+  return std::move(all.front());
+}
+
+MOTIONLANG_BODY bool is_text_list(std::string_view text, const TimelineTextOptions& options) {
+  Index lines = 0, short_lines = 0, lines_with_parts = 0;
+  detail::for_each_line(text, [&](std::string_view content, Index number) {
+    if (detail::trim(content).empty()) return;
+    ++lines;
+    const detail::TimelineLine line(content, number, options.name);
+    if (line.fields() < 3)
+      ++short_lines;
+    else if (parse_body_part(line.field(2)))
+      ++lines_with_parts;
+  });
+  return options.as_published ? short_lines > 0 : lines > 0 && short_lines + lines_with_parts == lines;
+}
+
+MOTIONLANG_BODY std::vector<TimedText> parse_text_list(std::string_view text, const TimelineTextOptions& options) {
+  std::vector<TimedText> out;
+  detail::for_each_line(text, [&](std::string_view content, Index number) {
+    if (detail::trim(content).empty()) return;
+    const detail::TimelineLine line(content, number, options.name);
+    if (line.fields() < 2) line.fail(501, line.fields(), "expected 'text # duration'");
+    if (!options.as_published) line.parts(2);
+    const double seconds = line.seconds(1);
+    if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, 1, "'", line.field(1), "' is too long");
+    const Index frames = frame_at(seconds, options.fps);
+    if (frames <= 0 && !options.as_published) line.fail(504, 1, "a duration of ", line.field(1), " s has no frame");
+    out.push_back({line.text(), frames});
+  });
+  if (out.empty()) raise<timeline_error>(507, options.name, ": no line");
+  return out;
+}
+
+MOTIONLANG_BODY std::string write_timelines(std::span<const TimelineInSeconds> timelines) {
+  using enum BodyPart;
+  std::string out;
+  for (const TimelineInSeconds& timeline : timelines) {
+    for (const IntervalInSeconds& i : timeline.intervals) {
+      if (i.text.find_first_of("#\r\n") != i.text.npos) {
+        raise<timeline_error>(510, "write_timelines: the text '", i.text, "' contains '#' or a line end");
       }
+      out += i.text + " # ";
+      detail::append_python_float(out, i.start);
+      out += " # ";
+      detail::append_python_float(out, i.end);
+      for (BodyPart part : {head, left_arm, legs, right_arm, spine}) {
+        if (i.parts.has(part)) out += " # " + to_string(part);
+      }
+      out += '\n';
     }
+    out += '\n';
   }
   return out;
 }
 
-/// Frames that TEACH trains on; its evaluation takes up to 100,000.
-struct TeachLengths {
-  Index shortest = 15, longest = 750;
-};
-/// Whether the first action, and the second one with its transition, are neither too short nor too long.
-inline bool is_teach_length(const PairFrames& frames, const TeachLengths& limits = {}) {
-  const auto fits = [&](Index n) { return limits.shortest <= n && n <= limits.longest; };
-  return fits(frames.first.size()) && fits(frames.transition_size() + frames.second.size());
-}
-
-/// Pairs as one segment with both texts ("walk, sit down"): what the baseline "Joint" is trained on. Of several with
-/// the same times the first.
-inline std::vector<BabelSegment> joined_pairs(std::span<const ActionPair> pairs) {
-  std::vector<BabelSegment> out;
-  for (const ActionPair& p : pairs) {
-    BabelSegment whole{std::min(p.first.start, p.second.start), std::max(p.first.end, p.second.end),
-                       p.first.text + ", " + p.second.text};
-    if (p.transition) {
-      whole.start = std::min(whole.start, p.transition->start);
-      whole.end = std::max(whole.end, p.transition->end);
-    }
-    const bool known = std::any_of(out.begin(), out.end(),
-                                   [&](const BabelSegment& s) { return s.start == whole.start && s.end == whole.end; });
-    if (!known) out.push_back(std::move(whole));
-  }
-  return out;
+MOTIONLANG_BODY std::string write_timeline(const TimelineInSeconds& timeline) {
+  return write_timelines(std::span(&timeline, 1));
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_ACCURACY_HPP  // <motionlang/metrics/accuracy.hpp>
@@ -25522,13 +27016,76 @@ struct CaptionPair {
 };
 
 /// The words before the tags, joined by blanks.
-inline std::string lemmas(std::span<const TaggedWord> words) {
+std::string lemmas(std::span<const TaggedWord> words);
+/// The first three; of two, the first again; of one, three times. Throws numeric_error 302 of none.
+std::vector<std::string> three_references(std::vector<std::string> references);
+
+// ---- BLEU
+// -------------------------------------------------------------------------------------------------------------
+
+/// What BLEU is calculated from; those of several sentences add up. Entry k - 1 is of runs of k words.
+struct BleuCounts {
+  std::array<Index, 4> correct{}, guess{};
+  Index length = 0, reference_length = 0;
+
+  BleuCounts& operator+=(const BleuCounts& other);
+};
+
+///     correct_k = sum_g min(count of g in the candidate, largest count of g in a reference),   g: runs of k words
+///     guess_k   = max(0, length - k + 1)
+/// The reference length is the one closest to the candidate's; of two as close, the shorter.
+/// Source  Papineni et al., "BLEU: a method for automatic evaluation of machine translation" (ACL 2002)
+/// Throws  numeric_error 302 without a reference
+BleuCounts bleu_counts(const CaptionPair& pair);
+/// The sums over a corpus. Throws numeric_error 302.
+BleuCounts corpus_counts(std::span<const CaptionPair> pairs);
+
+///     B_k = min(1, exp(1 - 1 / r)) (prod_{i<=k} (correct_i + 1e-15) / (guess_i + 1e-9))^(1/k),   BLEU-1 ... BLEU-4
+///     r   = (length + 1e-15) / (reference length + 1e-9)
+std::array<double, 4> bleu(const BleuCounts& counts);
+
+// ---- ROUGE-L
+// ----------------------------------------------------------------------------------------------------------
+
+/// With l = the longest common subsequence of the candidate c and a reference r:
+///     P = max_r l / |c|,   R = max_r l / |r|,   score = (1 + beta^2) P R / (R + beta^2 P); 0 if P or R is
+/// Source  Lin, "ROUGE: a package for automatic evaluation of summaries" (2004)
+/// Differs from the paper: P and R may come from different references, and words are what stands between single blanks:
+///         two blanks in a row have an empty word between them, as published. Throws numeric_error 302
+double rouge_l(const CaptionPair& pair, double beta = 1.2);
+/// The mean over a corpus. Throws numeric_error 302.
+double rouge_l(std::span<const CaptionPair> pairs, double beta = 1.2);
+
+// ---- CIDEr
+// ------------------------------------------------------------------------------------------------------------
+
+/// The score of each sentence. The references of all motions say which words are common.
+///     v_n[g] = count of g * (log N - log max(1, df(g))),   df(g) = motions with g in a reference, N = motions
+///     s_n    = sum_g min(c[g], r[g]) r[g] / (|c_n| |r_n|) * exp(-(b_c - b_r)^2 / (2 sigma^2)),   b = number of bigrams
+///     score  = 10 mean_n mean_r s_n
+/// Source  Vedantam et al., "CIDEr: consensus-based image description evaluation" (CVPR 2015): the form of section 5.3,
+///         CIDEr-D, with clipped counts and a penalty for other lengths
+/// Differs from the paper: the lengths are those in bigrams, as published. Of a single motion all scores are 0.
+/// Throws  numeric_error 302
+std::vector<double> cider_of_each(std::span<const CaptionPair> pairs, double sigma = 6);
+/// The mean over a corpus. Throws numeric_error 302.
+double cider(std::span<const CaptionPair> pairs, double sigma = 6);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_METRICS_CAPTIONS_IPP  // <motionlang/metrics/captions.ipp>
+#define MOTIONLANG_HAS_METRICS_CAPTIONS_IPP
+// Bodies of captions.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string lemmas(std::span<const TaggedWord> words) {
   std::string out;
   for (const TaggedWord& w : words) out += (out.empty() ? "" : " ") + w.word;
   return out;
 }
-/// The first three; of two, the first again; of one, three times. Throws numeric_error 302 of none.
-inline std::vector<std::string> three_references(std::vector<std::string> references) {
+
+MOTIONLANG_BODY std::vector<std::string> three_references(std::vector<std::string> references) {
   if (references.empty()) raise<numeric_error>(302, "three_references: no reference");
   references.resize(3, references.front());
   return references;
@@ -25547,6 +27104,7 @@ inline std::vector<std::string> blank_words(std::string_view text) {
   }
   return out;
 }
+
 /// Pieces between single blanks, some of them empty; at least one.
 inline std::vector<std::string> blank_pieces(std::string_view text) {
   std::vector<std::string> out;
@@ -25557,7 +27115,9 @@ inline std::vector<std::string> blank_pieces(std::string_view text) {
     at = end + 1;
   }
 }
+
 using NGrams = std::map<std::string, Index>;
+
 /// How often each run of n words is there.
 inline NGrams n_grams(std::span<const std::string> words, std::size_t n) {
   NGrams out;
@@ -25568,6 +27128,7 @@ inline NGrams n_grams(std::span<const std::string> words, std::size_t n) {
   }
   return out;
 }
+
 inline void require_captions(const char* function, std::span<const CaptionPair> pairs) {
   if (pairs.empty()) raise<numeric_error>(302, function, ": no captions");
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -25577,27 +27138,13 @@ inline void require_captions(const char* function, std::span<const CaptionPair> 
 
 }  // namespace detail
 
-// ---- BLEU
-// -------------------------------------------------------------------------------------------------------------
+MOTIONLANG_BODY BleuCounts& BleuCounts::operator+=(const BleuCounts& other) {
+  for (std::size_t k = 0; k < 4; ++k) correct[k] += other.correct[k], guess[k] += other.guess[k];
+  length += other.length, reference_length += other.reference_length;
+  return *this;
+}
 
-/// What BLEU is calculated from; those of several sentences add up. Entry k - 1 is of runs of k words.
-struct BleuCounts {
-  std::array<Index, 4> correct{}, guess{};
-  Index length = 0, reference_length = 0;
-
-  BleuCounts& operator+=(const BleuCounts& other) {
-    for (std::size_t k = 0; k < 4; ++k) correct[k] += other.correct[k], guess[k] += other.guess[k];
-    length += other.length, reference_length += other.reference_length;
-    return *this;
-  }
-};
-
-///     correct_k = sum_g min(count of g in the candidate, largest count of g in a reference),   g: runs of k words
-///     guess_k   = max(0, length - k + 1)
-/// The reference length is the one closest to the candidate's; of two as close, the shorter.
-/// Source  Papineni et al., "BLEU: a method for automatic evaluation of machine translation" (ACL 2002)
-/// Throws  numeric_error 302 without a reference
-inline BleuCounts bleu_counts(const CaptionPair& pair) {
+MOTIONLANG_BODY BleuCounts bleu_counts(const CaptionPair& pair) {
   detail::require_captions("bleu_counts", std::span(&pair, 1));
   const auto words = detail::blank_words(pair.candidate);
   BleuCounts out{.length = std::ssize(words)};
@@ -25621,17 +27168,15 @@ inline BleuCounts bleu_counts(const CaptionPair& pair) {
   }
   return out;
 }
-/// The sums over a corpus. Throws numeric_error 302.
-inline BleuCounts corpus_counts(std::span<const CaptionPair> pairs) {
+
+MOTIONLANG_BODY BleuCounts corpus_counts(std::span<const CaptionPair> pairs) {
   detail::require_captions("corpus_counts", pairs);
   BleuCounts out;
   for (const CaptionPair& p : pairs) out += bleu_counts(p);
   return out;
 }
 
-///     B_k = min(1, exp(1 - 1 / r)) (prod_{i<=k} (correct_i + 1e-15) / (guess_i + 1e-9))^(1/k),   BLEU-1 ... BLEU-4
-///     r   = (length + 1e-15) / (reference length + 1e-9)
-inline std::array<double, 4> bleu(const BleuCounts& counts) {
+MOTIONLANG_BODY std::array<double, 4> bleu(const BleuCounts& counts) {
   const double ratio =
       (static_cast<double>(counts.length) + 1e-15) / (static_cast<double>(counts.reference_length) + 1e-9);
   const double brevity = ratio < 1 ? std::exp(1 - 1 / ratio) : 1;
@@ -25644,15 +27189,7 @@ inline std::array<double, 4> bleu(const BleuCounts& counts) {
   return out;
 }
 
-// ---- ROUGE-L
-// ----------------------------------------------------------------------------------------------------------
-
-/// With l = the longest common subsequence of the candidate c and a reference r:
-///     P = max_r l / |c|,   R = max_r l / |r|,   score = (1 + beta^2) P R / (R + beta^2 P); 0 if P or R is
-/// Source  Lin, "ROUGE: a package for automatic evaluation of summaries" (2004)
-/// Differs from the paper: P and R may come from different references, and words are what stands between single blanks:
-///         two blanks in a row have an empty word between them, as published. Throws numeric_error 302
-inline double rouge_l(const CaptionPair& pair, double beta = 1.2) {
+MOTIONLANG_BODY double rouge_l(const CaptionPair& pair, double beta) {
   detail::require_captions("rouge_l", std::span(&pair, 1));
   const auto words = detail::blank_pieces(detail::trim(pair.candidate));
   double precision = 0, recall = 0;
@@ -25674,16 +27211,13 @@ inline double rouge_l(const CaptionPair& pair, double beta = 1.2) {
   if (precision == 0 || recall == 0) return 0;
   return (1 + beta * beta) * precision * recall / (recall + beta * beta * precision);
 }
-/// The mean over a corpus. Throws numeric_error 302.
-inline double rouge_l(std::span<const CaptionPair> pairs, double beta = 1.2) {
+
+MOTIONLANG_BODY double rouge_l(std::span<const CaptionPair> pairs, double beta) {
   detail::require_captions("rouge_l", pairs);
   double sum = 0;
   for (const CaptionPair& p : pairs) sum += rouge_l(p, beta);
   return sum / static_cast<double>(pairs.size());
 }
-
-// ---- CIDEr
-// ------------------------------------------------------------------------------------------------------------
 
 namespace detail {
 
@@ -25696,15 +27230,7 @@ struct WeightedGrams {
 
 }  // namespace detail
 
-/// The score of each sentence; what is common is told by the references of all.
-///     v_n[g] = count of g * (log N - log max(1, df(g))),   df(g) = motions with g in a reference, N = motions
-///     s_n    = sum_g min(c[g], r[g]) r[g] / (|c_n| |r_n|) * exp(-(b_c - b_r)^2 / (2 sigma^2)),   b = number of bigrams
-///     score  = 10 mean_n mean_r s_n
-/// Source  Vedantam et al., "CIDEr: consensus-based image description evaluation" (CVPR 2015): the form of section 5.3,
-///         CIDEr-D, with clipped counts and a penalty for other lengths
-/// Differs from the paper: the lengths are those in bigrams, as published. Of a single motion all scores are 0.
-/// Throws  numeric_error 302
-inline std::vector<double> cider_of_each(std::span<const CaptionPair> pairs, double sigma = 6) {
+MOTIONLANG_BODY std::vector<double> cider_of_each(std::span<const CaptionPair> pairs, double sigma) {
   detail::require_captions("cider", pairs);
   using Words = std::vector<std::string>;
   std::vector<std::vector<Words>> references;
@@ -25758,13 +27284,14 @@ inline std::vector<double> cider_of_each(std::span<const CaptionPair> pairs, dou
   }
   return scores;
 }
-/// The mean over a corpus. Throws numeric_error 302.
-inline double cider(std::span<const CaptionPair> pairs, double sigma = 6) {
+
+MOTIONLANG_BODY double cider(std::span<const CaptionPair> pairs, double sigma) {
   const auto scores = cider_of_each(pairs, sigma);
   return std::accumulate(scores.begin(), scores.end(), 0.0) / static_cast<double>(scores.size());
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_DIVERSITY_HPP  // <motionlang/metrics/diversity.hpp>
@@ -25792,51 +27319,16 @@ struct IndexPairs {
 
 /// ACTOR's diversity: `count` pairs out of n, both uniform and possibly equal; all first ones are drawn before the
 /// second. Throws config_error 101 if there is nothing to draw from.
-inline IndexPairs random_pairs(Index n, Index count, NumpyRandom& rng) {
-  IndexPairs out;
-  for (std::vector<Index>* list : {&out.first, &out.second}) {
-    for (Index i = 0; i < count; ++i) list->push_back(static_cast<Index>(rng.randint(0, n)));
-  }
-  return out;
-}
+IndexPairs random_pairs(Index n, Index count, NumpyRandom& rng);
 
 /// Guo's: twice `count` different ones of n; the two draws may meet. Throws config_error 101 unless count < n.
-inline IndexPairs disjoint_draws(Index n, Index count, NumpyRandom& rng) {
-  if (count >= n) raise<config_error>(101, "disjoint_draws: ", count, " of ", n, "; fewer than there are");
-  IndexPairs out;
-  out.first = rng.choice(n, count);
-  out.second = rng.choice(n, count);
-  return out;
-}
+IndexPairs disjoint_draws(Index n, Index count, NumpyRandom& rng);
 
 /// ACTOR's multimodality: `quota` pairs of each class. A first one is drawn from all and left if its class has its
 /// pairs; then second ones until the class is the same, which may be the first one itself.
 /// Throws config_error 101, shape_error 203 for a label that is no class; numeric_error 302 if a class is absent, for
 /// which the published loop would not end
-inline IndexPairs pairs_within_classes(std::span<const Index> labels, Index classes, Index quota, NumpyRandom& rng) {
-  if (classes < 1 || quota < 1) raise<config_error>(101, "pairs_within_classes: ", quota, " of ", classes, " classes");
-  std::vector<Index> wanted(static_cast<std::size_t>(classes), 0);
-  for (const Index y : labels) {
-    if (y < 0 || y >= classes) raise<shape_error>(203, "pairs_within_classes: label ", y, " of ", classes);
-    wanted[static_cast<std::size_t>(y)] = quota;
-  }
-  for (Index c = 0; c < classes; ++c) {
-    if (wanted[static_cast<std::size_t>(c)] == 0)
-      raise<numeric_error>(302, "pairs_within_classes: no sample of class ", c);
-  }
-  auto draw = [&] { return static_cast<Index>(rng.randint(0, std::ssize(labels))); };
-  auto label = [&](Index i) { return static_cast<std::size_t>(labels[static_cast<std::size_t>(i)]); };
-  IndexPairs out;
-  for (Index left = quota * classes; left > 0;) {
-    const Index first = draw();
-    if (wanted[label(first)] == 0) continue;
-    Index second = draw();
-    while (label(second) != label(first)) second = draw();
-    out.first.push_back(first), out.second.push_back(second);
-    --wanted[label(first)], --left;
-  }
-  return out;
-}
+IndexPairs pairs_within_classes(std::span<const Index> labels, Index classes, Index quota, NumpyRandom& rng);
 
 /// Mean of |x_first - x_second|. Throws shape_error 204, 203; numeric_error 302 of no pairs
 template <Scalar S>
@@ -25864,6 +27356,57 @@ double multimodality(const Rows<S>& rows, Index repeats, const IndexPairs& pairs
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_METRICS_DIVERSITY_IPP  // <motionlang/metrics/diversity.ipp>
+#define MOTIONLANG_HAS_METRICS_DIVERSITY_IPP
+// Bodies of diversity.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY IndexPairs random_pairs(Index n, Index count, NumpyRandom& rng) {
+  IndexPairs out;
+  for (std::vector<Index>* list : {&out.first, &out.second}) {
+    for (Index i = 0; i < count; ++i) list->push_back(static_cast<Index>(rng.randint(0, n)));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY IndexPairs disjoint_draws(Index n, Index count, NumpyRandom& rng) {
+  if (count >= n) raise<config_error>(101, "disjoint_draws: ", count, " of ", n, "; fewer than there are");
+  IndexPairs out;
+  out.first = rng.choice(n, count);
+  out.second = rng.choice(n, count);
+  return out;
+}
+
+MOTIONLANG_BODY IndexPairs pairs_within_classes(std::span<const Index> labels, Index classes, Index quota,
+                                                NumpyRandom& rng) {
+  if (classes < 1 || quota < 1) raise<config_error>(101, "pairs_within_classes: ", quota, " of ", classes, " classes");
+  std::vector<Index> wanted(static_cast<std::size_t>(classes), 0);
+  for (const Index y : labels) {
+    if (y < 0 || y >= classes) raise<shape_error>(203, "pairs_within_classes: label ", y, " of ", classes);
+    wanted[static_cast<std::size_t>(y)] = quota;
+  }
+  for (Index c = 0; c < classes; ++c) {
+    if (wanted[static_cast<std::size_t>(c)] == 0)
+      raise<numeric_error>(302, "pairs_within_classes: no sample of class ", c);
+  }
+  auto draw = [&] { return static_cast<Index>(rng.randint(0, std::ssize(labels))); };
+  auto label = [&](Index i) { return static_cast<std::size_t>(labels[static_cast<std::size_t>(i)]); };
+  IndexPairs out;
+  for (Index left = quota * classes; left > 0;) {
+    const Index first = draw();
+    if (wanted[label(first)] == 0) continue;
+    Index second = draw();
+    while (label(second) != label(first)) second = draw();
+    out.first.push_back(first), out.second.push_back(second);
+    --wanted[label(first)], --left;
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_FRECHET_HPP  // <motionlang/metrics/frechet.hpp>
@@ -25880,122 +27423,6 @@ MOTIONLANG_NAMESPACE_END
 /// Differs from the code: it takes a general matrix square root, whose imaginary part it drops, and adds 1e-6 to the
 ///         diagonals if that fails. The symmetric form needs no such repair, also with fewer samples than features;
 ///         both agree to about 1e-6 (1e-3 in STMC, whose reference has rank 59 of 256)
-
-#ifndef MOTIONLANG_HAS_METRICS_DETAIL_SYMMETRIC_HPP  // <motionlang/metrics/detail/symmetric.hpp>
-#define MOTIONLANG_HAS_METRICS_DETAIL_SYMMETRIC_HPP
-/// Two decompositions of symmetric matrices, row by row in double: what the Fréchet distance needs and no more.
-///
-/// Source  Golub and Van Loan, "Matrix Computations", 4.2.8 (Cholesky with pivots), 8.3.1 (tridiagonal form), 8.3.3
-///         (implicit QL steps, with Wilkinson's shift)
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail {
-
-/// F with A = F^T F for a positive semidefinite A (n, n): (rank, n). Directions in which A is 0 up to rounding are left
-/// out.
-inline std::vector<double> semidefinite_factor(std::vector<double> a, std::size_t n) {
-  double largest = 0;
-  for (std::size_t i = 0; i < n; ++i) largest = std::max(largest, a[i * n + i]);
-  const double least = static_cast<double>(n) * std::numeric_limits<double>::epsilon() * largest;
-  std::vector<double> factor;
-  for (std::size_t rank = 0; rank < n; ++rank) {
-    std::size_t pivot = 0;
-    for (std::size_t i = 1; i < n; ++i) {
-      if (a[i * n + i] > a[pivot * n + pivot]) pivot = i;
-    }
-    if (!(a[pivot * n + pivot] > least)) break;
-    const double root = std::sqrt(a[pivot * n + pivot]);
-    const std::size_t at = factor.size();
-    for (std::size_t j = 0; j < n; ++j) factor.push_back(a[pivot * n + j] / root);
-    const double* f = &factor[at];
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = 0; j < n; ++j) a[i * n + j] -= f[i] * f[j];
-    }
-    for (std::size_t i = 0; i < n; ++i) a[pivot * n + i] = a[i * n + pivot] = 0;
-  }
-  return factor;
-}
-
-/// A tridiagonal matrix with the eigenvalues of A: its diagonal, and what stands beside it.
-struct Tridiagonal {
-  std::vector<double> diagonal, beside;
-};
-/// Householder reflections I - v v^T / h from both sides, one column after the other.
-inline Tridiagonal tridiagonal_form(std::vector<double> a, std::size_t n) {
-  Tridiagonal out{std::vector<double>(n), std::vector<double>(n)};
-  std::vector<double> v(n), w(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    const double* row = &a[k * n];
-    out.diagonal[k] = row[k];
-    if (k + 1 == n) break;
-    double squares = 0;
-    for (std::size_t j = k + 1; j < n; ++j) squares += row[j] * row[j];
-    const double length = std::sqrt(squares), first = row[k + 1], beside = first > 0 ? -length : length;
-    const double h = squares - first * beside;  // |v|^2 / 2
-    out.beside[k] = beside;
-    if (h == 0) continue;
-    for (std::size_t j = k + 1; j < n; ++j) v[j] = row[j];
-    v[k + 1] -= beside;
-    double along = 0;  // v^T A v / (2 h)
-    for (std::size_t i = k + 1; i < n; ++i) {
-      double sum = 0;
-      for (std::size_t j = k + 1; j < n; ++j) sum += a[i * n + j] * v[j];
-      w[i] = sum / h;
-      along += v[i] * w[i] / (2 * h);
-    }
-    for (std::size_t i = k + 1; i < n; ++i) w[i] -= along * v[i];
-    for (std::size_t i = k + 1; i < n; ++i) {
-      for (std::size_t j = k + 1; j < n; ++j) a[i * n + j] -= v[i] * w[j] + w[i] * v[j];
-    }
-  }
-  return out;
-}
-
-/// Eigenvalues of a symmetric matrix (n, n) in no order. Throws numeric_error 301 if a value is not finite.
-inline std::vector<double> symmetric_eigenvalues(const std::vector<double>& a, std::size_t n) {
-  for (const double x : a) {
-    if (!std::isfinite(x)) raise<numeric_error>(301, "symmetric_eigenvalues: a matrix with a NaN or an infinity");
-  }
-  auto [d, e] = tridiagonal_form(a, n);
-  constexpr double eps = std::numeric_limits<double>::epsilon();
-  double size = 0;
-  for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::abs(d[i]) + std::abs(e[i]));
-  for (std::size_t first = 0; first < n;) {
-    std::size_t last = first;  // of the block that does not fall apart
-    while (last + 1 < n && std::abs(e[last]) > eps * (std::abs(d[last]) + std::abs(d[last + 1])) + eps * eps * size)
-      ++last;
-    if (last == first) {
-      ++first;
-      continue;
-    }
-    double g = (d[first + 1] - d[first]) / (2 * e[first]);
-    g = d[last] - d[first] + e[first] / (g + std::copysign(std::hypot(g, 1.0), g));
-    double sine = 1, cosine = 1, p = 0;
-    bool split = false;
-    for (std::size_t i = last; i-- > first && !split;) {
-      const double f = sine * e[i], b = cosine * e[i], r = std::hypot(f, g);
-      e[i + 1] = r;
-      if (r == 0) {
-        d[i + 1] -= p;
-        split = true;
-        continue;
-      }
-      sine = f / r, cosine = g / r;
-      g = d[i + 1] - p;
-      const double t = (d[i] - g) * sine + 2 * cosine * b;
-      p = sine * t;
-      d[i + 1] = g + p;
-      g = cosine * t - b;
-    }
-    if (!split) d[first] -= p, e[first] = g;
-    e[last] = 0;
-  }
-  return d;
-}
-
-}  // namespace detail
-MOTIONLANG_NAMESPACE_END
-#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -26041,7 +27468,158 @@ std::vector<double> unit_rows(const Rows<S>& rows) {
 }
 
 /// Throws shape_error 204, 205; numeric_error 301
-inline double frechet_distance(const GaussianStatistics& a, const GaussianStatistics& b) {
+double frechet_distance(const GaussianStatistics& a, const GaussianStatistics& b);
+template <Scalar S, Scalar T>
+double frechet_distance(const Rows<S>& a, const Rows<T>& b) {
+  detail::require_same_width("frechet_distance", a, b);
+  return frechet_distance(gaussian_statistics(a), gaussian_statistics(b));
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_METRICS_FRECHET_IPP  // <motionlang/metrics/frechet.ipp>
+#define MOTIONLANG_HAS_METRICS_FRECHET_IPP
+// Bodies of frechet.hpp.
+
+#ifndef MOTIONLANG_HAS_METRICS_DETAIL_SYMMETRIC_HPP  // <motionlang/metrics/detail/symmetric.hpp>
+#define MOTIONLANG_HAS_METRICS_DETAIL_SYMMETRIC_HPP
+/// Two decompositions of symmetric matrices, row by row in double: what the Fréchet distance needs and no more.
+///
+/// Source  Golub and Van Loan, "Matrix Computations", 4.2.8 (Cholesky with pivots), 8.3.1 (tridiagonal form), 8.3.3
+///         (implicit QL steps, with Wilkinson's shift)
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// F with A = F^T F for a positive semidefinite A (n, n): (rank, n). Directions in which A is 0 up to rounding are left
+/// out.
+std::vector<double> semidefinite_factor(std::vector<double> a, std::size_t n);
+
+/// Eigenvalues of a symmetric matrix (n, n) in no order. Throws numeric_error 301 if a value is not finite.
+std::vector<double> symmetric_eigenvalues(const std::vector<double>& a, std::size_t n);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_METRICS_DETAIL_SYMMETRIC_IPP  // <motionlang/metrics/detail/symmetric.ipp>
+#define MOTIONLANG_HAS_METRICS_DETAIL_SYMMETRIC_IPP
+// Bodies of symmetric.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::vector<double> semidefinite_factor(std::vector<double> a, std::size_t n) {
+  double largest = 0;
+  for (std::size_t i = 0; i < n; ++i) largest = std::max(largest, a[i * n + i]);
+  const double least = static_cast<double>(n) * std::numeric_limits<double>::epsilon() * largest;
+  std::vector<double> factor;
+  for (std::size_t rank = 0; rank < n; ++rank) {
+    std::size_t pivot = 0;
+    for (std::size_t i = 1; i < n; ++i) {
+      if (a[i * n + i] > a[pivot * n + pivot]) pivot = i;
+    }
+    if (!(a[pivot * n + pivot] > least)) break;
+    const double root = std::sqrt(a[pivot * n + pivot]);
+    const std::size_t at = factor.size();
+    for (std::size_t j = 0; j < n; ++j) factor.push_back(a[pivot * n + j] / root);
+    const double* f = &factor[at];
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) a[i * n + j] -= f[i] * f[j];
+    }
+    for (std::size_t i = 0; i < n; ++i) a[pivot * n + i] = a[i * n + pivot] = 0;
+  }
+  return factor;
+}
+
+/// A tridiagonal matrix with the eigenvalues of A: its diagonal, and what stands beside it.
+struct Tridiagonal {
+  std::vector<double> diagonal, beside;
+};
+
+/// Householder reflections I - v v^T / h from both sides, one column after the other.
+inline Tridiagonal tridiagonal_form(std::vector<double> a, std::size_t n) {
+  Tridiagonal out{std::vector<double>(n), std::vector<double>(n)};
+  std::vector<double> v(n), w(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const double* row = &a[k * n];
+    out.diagonal[k] = row[k];
+    if (k + 1 == n) break;
+    double squares = 0;
+    for (std::size_t j = k + 1; j < n; ++j) squares += row[j] * row[j];
+    const double length = std::sqrt(squares), first = row[k + 1], beside = first > 0 ? -length : length;
+    const double h = squares - first * beside;  // |v|^2 / 2
+    out.beside[k] = beside;
+    if (h == 0) continue;
+    for (std::size_t j = k + 1; j < n; ++j) v[j] = row[j];
+    v[k + 1] -= beside;
+    double along = 0;  // v^T A v / (2 h)
+    for (std::size_t i = k + 1; i < n; ++i) {
+      double sum = 0;
+      for (std::size_t j = k + 1; j < n; ++j) sum += a[i * n + j] * v[j];
+      w[i] = sum / h;
+      along += v[i] * w[i] / (2 * h);
+    }
+    for (std::size_t i = k + 1; i < n; ++i) w[i] -= along * v[i];
+    for (std::size_t i = k + 1; i < n; ++i) {
+      for (std::size_t j = k + 1; j < n; ++j) a[i * n + j] -= v[i] * w[j] + w[i] * v[j];
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<double> symmetric_eigenvalues(const std::vector<double>& a, std::size_t n) {
+  for (const double x : a) {
+    if (!std::isfinite(x)) raise<numeric_error>(301, "symmetric_eigenvalues: a matrix with a NaN or an infinity");
+  }
+  auto [d, e] = tridiagonal_form(a, n);
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  double size = 0;
+  for (std::size_t i = 0; i < n; ++i) size = std::max(size, std::abs(d[i]) + std::abs(e[i]));
+  for (std::size_t first = 0; first < n;) {
+    std::size_t last = first;  // of the block that does not fall apart
+    while (last + 1 < n && std::abs(e[last]) > eps * (std::abs(d[last]) + std::abs(d[last + 1])) + eps * eps * size)
+      ++last;
+    if (last == first) {
+      ++first;
+      continue;
+    }
+    double g = (d[first + 1] - d[first]) / (2 * e[first]);
+    g = d[last] - d[first] + e[first] / (g + std::copysign(std::hypot(g, 1.0), g));
+    double sine = 1, cosine = 1, p = 0;
+    bool split = false;
+    for (std::size_t i = last; i-- > first && !split;) {
+      const double f = sine * e[i], b = cosine * e[i], r = std::hypot(f, g);
+      e[i + 1] = r;
+      if (r == 0) {
+        d[i + 1] -= p;
+        split = true;
+        continue;
+      }
+      sine = f / r, cosine = g / r;
+      g = d[i + 1] - p;
+      const double t = (d[i] - g) * sine + 2 * cosine * b;
+      p = sine * t;
+      d[i + 1] = g + p;
+      g = cosine * t - b;
+    }
+    if (!split) d[first] -= p, e[first] = g;
+    e[last] = 0;
+  }
+  return d;
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY double frechet_distance(const GaussianStatistics& a, const GaussianStatistics& b) {
   const auto d = static_cast<std::size_t>(a.width());
   detail::require_same_count("frechet_distance: features", a.width(), b.width());
   for (const GaussianStatistics* s : {&a, &b}) {
@@ -26075,13 +27653,9 @@ inline double frechet_distance(const GaussianStatistics& a, const GaussianStatis
   for (const double lambda : detail::symmetric_eigenvalues(product, rank)) out -= 2 * std::sqrt(std::max(0.0, lambda));
   return out;
 }
-template <Scalar S, Scalar T>
-double frechet_distance(const Rows<S>& a, const Rows<T>& b) {
-  detail::require_same_width("frechet_distance", a, b);
-  return frechet_distance(gaussian_statistics(a), gaussian_statistics(b));
-}
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_GRU_CLASSIFIER_HPP  // <motionlang/metrics/gru_classifier.hpp>
@@ -26475,6 +28049,22 @@ struct InspectionLimits {
   double below = 0.08, above = 0.10;  // m that feet may be below or above y = 0
 };
 
+/// All findings of a clip. Skeletons that no table of skeleton_tables.hpp fits are checked for values, frame rate,
+/// spikes and jumps only. Throws config_error 106 for a malformed skeleton, 101 for a wrong frame rate,
+/// shape_error 205 if the arrays do not fit.
+Inspection inspect_motion(const Motion& motion, const InspectionLimits& limits = {});
+
+/// The clip with what the cure says. Throws shape_error 203 if it names frames that the clip does not have.
+Motion mended(const Motion& motion, const Cure& cure);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_METRICS_INSPECT_MOTION_IPP  // <motionlang/metrics/inspect_motion.ipp>
+#define MOTIONLANG_HAS_METRICS_INSPECT_MOTION_IPP
+// Bodies of inspect_motion.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
 namespace detail {
 
 /// Units of files by the factor from what was read to metres.
@@ -26482,6 +28072,7 @@ struct UnitFactor {
   double factor;
   std::string_view unit;
 };
+
 inline constexpr std::array<UnitFactor, 10> unit_factors{{
     {100, "the file is in metres where centimetres were expected"},
     {10, "decimetres"},
@@ -26514,6 +28105,7 @@ inline Vec3<double> standing_direction(const Skeleton& skeleton, const BodyJoint
 struct ParabolaFit {
   double bend, off;
 };
+
 inline ParabolaFit fit_parabola(std::span<const double> values) {
   const auto n = static_cast<double>(values.size());
   auto t = [&](std::size_t i) { return static_cast<double>(i) - 0.5 * (n - 1); };  // 0 in the middle
@@ -27007,14 +28599,11 @@ class MotionInspector {
 
 }  // namespace detail
 
-/// All findings of a clip. Skeletons that no table of skeleton_tables.hpp fits are checked for values, frame rate,
-/// spikes and jumps only. Throws config_error 106 for a malformed skeleton, 101 for a frame rate that is none,
-/// shape_error 205 if the arrays do not fit.
-inline Inspection inspect_motion(const Motion& motion, const InspectionLimits& limits = {}) {
+MOTIONLANG_BODY Inspection inspect_motion(const Motion& motion, const InspectionLimits& limits) {
   motion.skeleton.validate();
   if (motion.local.size() != motion.root.size() * static_cast<std::size_t>(motion.skeleton.size())) {
-    raise<shape_error>(205, "inspect_motion: '", motion.name, "' has ", motion.local.size(), " rotations for ",
-                       motion.frames(), " frames of ", motion.skeleton.size(), " joints");
+    raise<shape_error>(205, "inspect_motion: '", motion.name, "' has ", counted(motion.local.size(), "rotation"),
+                       " for ", counted(motion.frames(), "frame"), " of ", counted(motion.skeleton.size(), "joint"));
   }
   if (!(motion.fps > 0 && std::isfinite(motion.fps))) {
     raise<config_error>(101, "inspect_motion: '", motion.name, "' has a frame rate of ", motion.fps);
@@ -27022,8 +28611,7 @@ inline Inspection inspect_motion(const Motion& motion, const InspectionLimits& l
   return detail::MotionInspector(motion, limits).run();
 }
 
-/// The clip with what the cure says. Throws shape_error 203 if it names frames that the clip does not have.
-inline Motion mended(const Motion& motion, const Cure& cure) {
+MOTIONLANG_BODY Motion mended(const Motion& motion, const Cure& cure) {
   Motion out = motion;
   for (const Index f : cure.spikes) {
     if (f < 1 || f + 1 >= motion.frames())
@@ -27055,6 +28643,7 @@ inline Motion mended(const Motion& motion, const Cure& cure) {
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_MATCHING_HPP  // <motionlang/metrics/matching.hpp>
@@ -27163,12 +28752,7 @@ struct JointTracks {
     return positions[static_cast<std::size_t>(frame * joints + joint)];
   }
   /// Throws shape_error 205 unless the positions are rows of `joints`, config_error 101 unless fps > 0.
-  void validate() const {
-    if (joints <= 0 || std::ssize(positions) % joints != 0) {
-      raise<shape_error>(205, "JointTracks: ", positions.size(), " positions are not rows of ", joints);
-    }
-    if (!(fps > 0)) raise<config_error>(101, "JointTracks: frame rate ", fps);
-  }
+  void validate() const;
 };
 
 struct FootSkate {
@@ -27181,8 +28765,58 @@ struct FootSkate {
 /// the horizontal distance between the two times fps. `limit` (m/s) counts a contact as skating: 0.5 m/s are the 2.5 cm
 /// per frame at 20 fps of GMD (Karunratanakul et al., ICCV 2023).
 /// Without contacts everything is 0. Throws as JointTracks::validate, shape_error 203 for a joint out of range.
-inline FootSkate foot_skate(const JointTracks& tracks, std::span<const ContactJoint> feet = smpl_contact_joints,
-                            double floor = 0, double limit = 0.5) {
+FootSkate foot_skate(const JointTracks& tracks, std::span<const ContactJoint> feet = smpl_contact_joints,
+                     double floor = 0, double limit = 0.5);
+
+/// Mean size of the second derivative of joint positions, m/s^2. ACTOR prints it per frame: fps = 1.
+///     |p_{f+2} - 2 p_{f+1} + p_f| fps^2,   averaged over frames and joints; 0 for fewer than three frames
+double mean_acceleration(const JointTracks& tracks);
+
+/// Mean size of the third derivative of joint positions, m/s^3.
+///     |p_{f+3} - 3 p_{f+2} + 3 p_{f+1} - p_f| fps^3,   averaged over frames and joints; 0 for fewer than four frames
+double jitter(const JointTracks& tracks);
+
+struct Penetration {
+  double mean = 0;     // depth of the lowest joint, averaged over all frames (0 where nothing is below), metres
+  double deepest = 0;  // metres
+  double ratio = 0;    // share of frames in which something is below
+};
+
+/// How far joints are below the floor.
+Penetration penetration(const JointTracks& tracks, double floor = 0);
+
+/// How much the lengths of bones change: the largest |length - mean| / mean over frames and bones. 0 for a motion that
+/// was made by rotations; generated joint positions are not so good. A bone of mean length 0 does not count.
+/// Throws as JointTracks::validate, shape_error 204 if there is not one parent for each joint, 203 for a parent out of
+/// range.
+double bone_length_deviation(const JointTracks& tracks, std::span<const int> parents);
+
+struct MotionQuality {
+  FootSkate feet;
+  double jitter = 0;
+  Penetration below_floor;
+};
+/// All of it for a clip on SMPL's joints (or on others, with their feet) that stands on y = `floor`.
+MotionQuality motion_quality(const Motion& motion, std::span<const ContactJoint> feet = smpl_contact_joints,
+                             double floor = 0);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_METRICS_MOTION_QUALITY_IPP  // <motionlang/metrics/motion_quality.ipp>
+#define MOTIONLANG_HAS_METRICS_MOTION_QUALITY_IPP
+// Bodies of motion_quality.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY void JointTracks::validate() const {
+  if (joints <= 0 || std::ssize(positions) % joints != 0) {
+    raise<shape_error>(205, "JointTracks: ", positions.size(), " positions are not rows of ", joints);
+  }
+  if (!(fps > 0)) raise<config_error>(101, "JointTracks: frame rate ", fps);
+}
+
+MOTIONLANG_BODY FootSkate foot_skate(const JointTracks& tracks, std::span<const ContactJoint> feet, double floor,
+                                     double limit) {
   tracks.validate();
   Index contacts = 0, skating = 0, looked_at = 0;
   double sum = 0;
@@ -27204,9 +28838,7 @@ inline FootSkate foot_skate(const JointTracks& tracks, std::span<const ContactJo
   return {sum / n, static_cast<double>(skating) / n, n / static_cast<double>(looked_at)};
 }
 
-/// Mean size of the second derivative of joint positions, m/s^2. ACTOR prints it per frame: fps = 1.
-///     |p_{f+2} - 2 p_{f+1} + p_f| fps^2,   averaged over frames and joints; 0 for fewer than three frames
-inline double mean_acceleration(const JointTracks& tracks) {
+MOTIONLANG_BODY double mean_acceleration(const JointTracks& tracks) {
   tracks.validate();
   double sum = 0;
   for (Index f = 0; f + 2 < tracks.frames(); ++f) {
@@ -27218,9 +28850,7 @@ inline double mean_acceleration(const JointTracks& tracks) {
   return terms == 0 ? 0 : sum / static_cast<double>(terms) * tracks.fps * tracks.fps;
 }
 
-/// Mean size of the third derivative of joint positions, m/s^3.
-///     |p_{f+3} - 3 p_{f+2} + 3 p_{f+1} - p_f| fps^3,   averaged over frames and joints; 0 for fewer than four frames
-inline double jitter(const JointTracks& tracks) {
+MOTIONLANG_BODY double jitter(const JointTracks& tracks) {
   tracks.validate();
   double sum = 0;
   for (Index f = 0; f + 3 < tracks.frames(); ++f) {
@@ -27232,14 +28862,7 @@ inline double jitter(const JointTracks& tracks) {
   return terms == 0 ? 0 : sum / static_cast<double>(terms) * tracks.fps * tracks.fps * tracks.fps;
 }
 
-struct Penetration {
-  double mean = 0;     // depth of the lowest joint, averaged over all frames (0 where nothing is below), metres
-  double deepest = 0;  // metres
-  double ratio = 0;    // share of frames in which something is below
-};
-
-/// How far joints are below the floor.
-inline Penetration penetration(const JointTracks& tracks, double floor = 0) {
+MOTIONLANG_BODY Penetration penetration(const JointTracks& tracks, double floor) {
   tracks.validate();
   Penetration p;
   for (Index f = 0; f < tracks.frames(); ++f) {
@@ -27255,11 +28878,7 @@ inline Penetration penetration(const JointTracks& tracks, double floor = 0) {
   return p;
 }
 
-/// How much the lengths of bones change: the largest |length - mean| / mean over frames and bones. 0 for a motion that
-/// was made by rotations; generated joint positions are not so good. A bone of mean length 0 does not count.
-/// Throws as JointTracks::validate, shape_error 204 if there is not one parent for each joint, 203 for a parent out of
-/// range.
-inline double bone_length_deviation(const JointTracks& tracks, std::span<const int> parents) {
+MOTIONLANG_BODY double bone_length_deviation(const JointTracks& tracks, std::span<const int> parents) {
   tracks.validate();
   if (std::ssize(parents) != tracks.joints) {
     raise<shape_error>(204, "bone_length_deviation: ", parents.size(), " parents for ", tracks.joints, " joints");
@@ -27280,20 +28899,14 @@ inline double bone_length_deviation(const JointTracks& tracks, std::span<const i
   return worst;
 }
 
-struct MotionQuality {
-  FootSkate feet;
-  double jitter = 0;
-  Penetration below_floor;
-};
-/// All of it for a clip on SMPL's joints (or on others, with their feet) that stands on y = `floor`.
-inline MotionQuality motion_quality(const Motion& motion, std::span<const ContactJoint> feet = smpl_contact_joints,
-                                    double floor = 0) {
+MOTIONLANG_BODY MotionQuality motion_quality(const Motion& motion, std::span<const ContactJoint> feet, double floor) {
   const std::vector<Vec3<double>> positions = motion.positions();
   const JointTracks tracks{positions, motion.skeleton.size(), motion.fps};
   return {foot_skate(tracks, feet, floor), jitter(tracks), penetration(tracks, floor)};
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_MTT_HPP  // <motionlang/metrics/mtt.hpp>
@@ -27359,16 +28972,7 @@ std::vector<Vec3<S>> mtt_local_joints(std::span<const S> features, Index joints 
 
 /// Frames at which a text begins or ends, in order; the beginning and the end of the whole are left out. As coded,
 /// frames that the features do not have go first, which costs the last real one.
-inline std::vector<Index> transition_points(const Timeline& timeline, Index feature_frames, MttFlavour flavour) {
-  std::set<Index> points;
-  for (const Interval& i : timeline.intervals) {
-    for (const Index p : {i.start, i.end}) {
-      if (flavour == MttFlavour::as_written || p < feature_frames) points.insert(p);
-    }
-  }
-  if (points.size() <= 2) return {};
-  return {std::next(points.begin()), std::prev(points.end())};
-}
+std::vector<Index> transition_points(const Timeline& timeline, Index feature_frames, MttFlavour flavour);
 /// Points of a motion without intervals: recorded clips, and motions of one text.
 inline std::array<Index, 3> quarter_points(Index feature_frames) {
   return {feature_frames / 4, 2 * feature_frames / 4, 3 * feature_frames / 4};
@@ -27413,22 +29017,9 @@ struct RealismCrops {
   Index features = 263;  // as coded, starts are drawn below this number less the frames, the same for every motion
 };
 /// As coded: NumPy's generator, seeded anew for each motion. Throws config_error 101.
-inline std::vector<Index> fixed_crop_starts(const RealismCrops& crops = {}) {
-  NumpyRandom rng(crops.seed);
-  std::vector<Index> out;
-  for (Index i = 0; i < crops.samples; ++i) {
-    out.push_back(static_cast<Index>(rng.randint(0, crops.features - crops.frames)));
-  }
-  return out;
-}
+std::vector<Index> fixed_crop_starts(const RealismCrops& crops = {});
 /// As written: anywhere in the motion; one that is shorter is taken whole. Throws config_error 101.
-inline std::vector<Index> random_crop_starts(Index feature_frames, NumpyRandom& rng, const RealismCrops& crops = {}) {
-  std::vector<Index> out;
-  for (Index i = 0; i < crops.samples; ++i) {
-    out.push_back(static_cast<Index>(rng.randint(0, std::max<Index>(1, feature_frames - crops.frames + 1))));
-  }
-  return out;
-}
+std::vector<Index> random_crop_starts(Index feature_frames, NumpyRandom& rng, const RealismCrops& crops = {});
 /// Frames of a crop from `start` on, fewer at the end of the motion.
 inline Index crop_frames(Index start, Index feature_frames, const RealismCrops& crops = {}) {
   return std::clamp<Index>(feature_frames - start, 0, crops.frames);
@@ -27591,6 +29182,45 @@ MttScores mtt_ground_truth(const MttReference<S>& reference, Index joints = 22) 
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_METRICS_MTT_IPP  // <motionlang/metrics/mtt.ipp>
+#define MOTIONLANG_HAS_METRICS_MTT_IPP
+// Bodies of mtt.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<Index> transition_points(const Timeline& timeline, Index feature_frames,
+                                                     MttFlavour flavour) {
+  std::set<Index> points;
+  for (const Interval& i : timeline.intervals) {
+    for (const Index p : {i.start, i.end}) {
+      if (flavour == MttFlavour::as_written || p < feature_frames) points.insert(p);
+    }
+  }
+  if (points.size() <= 2) return {};
+  return {std::next(points.begin()), std::prev(points.end())};
+}
+
+MOTIONLANG_BODY std::vector<Index> fixed_crop_starts(const RealismCrops& crops) {
+  NumpyRandom rng(crops.seed);
+  std::vector<Index> out;
+  for (Index i = 0; i < crops.samples; ++i) {
+    out.push_back(static_cast<Index>(rng.randint(0, crops.features - crops.frames)));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<Index> random_crop_starts(Index feature_frames, NumpyRandom& rng,
+                                                      const RealismCrops& crops) {
+  std::vector<Index> out;
+  for (Index i = 0; i < crops.samples; ++i) {
+    out.push_back(static_cast<Index>(rng.randint(0, std::max<Index>(1, feature_frames - crops.frames + 1))));
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_RETRIEVAL_HPP  // <motionlang/metrics/retrieval.hpp>
@@ -27675,19 +29305,7 @@ struct RetrievalMetrics {
   double queries = 0;
 };
 /// Of all queries. Throws numeric_error 302 if there is none.
-inline RetrievalMetrics retrieval_metrics(std::vector<double> ranks) {
-  if (ranks.empty()) raise<numeric_error>(302, "retrieval_metrics: no queries");
-  std::sort(ranks.begin(), ranks.end());
-  RetrievalMetrics out;
-  const std::size_t n = ranks.size();
-  for (std::size_t k = 0; k < out.depths.size(); ++k) {
-    const auto found = std::lower_bound(ranks.begin(), ranks.end(), out.depths[k]) - ranks.begin();
-    out.recall[k] = 100 * static_cast<double>(found) / static_cast<double>(n);
-  }
-  out.median_rank = (ranks[(n - 1) / 2] + ranks[n / 2]) / 2 + 1;
-  out.queries = static_cast<double>(n);
-  return out;
-}
+RetrievalMetrics retrieval_metrics(std::vector<double> ranks);
 
 /// Both directions.
 struct RetrievalTable {
@@ -27702,60 +29320,21 @@ RetrievalTable retrieval_table(const Rows<S>& similarities, std::span<const std:
 
 /// "t2m/R01", "t2m/R02", "t2m/R03", "t2m/R05", "t2m/R10", "t2m/MedR", "t2m/len", then the same of "m2t": the keys of
 /// TMR's files.
-inline std::vector<std::pair<std::string, double>> named(const RetrievalTable& table) {
-  std::vector<std::pair<std::string, double>> out;
-  for (const auto& [direction, m] : {std::pair{"t2m/", table.text_to_motion}, {"m2t/", table.motion_to_text}}) {
-    for (std::size_t k = 0; k < m.depths.size(); ++k) {
-      out.emplace_back(concat_text(direction, m.depths[k] < 10 ? "R0" : "R", m.depths[k]), m.recall[k]);
-    }
-    out.emplace_back(concat_text(direction, "MedR"), m.median_rank);
-    out.emplace_back(concat_text(direction, "len"), m.queries);
-  }
-  return out;
-}
+std::vector<std::pair<std::string, double>> named(const RetrievalTable& table);
 
 namespace detail {
 
-template <class F>
-RetrievalTable with_each_number(RetrievalTable table, F change) {
-  for (RetrievalMetrics* m : {&table.text_to_motion, &table.motion_to_text}) {
-    for (double& r : m->recall) change(r);
-    change(m->median_rank);
-    change(m->queries);
-  }
-  return table;
-}
 /// Plain mean over tables.
-inline RetrievalTable mean_table(std::span<const RetrievalTable> tables) {
-  std::vector<double> sums;
-  for (const RetrievalTable& t : tables) {
-    std::size_t at = 0;
-    with_each_number(t, [&](double& x) {
-      if (at == sums.size()) sums.push_back(0);
-      sums[at++] += x;
-    });
-  }
-  std::size_t at = 0;
-  return with_each_number({}, [&](double& x) { x = sums[at++] / static_cast<double>(tables.size()); });
-}
+RetrievalTable mean_table(std::span<const RetrievalTable> tables);
 
 }  // namespace detail
 
 /// As TMR prints them: two decimal places.
-inline RetrievalTable rounded(const RetrievalTable& table, int places = 2) {
-  return detail::with_each_number(table, [&](double& x) { x = python_round(x, places); });
-}
+RetrievalTable rounded(const RetrievalTable& table, int places = 2);
 
 /// The batches of protocol `guo`: positions 0 ... n-1 of the sorted ids, shuffled by NumPy with seed 0, in groups; the
 /// last incomplete group is dropped. Throws config_error 101 for a batch below 1.
-inline std::vector<std::vector<Index>> guo_batches(Index n, Index batch = 32) {
-  if (batch < 1) raise<config_error>(101, "guo_batches: batches of ", batch);
-  NumpyRandom rng(0);
-  const std::vector<Index> order = rng.permutation(n);
-  std::vector<std::vector<Index>> out;
-  for (auto at = order.begin(); order.end() - at >= batch; at += batch) out.emplace_back(at, at + batch);
-  return out;
-}
+std::vector<std::vector<Index>> guo_batches(Index n, Index batch = 32);
 
 /// normal     all pairs
 /// threshold  all pairs; answers whose text means the same are right, too
@@ -27772,8 +29351,8 @@ struct RetrievalOptions {
 
 /// texts, motions  (n, latent); pair i belongs together
 /// sentences       (n, d) unit rows, for `threshold`: what decides which texts mean the same
-/// Throws          shape_error 204 if counts differ, numeric_error 302 if nothing is left, config_error 101, 103 (an id
-///                 that stands twice)
+/// Throws          shape_error 204 if counts differ, numeric_error 302 if nothing is left, config_error 101, 103 (a
+///                 duplicate id)
 template <Scalar S, Scalar E>
 RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const Rows<S>& motions,
                         const Rows<E>& sentences, const RetrievalOptions& options = {}) {
@@ -27801,7 +29380,7 @@ RetrievalTable retrieve(RetrievalProtocol protocol, const Rows<S>& texts, const 
   std::sort(by_id.begin(), by_id.end(), [&](Index a, Index b) { return id_at(a) < id_at(b); });
   for (std::size_t i = 1; i < by_id.size(); ++i) {
     if (id_at(by_id[i - 1]) == id_at(by_id[i]))
-      raise<config_error>(103, "retrieve: the id '", id_at(by_id[i]), "' stands twice");
+      raise<config_error>(103, "retrieve: the id '", id_at(by_id[i]), "' is duplicated");
   }
   if (protocol == RetrievalProtocol::nsim) {
     std::vector<Index> chosen;
@@ -27879,7 +29458,95 @@ std::vector<Index> dissimilar_subset(const Rows<E>& sentences, std::span<const s
 
 /// Windows of `width` frames, the k-th with its middle at frame k * stride, cut off at the ends of the motion.
 /// Throws config_error 101 unless width and stride are positive.
-inline std::vector<FrameSlice> moment_windows(Index frames, Index width, Index stride = 1) {
+std::vector<FrameSlice> moment_windows(Index frames, Index width, Index stride = 1);
+
+/// The window with the largest similarity; of equals the first. Windows of several widths may stand in one list.
+/// Throws shape_error 204, numeric_error 302 if there is none.
+FrameSlice best_moment(std::span<const FrameSlice> windows, std::span<const double> similarities);
+
+/// |a intersected with b| / |a united with b| in frames; 0 of two empty ones.
+double temporal_iou(const FrameSlice& a, const FrameSlice& b);
+
+/// Share of the queries, 0 to 1, that are found with at least this intersection over union; the thesis takes 0.4.
+/// Throws shape_error 204, numeric_error 302 if there is none.
+double localisation_accuracy(std::span<const FrameSlice> found, std::span<const FrameSlice> wanted,
+                             double least_iou = 0.4);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_METRICS_RETRIEVAL_IPP  // <motionlang/metrics/retrieval.ipp>
+#define MOTIONLANG_HAS_METRICS_RETRIEVAL_IPP
+// Bodies of retrieval.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY RetrievalMetrics retrieval_metrics(std::vector<double> ranks) {
+  if (ranks.empty()) raise<numeric_error>(302, "retrieval_metrics: no queries");
+  std::sort(ranks.begin(), ranks.end());
+  RetrievalMetrics out;
+  const std::size_t n = ranks.size();
+  for (std::size_t k = 0; k < out.depths.size(); ++k) {
+    const auto found = std::lower_bound(ranks.begin(), ranks.end(), out.depths[k]) - ranks.begin();
+    out.recall[k] = 100 * static_cast<double>(found) / static_cast<double>(n);
+  }
+  out.median_rank = (ranks[(n - 1) / 2] + ranks[n / 2]) / 2 + 1;
+  out.queries = static_cast<double>(n);
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::pair<std::string, double>> named(const RetrievalTable& table) {
+  std::vector<std::pair<std::string, double>> out;
+  for (const auto& [direction, m] : {std::pair{"t2m/", table.text_to_motion}, {"m2t/", table.motion_to_text}}) {
+    for (std::size_t k = 0; k < m.depths.size(); ++k) {
+      out.emplace_back(concat_text(direction, m.depths[k] < 10 ? "R0" : "R", m.depths[k]), m.recall[k]);
+    }
+    out.emplace_back(concat_text(direction, "MedR"), m.median_rank);
+    out.emplace_back(concat_text(direction, "len"), m.queries);
+  }
+  return out;
+}
+
+namespace detail {
+
+template <class F>
+RetrievalTable with_each_number(RetrievalTable table, F change) {
+  for (RetrievalMetrics* m : {&table.text_to_motion, &table.motion_to_text}) {
+    for (double& r : m->recall) change(r);
+    change(m->median_rank);
+    change(m->queries);
+  }
+  return table;
+}
+
+MOTIONLANG_BODY RetrievalTable mean_table(std::span<const RetrievalTable> tables) {
+  std::vector<double> sums;
+  for (const RetrievalTable& t : tables) {
+    std::size_t at = 0;
+    with_each_number(t, [&](double& x) {
+      if (at == sums.size()) sums.push_back(0);
+      sums[at++] += x;
+    });
+  }
+  std::size_t at = 0;
+  return with_each_number({}, [&](double& x) { x = sums[at++] / static_cast<double>(tables.size()); });
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY RetrievalTable rounded(const RetrievalTable& table, int places) {
+  return detail::with_each_number(table, [&](double& x) { x = python_round(x, places); });
+}
+
+MOTIONLANG_BODY std::vector<std::vector<Index>> guo_batches(Index n, Index batch) {
+  if (batch < 1) raise<config_error>(101, "guo_batches: batches of ", batch);
+  NumpyRandom rng(0);
+  const std::vector<Index> order = rng.permutation(n);
+  std::vector<std::vector<Index>> out;
+  for (auto at = order.begin(); order.end() - at >= batch; at += batch) out.emplace_back(at, at + batch);
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<FrameSlice> moment_windows(Index frames, Index width, Index stride) {
   if (width < 1 || stride < 1) raise<config_error>(101, "moment_windows: ", width, " frames, stride ", stride);
   std::vector<FrameSlice> out;
   for (Index middle = 0; middle < frames; middle += stride) {
@@ -27889,9 +29556,7 @@ inline std::vector<FrameSlice> moment_windows(Index frames, Index width, Index s
   return out;
 }
 
-/// The window with the largest similarity; of equals the first. Windows of several widths may stand in one list.
-/// Throws shape_error 204, numeric_error 302 if there is none.
-inline FrameSlice best_moment(std::span<const FrameSlice> windows, std::span<const double> similarities) {
+MOTIONLANG_BODY FrameSlice best_moment(std::span<const FrameSlice> windows, std::span<const double> similarities) {
   detail::require_same_count("best_moment: windows against similarities", std::ssize(windows),
                              std::ssize(similarities));
   if (windows.empty()) raise<numeric_error>(302, "best_moment: no windows");
@@ -27899,17 +29564,14 @@ inline FrameSlice best_moment(std::span<const FrameSlice> windows, std::span<con
                                           similarities.begin())];
 }
 
-/// |a intersected with b| / |a united with b| in frames; 0 of two empty ones.
-inline double temporal_iou(const FrameSlice& a, const FrameSlice& b) {
+MOTIONLANG_BODY double temporal_iou(const FrameSlice& a, const FrameSlice& b) {
   const Index common = std::min(a.first + a.length, b.first + b.length) - std::max(a.first, b.first);
   const Index both = std::max<Index>(0, common), either = a.length + b.length - both;
   return either > 0 ? static_cast<double>(both) / static_cast<double>(either) : 0;
 }
 
-/// Share of the queries, 0 to 1, that are found with at least this intersection over union; the thesis takes 0.4.
-/// Throws shape_error 204, numeric_error 302 if there is none.
-inline double localisation_accuracy(std::span<const FrameSlice> found, std::span<const FrameSlice> wanted,
-                                    double least_iou = 0.4) {
+MOTIONLANG_BODY double localisation_accuracy(std::span<const FrameSlice> found, std::span<const FrameSlice> wanted,
+                                             double least_iou) {
   detail::require_same_count("localisation_accuracy: found against wanted", std::ssize(found), std::ssize(wanted));
   if (found.empty()) raise<numeric_error>(302, "localisation_accuracy: no queries");
   Index right = 0;
@@ -27918,6 +29580,7 @@ inline double localisation_accuracy(std::span<const FrameSlice> found, std::span
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_STGCN_HPP  // <motionlang/metrics/stgcn.hpp>
@@ -27935,23 +29598,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Differs  from the paper: distances from the centre beyond 1 count as infinite and so as equal; such edges are in
 ///          part 1
 /// Throws   config_error 101 if the centre is no joint
-inline std::vector<double> stgcn_adjacency(std::span<const int> parents, Index centre) {
-  const auto n = std::ssize(parents);
-  if (centre < 0 || centre >= n) raise<config_error>(101, "stgcn_adjacency: centre ", centre, " of ", n, " joints");
-  auto parent = [&](Index j) { return static_cast<Index>(parents[static_cast<std::size_t>(j)]); };
-  auto linked = [&](Index i, Index j) { return i == j || parent(i) == j || parent(j) == i; };
-  auto hops = [&](Index j) { return j == centre ? 0 : linked(j, centre) ? 1 : 2; };
-  std::vector<double> out(static_cast<std::size_t>(3 * n * n));
-  for (Index j = 0; j < n; ++j) {
-    Index links = 0;
-    for (Index i = 0; i < n; ++i) links += linked(i, j) ? 1 : 0;
-    for (Index i = 0; i < n; ++i) {
-      const Index part = i == j ? 0 : hops(i) < hops(j) ? 2 : 1;
-      if (linked(i, j)) out[static_cast<std::size_t>((part * n + i) * n + j)] = 1 / static_cast<double>(links);
-    }
-  }
-  return out;
-}
+std::vector<double> stgcn_adjacency(std::span<const int> parents, Index centre);
 
 /// A convolution (kernel, 1) of PyTorch over (time, joints): over time, each joint by itself; "same" padding.
 template <Backend B>
@@ -28042,11 +29689,7 @@ struct StGcnConfig {
 
   /// SMPL's tree without the global rotation of joint 0 (layout "smpl_noglobal"): the legs and the spine are not
   /// connected, and the centre is the left hip.
-  static std::vector<int> without_root(std::span<const int> parents) {
-    std::vector<int> out;
-    for (std::size_t j = 1; j < parents.size(); ++j) out.push_back(parents[j] > 0 ? parents[j] - 1 : -1);
-    return out;
-  }
+  static std::vector<int> without_root(std::span<const int> parents);
 };
 
 template <Backend B>
@@ -28112,6 +29755,39 @@ struct StGcn {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_METRICS_STGCN_IPP  // <motionlang/metrics/stgcn.ipp>
+#define MOTIONLANG_HAS_METRICS_STGCN_IPP
+// Bodies of stgcn.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<double> stgcn_adjacency(std::span<const int> parents, Index centre) {
+  const auto n = std::ssize(parents);
+  if (centre < 0 || centre >= n) raise<config_error>(101, "stgcn_adjacency: centre ", centre, " of ", n, " joints");
+  auto parent = [&](Index j) { return static_cast<Index>(parents[static_cast<std::size_t>(j)]); };
+  auto linked = [&](Index i, Index j) { return i == j || parent(i) == j || parent(j) == i; };
+  auto hops = [&](Index j) { return j == centre ? 0 : linked(j, centre) ? 1 : 2; };
+  std::vector<double> out(static_cast<std::size_t>(3 * n * n));
+  for (Index j = 0; j < n; ++j) {
+    Index links = 0;
+    for (Index i = 0; i < n; ++i) links += linked(i, j) ? 1 : 0;
+    for (Index i = 0; i < n; ++i) {
+      const Index part = i == j ? 0 : hops(i) < hops(j) ? 2 : 1;
+      if (linked(i, j)) out[static_cast<std::size_t>((part * n + i) * n + j)] = 1 / static_cast<double>(links);
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<int> StGcnConfig::without_root(std::span<const int> parents) {
+  std::vector<int> out;
+  for (std::size_t j = 1; j < parents.size(); ++j) out.push_back(parents[j] > 0 ? parents[j] - 1 : -1);
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_SUMMARY_HPP  // <motionlang/metrics/summary.hpp>
@@ -28124,6 +29800,26 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct MeanInterval {
   double mean = 0, half_width = 0;
 };
+
+/// mean +- 1.96 std / sqrt(n), the std of the population: Guo et al., over 20 replications.
+/// Source  text-to-motion final_evaluations.py get_metric_statistics; spec evaluation-guo.md 4. Throws numeric_error
+///         302.
+MeanInterval replication_interval(std::span<const double> values);
+
+/// mean +- 1.96 variance, rounded: to 2 places, the mean of an accuracy, in percent, to 1. The name tells which:
+/// whether it contains "accuracy", as in ACTOR's files of results ("accuracy_gen", "fid_gt2").
+/// Source  ACTOR src/evaluate/tables/easy_table.py; spec actor.md 7.1. Throws numeric_error 302.
+/// Differs from the paper: it speaks of a 95 % confidence interval, which would need std / sqrt(n) in place of the
+/// variance
+MeanInterval actor_summary(std::string_view metric, std::span<const double> values);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_METRICS_SUMMARY_IPP  // <motionlang/metrics/summary.ipp>
+#define MOTIONLANG_HAS_METRICS_SUMMARY_IPP
+// Bodies of summary.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
@@ -28138,20 +29834,12 @@ inline MeanInterval mean_and_variance(const char* function, std::span<const doub
 
 }  // namespace detail
 
-/// mean +- 1.96 std / sqrt(n), the std of the population: Guo et al., over 20 replications.
-/// Source  text-to-motion final_evaluations.py get_metric_statistics; spec evaluation-guo.md 4. Throws numeric_error
-///         302.
-inline MeanInterval replication_interval(std::span<const double> values) {
+MOTIONLANG_BODY MeanInterval replication_interval(std::span<const double> values) {
   const auto [mean, variance] = detail::mean_and_variance("replication_interval", values);
   return {mean, 1.96 * std::sqrt(variance / static_cast<double>(values.size()))};
 }
 
-/// mean +- 1.96 variance, rounded: to 2 places, the mean of an accuracy, in percent, to 1. The name tells which:
-/// whether it contains "accuracy", as in ACTOR's files of results ("accuracy_gen", "fid_gt2").
-/// Source  ACTOR src/evaluate/tables/easy_table.py; spec actor.md 7.1. Throws numeric_error 302.
-/// Differs from the paper: it speaks of a 95 % confidence interval, which would need std / sqrt(n) in place of the
-/// variance
-inline MeanInterval actor_summary(std::string_view metric, std::span<const double> values) {
+MOTIONLANG_BODY MeanInterval actor_summary(std::string_view metric, std::span<const double> values) {
   const bool percent = metric.find("accuracy") != metric.npos;
   std::vector<double> scaled(values.begin(), values.end());
   if (percent) {
@@ -28162,6 +29850,7 @@ inline MeanInterval actor_summary(std::string_view metric, std::span<const doubl
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_METRICS_TEMOS_SCORE_HPP  // <motionlang/metrics/temos_score.hpp>
@@ -28607,6 +30296,24 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+namespace detail {
+
+/// The texts of a plan, each once; "" is the first one.
+struct DifferentTexts {
+  std::vector<std::string> texts{""};
+  std::vector<Index> which;  // of every interval
+
+  explicit DifferentTexts(const BatchPlan& plan);
+};
+
+/// Frames of all crops, in batch order.
+std::vector<Index> crop_lengths(const BatchPlan& plan);
+
+/// SMPL RIFKE features as a motion that starts facing pi.
+Motion published_motion(std::span<const double> features, double fps);
+
+}  // namespace detail
+
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate(std::span<const Timeline> timelines, const Philox& rng,
                                                   const StmcOptions& options) const {
@@ -28701,33 +30408,21 @@ GaussianDiffusion Stmc<B, D, E>::process(std::optional<Index> wanted) const {
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 auto Stmc<B, D, E>::encode(const BatchPlan& plan) const -> PlanTexts {
-  std::vector<std::string> texts{""};
-  std::vector<Index> which;  // of every interval
-  std::map<std::string_view, Index> known{{"", 0}};
-  for (const TimelinePlan& p : plan.timelines) {
-    for (const Interval& i : p.timeline.intervals) {
-      const auto [place, is_new] = known.emplace(i.text, std::ssize(texts));
-      if (is_new) texts.push_back(i.text);
-      which.push_back(place->second);
-    }
-  }
+  const detail::DifferentTexts different(plan);
   const detail::RowsTogether beside_any_others(detail::RowsTogether::few);
-  auto features = text_encoder.template encode<B>(std::span<const std::string>(texts));
+  auto features = text_encoder.template encode<B>(std::span<const std::string>(different.texts));
   features.tokens.rows = text_normalizer.normalize(features.tokens.rows);
   if (denoiser.traits().empty_text_is_null) {
     std::vector<typename B::scalar> keep(static_cast<std::size_t>(features.tokens.rows.size(0)), 1);
     std::fill_n(keep.begin(), features.tokens.offsets.length(0), typename B::scalar{0});
     features.tokens.rows = features.tokens.rows * Tensor<B, 2>::from(keep, {std::ssize(keep), 1});
   }
-  return {gather(features, which), gather(features, std::vector<Index>{0})};
+  return {gather(features, different.which), gather(features, std::vector<Index>{0})};
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 Tensor<B, 2> Stmc<B, D, E>::stitch_independent(const BatchPlan& plan, const Tensor<B, 2>& x0, Index stride) const {
-  std::vector<Index> lengths;
-  for (const TimelinePlan& p : plan.timelines) {
-    for (const Crop& c : p.crops) lengths.push_back(c.range.size());
-  }
+  const std::vector<Index> lengths = detail::crop_lengths(plan);
   const auto all = reshape<3>(x0, {static_cast<Index>(lengths.size()), stride, layout.size});
   const auto clips = from_padded(all, std::span<const Index>(lengths));
   return Stitcher<B>(plan, layout, clips.offsets, plan.frames)(clips.rows);
@@ -28736,7 +30431,7 @@ Tensor<B, 2> Stmc<B, D, E>::stitch_independent(const BatchPlan& plan, const Tens
 template <Backend B>
 Motion stmc_motion(const Tensor<B, 2>& features, double fps) {
   const std::vector<double> values(features.span().begin(), features.span().end());
-  return smplrifke_to_motion<double>(values, {.first_angle = std::numbers::pi}, fps);
+  return detail::published_motion(values, fps);
 }
 
 /// The same model over another backend, with copies of all numbers.
@@ -28762,6 +30457,42 @@ void prepare(Stmc<B, D, E>& stmc) {
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SYSTEMS_STMC_IPP  // <motionlang/systems/stmc.ipp>
+#define MOTIONLANG_HAS_SYSTEMS_STMC_IPP
+// Bodies of stmc.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY DifferentTexts::DifferentTexts(const BatchPlan& plan) {
+  std::map<std::string_view, Index> known{{"", 0}};
+  for (const TimelinePlan& p : plan.timelines) {
+    for (const Interval& i : p.timeline.intervals) {
+      const auto [place, is_new] = known.emplace(i.text, std::ssize(texts));
+      if (is_new) texts.push_back(i.text);
+      which.push_back(place->second);
+    }
+  }
+}
+
+MOTIONLANG_BODY std::vector<Index> crop_lengths(const BatchPlan& plan) {
+  std::vector<Index> lengths;
+  for (const TimelinePlan& p : plan.timelines) {
+    for (const Crop& c : p.crops) lengths.push_back(c.range.size());
+  }
+  return lengths;
+}
+
+MOTIONLANG_BODY Motion published_motion(std::span<const double> features, double fps) {
+  return smplrifke_to_motion<double>(features, {.first_angle = std::numbers::pi}, fps);
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_EDIT_HPP  // <motionlang/systems/stmc_edit.hpp>
@@ -28970,15 +30701,7 @@ struct KeptMotion {
 namespace detail {
 
 /// Positions of all these parts in a feature vector.
-inline std::vector<Index> positions_of(const FeatureLayout& layout, BodyParts parts) {
-  std::vector<Index> out;
-  for (int p = 0; p < body_part_count; ++p) {
-    if (!parts.has(static_cast<BodyPart>(p))) continue;
-    const std::vector<Index> own = layout.indices(static_cast<BodyPart>(p));
-    out.insert(out.end(), own.begin(), own.end());
-  }
-  return out;
-}
+std::vector<Index> positions_of(const FeatureLayout& layout, BodyParts parts);
 
 /// Normalised features where they are kept, over whatever is elsewhere.
 template <Backend B>
@@ -29056,12 +30779,35 @@ std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<c
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SYSTEMS_STMC_KEEP_IPP  // <motionlang/systems/stmc_keep.ipp>
+#define MOTIONLANG_HAS_SYSTEMS_STMC_KEEP_IPP
+// Bodies of stmc_keep.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::vector<Index> positions_of(const FeatureLayout& layout, BodyParts parts) {
+  std::vector<Index> out;
+  for (int p = 0; p < body_part_count; ++p) {
+    if (!parts.has(static_cast<BodyPart>(p))) continue;
+    const std::vector<Index> own = layout.indices(static_cast<BodyPart>(p));
+    out.insert(out.end(), own.begin(), own.end());
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_TEACH_HPP  // <motionlang/systems/teach.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_TEACH_HPP
 /// TEACH: a sequence of actions, each generated with the end of the one before it. Assembly; the parts are in vae/,
-/// nn/sequence_vae.hpp and compose/alignment.hpp.
+/// nn/sequence_vae.hpp and compose/teach_join.hpp.
 ///
 ///     const std::vector<std::string> actions{"walk", "turn left", "sit"};
 ///     const Sequences<B> states = distilbert(tokenize(tokenizer, actions)).tokens;    // text/bert.hpp
@@ -29097,17 +30843,7 @@ namespace detail {
 
 /// The frames that are generated of each part: all but those of the gap before it. Throws config_error 101 where that
 /// leaves fewer than two, and for a negative gap.
-inline Offsets generated_frames(const Offsets& lengths, Index gap) {
-  if (gap < 0) raise<config_error>(101, "TEACH: a gap of ", gap, " frames");
-  PoolVector<Index> out;
-  for (Index i = 0; i < lengths.count(); ++i) {
-    out.push_back(lengths.length(i) - (i == 0 ? 0 : gap));
-    if (i > 0 && gap > 0 && out[static_cast<std::size_t>(i)] < 2)
-      raise<config_error>(101, "TEACH: action ", i, " of ", lengths.length(i), " frames with a gap of ", gap,
-                          " has to have two or more behind it");
-  }
-  return Offsets(std::span<const Index>(out));
-}
+Offsets generated_frames(const Offsets& lengths, Index gap);
 /// Parts, generated frames one behind the other, with rows of 0 in the gaps.
 template <Backend B>
 Sequences<B> with_gaps(const Tensor<B, 2>& frames, const Offsets& lengths, Index gap) {
@@ -29242,6 +30978,31 @@ SmplVelpMotion<typename B::scalar> teach_motion(const Normalizer<B>& normalizer,
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SYSTEMS_TEACH_IPP  // <motionlang/systems/teach.ipp>
+#define MOTIONLANG_HAS_SYSTEMS_TEACH_IPP
+// Bodies of teach.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY Offsets generated_frames(const Offsets& lengths, Index gap) {
+  if (gap < 0) raise<config_error>(101, "TEACH: a gap of ", gap, " frames");
+  PoolVector<Index> out;
+  for (Index i = 0; i < lengths.count(); ++i) {
+    out.push_back(lengths.length(i) - (i == 0 ? 0 : gap));
+    if (i > 0 && gap > 0 && out[static_cast<std::size_t>(i)] < 2)
+      raise<config_error>(101, "TEACH: action ", i, " of ", lengths.length(i), " frames with a gap of ", gap,
+                          " has to have two or more behind it");
+  }
+  return Offsets(std::span<const Index>(out));
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_TEMOS_HPP  // <motionlang/systems/temos.hpp>
@@ -29357,6 +31118,93 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Source  Guo, Zuo, Wang, Cheng, "TM2T: stochastic and tokenized modeling for the reciprocal generation of 3D human
 ///         motions and texts" (ECCV 2022); spec tm2t.md
+
+#ifndef MOTIONLANG_HAS_DATASETS_TM2T_DATA_HPP  // <motionlang/datasets/tm2t_data.hpp>
+#define MOTIONLANG_HAS_DATASETS_TM2T_DATA_HPP
+/// What TM2T's tokenizer is trained on: its statistics, the windows of the clips, the frames that become tokens. And
+/// how often its decoder is shown the truth.
+///
+/// Source  TM2T (Guo et al., ECCV 2022), data/dataset.py, networks/trainers.py; spec tm2t.md 1, 2, 5.1
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The deviations by which features are divided: those of turn, velocity and height of the root and of the contacts are
+/// made smaller, so that these count more.
+/// bias   of the paper: 5
+/// times  as published the division is done twice, by the training and by the validation set, on the same numbers
+/// Throws shape_error 205 unless there are 12 J - 1 numbers, config_error 101 for a bias that is not positive
+template <Scalar S>
+std::vector<S> tm2t_deviation(std::vector<S> std, Index joints = 22, double bias = 5, int times = 2) {
+  const Guoh3dSlots slots{joints};
+  if (joints < 1 || std::ssize(std) != slots.size())
+    raise<shape_error>(205, "tm2t_deviation: ", std.size(), " numbers for ", joints, " joints");
+  if (!(bias > 0)) raise<config_error>(101, "tm2t_deviation: bias ", bias);
+  for (const IndexRange& r : {IndexRange{0, 4}, slots.contacts()}) {
+    for (Index i = r.begin; i < r.end; ++i) {
+      for (int k = 0; k < times; ++k) std[static_cast<std::size_t>(i)] /= static_cast<S>(bias);
+    }
+  }
+  return std;
+}
+
+/// Frames of the longest motion that becomes tokens for training.
+inline constexpr Index tm2t_longest = 196;
+
+/// Windows of the tokenizer's training, as many as sum (length - window) over the clips that are longer than it.
+struct ClipWindow {
+  Index clip = 0, start = 0;
+  bool operator==(const ClipWindow&) const = default;
+};
+/// As published item 0 is the beginning of the first clip that is as long as a window, and item i > 0 is start i - c -
+/// 1 of the clip with c < i <= c + n, where c counts the windows before it: the last start of each clip is missing.
+/// Throws config_error 101 for a window below 1.
+std::vector<ClipWindow> tm2t_windows(std::span<const Index> lengths, Index window = 64);
+
+/// The frames that become tokens: whole units, from a random start on. Throws config_error 101 if there is no unit.
+FrameSlice tm2t_token_frames(Index frames, PythonRandom& random, Index unit = 4);
+
+/// Share of the batches in which the decoder of text-to-motion is fed with the true tokens: on a line from `first`, in
+/// epoch 0, to `last`, and then so.
+struct TeacherForcing {
+  double first = 0.9, last = 0.1;
+  Index epochs = 35;
+
+  double operator()(Index epoch) const {
+    if (epochs < 1) return last;
+    return first + (last - first) * static_cast<double>(std::min(epoch, epochs)) / static_cast<double>(epochs);
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DATASETS_TM2T_DATA_IPP  // <motionlang/datasets/tm2t_data.ipp>
+#define MOTIONLANG_HAS_DATASETS_TM2T_DATA_IPP
+// Bodies of tm2t_data.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<ClipWindow> tm2t_windows(std::span<const Index> lengths, Index window) {
+  if (window < 1) raise<config_error>(101, "tm2t_windows: windows of ", window);
+  std::vector<ClipWindow> out;
+  const auto first = std::find_if(lengths.begin(), lengths.end(), [&](Index length) { return length >= window; });
+  out.push_back({first - lengths.begin(), 0});
+  for (Index clip = 0; clip < std::ssize(lengths); ++clip) {
+    for (Index start = 0; start < lengths[static_cast<std::size_t>(clip)] - window; ++start)
+      out.push_back({clip, start});
+  }
+  out.pop_back();
+  return out;
+}
+
+MOTIONLANG_BODY FrameSlice tm2t_token_frames(Index frames, PythonRandom& random, Index unit) {
+  const Index length = unit > 0 ? frames / unit * unit : 0;
+  if (length < 1) raise<config_error>(101, "tm2t_token_frames: of ", frames, " frames in units of ", unit);
+  return {static_cast<Index>(random.randint(0, frames - length)), length};
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -29654,7 +31502,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_SEARCH_MOTION_INDEX_HPP
 /// A collection of clips as vectors of a model that knows texts and motions: what is searched. One vector for each
 /// clip, for each of its moments (windows over its frames) and for each of its captions. Reading and writing:
-/// io/motion_index_file.hpp; searching: motion_search.hpp.
+/// search/motion_index_file.hpp; searching: motion_search.hpp.
 
 #ifndef MOTIONLANG_HAS_SEARCH_UNIT_ROWS_HPP  // <motionlang/search/unit_rows.hpp>
 #define MOTIONLANG_HAS_SEARCH_UNIT_ROWS_HPP
@@ -29677,7 +31525,29 @@ inline float exact_cosine(const float* a, const float* b, Index width) {
 namespace detail {
 
 /// Throws shape_error 205 unless `values` are whole rows.
-inline Index whole_rows(std::string_view function, std::size_t values, Index width) {
+Index whole_rows(std::string_view function, std::size_t values, Index width);
+
+}  // namespace detail
+
+/// Rows divided by their length. Throws shape_error 205, numeric_error 301 for a row that is not finite, 302 for one of
+/// length 0.
+std::vector<float> unit_rows(std::span<const float> rows, Index width);
+
+/// Throws shape_error 205, numeric_error 302 with the first row whose length is not 1 (to 1/1000), or that is not
+/// finite.
+void require_unit_rows(std::string_view where, std::span<const float> rows, Index width);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SEARCH_UNIT_ROWS_IPP  // <motionlang/search/unit_rows.ipp>
+#define MOTIONLANG_HAS_SEARCH_UNIT_ROWS_IPP
+// Bodies of unit_rows.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY Index whole_rows(std::string_view function, std::size_t values, Index width) {
   if (width < 1) raise<config_error>(101, function, ": rows of ", width, " numbers");
   if (values % static_cast<std::size_t>(width) != 0)
     raise<shape_error>(205, function, ": ", values, " values are no rows of ", width);
@@ -29686,9 +31556,7 @@ inline Index whole_rows(std::string_view function, std::size_t values, Index wid
 
 }  // namespace detail
 
-/// Rows divided by their length. Throws shape_error 205, numeric_error 301 for a row that is not finite, 302 for one of
-/// length 0.
-inline std::vector<float> unit_rows(std::span<const float> rows, Index width) {
+MOTIONLANG_BODY std::vector<float> unit_rows(std::span<const float> rows, Index width) {
   const Index count = detail::whole_rows("unit_rows", rows.size(), width);
   std::vector<float> out(rows.begin(), rows.end());
   for (Index r = 0; r < count; ++r) {
@@ -29703,9 +31571,7 @@ inline std::vector<float> unit_rows(std::span<const float> rows, Index width) {
   return out;
 }
 
-/// Throws shape_error 205, numeric_error 302 with the first row whose length is not 1 (to 1/1000), or that is not
-/// finite.
-inline void require_unit_rows(std::string_view where, std::span<const float> rows, Index width) {
+MOTIONLANG_BODY void require_unit_rows(std::string_view where, std::span<const float> rows, Index width) {
   const Index count = detail::whole_rows(where, rows.size(), width);
   constexpr Index at_once = 1024;
   std::vector<Index> wrong(static_cast<std::size_t>((count + at_once - 1) / at_once), -1);
@@ -29731,6 +31597,7 @@ inline void require_unit_rows(std::string_view where, std::span<const float> row
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -29802,34 +31669,11 @@ class MotionIndex {
   };
 
   /// Without clips. Throws config_error 101 for sizes and rates that are none.
-  explicit MotionIndex(IndexModel model) : model_(std::move(model)) {
-    const auto positive = [](Index n) { return n > 0; };
-    if (model_.width < 1 || !(model_.fps > 0 && std::isfinite(model_.fps)) ||
-        !std::all_of(model_.windows.begin(), model_.windows.end(), positive) ||
-        (!model_.windows.empty() && model_.stride < 1))
-      raise<config_error>(101, "MotionIndex: vectors of ", model_.width, " numbers, ", model_.fps,
-                          " frames per second, ", model_.windows.size(), " windows, stride ", model_.stride);
-  }
+  explicit MotionIndex(IndexModel model);
   /// From tables that a file has; rows of length 1. Throws io_error 403 if they do not fit each other, numeric_error
   /// 302.
   MotionIndex(std::string_view where, IndexModel model, std::vector<IndexedClip> clips, std::vector<Moment> moments,
-              VectorTable clip_rows, VectorTable moment_rows, VectorTable caption_rows)
-      : MotionIndex(std::move(model)) {
-    clips_ = std::move(clips), moments_ = std::move(moments);
-    clip_rows_ = std::move(clip_rows), moment_rows_ = std::move(moment_rows), caption_rows_ = std::move(caption_rows);
-    for (std::size_t i = 0; i < clips_.size(); ++i)
-      caption_clips_.insert(caption_clips_.end(), clips_[i].captions.size(), static_cast<Index>(i));
-    require_rows(where, "clips", clips_.size(), clip_rows_);
-    require_rows(where, "moments", moments_.size(), moment_rows_);
-    require_rows(where, "captions", caption_clips_.size(), caption_rows_);
-    Index last = 0;
-    for (const Moment& m : moments_) {
-      if (m.clip < last || m.clip >= count() || !is_moment(m.frames))
-        raise<io_error>(403, where, ": a moment of ", m.frames.length, " frames at ", m.frames.first, " of clip ",
-                        m.clip, " among ", count());
-      last = m.clip;
-    }
-  }
+              VectorTable clip_rows, VectorTable moment_rows, VectorTable caption_rows);
 
   const IndexModel& model() const { return model_; }
   Index count() const { return std::ssize(clips_); }
@@ -29844,31 +31688,10 @@ class MotionIndex {
   std::span<const float> caption_rows() const { return caption_rows_.rows(); }
 
   /// Throws config_error 102 if vectors of that model would not be comparable.
-  void require_model(std::string_view id, std::string_view path) const {
-    if (id != model_.id)
-      raise<config_error>(102, "this index was made with the model '", model_.path, "' (", model_.id,
-                          "), whose vectors cannot be compared with those of '", path, "' (", id, ")");
-  }
+  void require_model(std::string_view id, std::string_view path) const;
   /// Behind the others. Throws shape_error 205 if the vectors do not fit or a moment is none, numeric_error 301, 302
   /// (unit_rows); then nothing has changed.
-  void add(EncodedClip c) {
-    const auto rows = [&](const std::vector<float>& values, std::size_t wanted) {
-      if (values.size() != wanted * static_cast<std::size_t>(model_.width))
-        raise<shape_error>(205, "MotionIndex: '", c.clip.path, "': ", values.size(), " numbers for ", wanted,
-                           " vectors of ", model_.width);
-      return unit_rows(values, model_.width);
-    };
-    for (const FrameSlice& m : c.moments) {
-      if (!is_moment(m))
-        raise<shape_error>(205, "MotionIndex: '", c.clip.path, "': a moment of ", m.length, " frames at ", m.first);
-    }
-    const auto clip = rows(c.vector, 1), moments = rows(c.moment_vectors, c.moments.size()),
-               captions = rows(c.caption_vectors, c.clip.captions.size());
-    clip_rows_.append(clip), moment_rows_.append(moments), caption_rows_.append(captions);
-    for (const FrameSlice& m : c.moments) moments_.push_back({count(), m});
-    caption_clips_.insert(caption_clips_.end(), c.clip.captions.size(), count());
-    clips_.push_back(std::move(c.clip));
-  }
+  void add(EncodedClip c);
   /// Takes the clips away for which f(clip) holds, with their moments and captions. Returns how many.
   template <class F>
   Index remove_if(F f) {
@@ -29897,37 +31720,19 @@ class MotionIndex {
     return removed;
   }
   /// A file has another path now.
-  void rename(const std::string& from, const std::string& to) {
-    for (IndexedClip& c : clips_) {
-      if (c.path == from) c.path = to;
-    }
-  }
+  void rename(const std::string& from, const std::string& to);
   /// All clips of a file have this license.
-  void set_license(const std::string& path, const std::string& license) {
-    for (IndexedClip& c : clips_) {
-      if (c.path == path) c.license = license;
-    }
-  }
+  void set_license(const std::string& path, const std::string& license);
   /// The model is found elsewhere now.
-  void move_model(std::string path, std::string text_encoder) {
-    model_.path = std::move(path), model_.text_encoder = std::move(text_encoder);
-  }
+  void move_model(std::string path, std::string text_encoder);
 
  private:
   /// Whether it has frames, and an end that an Index can hold.
   static bool is_moment(const FrameSlice& m) {
     return m.first >= 0 && m.length >= 1 && m.first <= std::numeric_limits<Index>::max() - m.length;
   }
-  std::span<const float> row(const VectorTable& table, std::size_t i) const {
-    const auto width = static_cast<std::size_t>(model_.width);
-    return table.rows().subspan(i * width, width);
-  }
-  void require_rows(std::string_view where, std::string_view what, std::size_t count, const VectorTable& table) const {
-    if (table.rows().size() != count * static_cast<std::size_t>(model_.width))
-      raise<io_error>(403, where, ": ", count, " ", what, ", but ", table.rows().size(), " numbers for vectors of ",
-                      model_.width);
-    require_unit_rows(where, table.rows(), model_.width);
-  }
+  std::span<const float> row(const VectorTable& table, std::size_t i) const;
+  void require_rows(std::string_view where, std::string_view what, std::size_t count, const VectorTable& table) const;
 
   IndexModel model_;
   std::vector<IndexedClip> clips_;
@@ -29937,6 +31742,99 @@ class MotionIndex {
 };
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SEARCH_MOTION_INDEX_IPP  // <motionlang/search/motion_index.ipp>
+#define MOTIONLANG_HAS_SEARCH_MOTION_INDEX_IPP
+// Bodies of motion_index.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY MotionIndex::MotionIndex(IndexModel model) : model_(std::move(model)) {
+  const auto positive = [](Index n) { return n > 0; };
+  if (model_.width < 1 || !(model_.fps > 0 && std::isfinite(model_.fps)) ||
+      !std::all_of(model_.windows.begin(), model_.windows.end(), positive) ||
+      (!model_.windows.empty() && model_.stride < 1))
+    raise<config_error>(101, "MotionIndex: vectors of ", counted(model_.width, "number"), ", ", model_.fps,
+                        " frames per second, ", counted(model_.windows.size(), "window"), ", stride ", model_.stride);
+}
+
+MOTIONLANG_BODY MotionIndex::MotionIndex(std::string_view where, IndexModel model, std::vector<IndexedClip> clips,
+                                         std::vector<Moment> moments, VectorTable clip_rows, VectorTable moment_rows,
+                                         VectorTable caption_rows)
+    : MotionIndex(std::move(model)) {
+  clips_ = std::move(clips), moments_ = std::move(moments);
+  clip_rows_ = std::move(clip_rows), moment_rows_ = std::move(moment_rows), caption_rows_ = std::move(caption_rows);
+  for (std::size_t i = 0; i < clips_.size(); ++i)
+    caption_clips_.insert(caption_clips_.end(), clips_[i].captions.size(), static_cast<Index>(i));
+  require_rows(where, "clips", clips_.size(), clip_rows_);
+  require_rows(where, "moments", moments_.size(), moment_rows_);
+  require_rows(where, "captions", caption_clips_.size(), caption_rows_);
+  Index last = 0;
+  for (const Moment& m : moments_) {
+    if (m.clip < last || m.clip >= count() || !is_moment(m.frames))
+      raise<io_error>(403, where, ": a moment of ", counted(m.frames.length, "frame"), " at ", m.frames.first,
+                      " of clip ", m.clip, " among ", count());
+    last = m.clip;
+  }
+}
+
+MOTIONLANG_BODY void MotionIndex::require_model(std::string_view id, std::string_view path) const {
+  if (id != model_.id)
+    raise<config_error>(102, "this index was made with the model '", model_.path, "' (", model_.id,
+                        "), whose vectors cannot be compared with those of '", path, "' (", id, ")");
+}
+
+MOTIONLANG_BODY void MotionIndex::add(EncodedClip c) {
+  const auto rows = [&](const std::vector<float>& values, std::size_t wanted) {
+    if (values.size() != wanted * static_cast<std::size_t>(model_.width))
+      raise<shape_error>(205, "MotionIndex: '", c.clip.path, "': ", counted(values.size(), "number"), " for ",
+                         counted(wanted, "vector"), " of ", model_.width);
+    return unit_rows(values, model_.width);
+  };
+  for (const FrameSlice& m : c.moments) {
+    if (!is_moment(m))
+      raise<shape_error>(205, "MotionIndex: '", c.clip.path, "': a moment of ", counted(m.length, "frame"), " at ",
+                         m.first);
+  }
+  const auto clip = rows(c.vector, 1), moments = rows(c.moment_vectors, c.moments.size()),
+             captions = rows(c.caption_vectors, c.clip.captions.size());
+  clip_rows_.append(clip), moment_rows_.append(moments), caption_rows_.append(captions);
+  for (const FrameSlice& m : c.moments) moments_.push_back({count(), m});
+  caption_clips_.insert(caption_clips_.end(), c.clip.captions.size(), count());
+  clips_.push_back(std::move(c.clip));
+}
+
+MOTIONLANG_BODY void MotionIndex::rename(const std::string& from, const std::string& to) {
+  for (IndexedClip& c : clips_) {
+    if (c.path == from) c.path = to;
+  }
+}
+
+MOTIONLANG_BODY void MotionIndex::set_license(const std::string& path, const std::string& license) {
+  for (IndexedClip& c : clips_) {
+    if (c.path == path) c.license = license;
+  }
+}
+
+MOTIONLANG_BODY void MotionIndex::move_model(std::string path, std::string text_encoder) {
+  model_.path = std::move(path), model_.text_encoder = std::move(text_encoder);
+}
+
+MOTIONLANG_BODY std::span<const float> MotionIndex::row(const VectorTable& table, std::size_t i) const {
+  const auto width = static_cast<std::size_t>(model_.width);
+  return table.rows().subspan(i * width, width);
+}
+
+MOTIONLANG_BODY void MotionIndex::require_rows(std::string_view where, std::string_view what, std::size_t count,
+                                               const VectorTable& table) const {
+  if (table.rows().size() != count * static_cast<std::size_t>(model_.width))
+    raise<io_error>(403, where, ": ", count, " ", what, ", but ", counted(table.rows().size(), "number"),
+                    " for vectors of ", model_.width);
+  require_unit_rows(where, table.rows(), model_.width);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_SEARCH_MOTION_SEARCH_HPP  // <motionlang/search/motion_search.hpp>
@@ -29962,6 +31860,10 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Source    Higham, Accuracy and Stability of Numerical Algorithms, section 3.1: error of an inner product in any
 ///           order
+
+#ifndef MOTIONLANG_HAS_SEARCH_DETAIL_ROW_SCAN_HPP  // <motionlang/search/detail/row_scan.hpp>
+#define MOTIONLANG_HAS_SEARCH_DETAIL_ROW_SCAN_HPP
+/// The scan of VectorScan, see vector_scan.hpp.
 
 #ifndef MOTIONLANG_HAS_SEARCH_NEAREST_HPP  // <motionlang/search/nearest.hpp>
 #define MOTIONLANG_HAS_SEARCH_NEAREST_HPP
@@ -30035,14 +31937,6 @@ MOTIONLANG_NAMESPACE_END
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
-
-enum class ScanStorage {
-  float32,  // the rows as they are
-  // a copy of half the size is scanned, many queries with products in bfloat16; the rows are read for the best ones
-  // only
-  bfloat16,
-};
-
 namespace detail {
 
 /// The scan itself. A template, so that motionlang::instantiated can compile it once.
@@ -30064,48 +31958,14 @@ struct RowScan {
 
 }  // namespace detail
 
-class VectorScan : public VectorSearch {
- public:
-  /// rows   (count, width) of length 1
-  /// owner  keeps them alive; without one they have to outlive the object
-  /// Throws shape_error 205, config_error 101, numeric_error 302 (require_unit_rows)
-  VectorScan(std::span<const float> rows, Index width, std::shared_ptr<const void> owner = {},
-             ScanStorage storage = ScanStorage::float32)
-      : owner_(std::move(owner)) {
-    require_unit_rows("VectorScan", rows, width);
-    scan_ = {rows, {}, static_cast<Index>(rows.size()) / width, width};
-    if (storage == ScanStorage::float32) return;
-    const auto halves = large_table<std::uint16_t>(rows.size());
-    scan_.half_error = detail::RowScan<float>::to_halves(rows, width, halves.get());
-    scan_.halves = {halves.get(), rows.size()};
-    halves_ = halves;
-  }
-
-  Index count() const override { return scan_.count; }
-  Index width() const override { return scan_.width; }
-  std::vector<std::vector<Neighbour>> search(std::span<const float> queries, Index k) const override {
-    if (k < 0) raise<config_error>(101, "VectorScan: the ", k, " nearest");
-    detail::whole_rows("VectorScan: queries", queries.size(), width());
-    return scan_.nearest(unit_rows(queries, width()), std::min(k, count()));
-  }
-
- private:
-  detail::RowScan<float> scan_;
-  std::shared_ptr<const void> owner_, halves_;
-};
-
 MOTIONLANG_NAMESPACE_END
 
-#ifdef MOTIONLANG_INSTANTIATED
-extern template struct motionlang::detail::RowScan<float>;
-#else
+#ifndef MOTIONLANG_HAS_SEARCH_DETAIL_ROW_SCAN_IPP  // <motionlang/search/detail/row_scan.ipp>
+#define MOTIONLANG_HAS_SEARCH_DETAIL_ROW_SCAN_IPP
+// Bodies of row_scan.hpp: the split of the work over threads, and who is compared exactly.
 
-#ifndef MOTIONLANG_HAS_SEARCH_DETAIL_ROW_SCAN_IMPL_HPP  // <motionlang/search/detail/row_scan_impl.hpp>
-#define MOTIONLANG_HAS_SEARCH_DETAIL_ROW_SCAN_IMPL_HPP
-/// Bodies of vector_scan.hpp: the split of the work over threads, and who is compared exactly.
-
-#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_KERNEL_OPS_IMPL_HPP  // <motionlang/backend/detail/kernel_ops_impl.hpp>
-#define MOTIONLANG_HAS_BACKEND_DETAIL_KERNEL_OPS_IMPL_HPP
+#ifndef MOTIONLANG_HAS_BACKEND_KERNEL_OPS_IPP  // <motionlang/backend/kernel_ops.ipp>
+#define MOTIONLANG_HAS_BACKEND_KERNEL_OPS_IPP
 /// Bodies of kernel_ops.hpp: shapes to pointers, and the split of the work over threads.
 ///
 /// Work is split over rows or columns of the result only, never over a summed index.
@@ -30305,8 +32165,8 @@ struct FloatTiles {
 /// Entry points of one instruction set.
 template <class S>
 struct Kernels {
+  Isa isa;
   const char* name;
-  const FloatTiles* tiles;  // none: all products by gemm_block
   Index panel_width, tile_rows;
   Index (*gemm_rows)(Index k);     // of A in a block
   Index (*gemm_scratch)(Index k);  // numbers
@@ -30314,22 +32174,26 @@ struct Kernels {
   bool (*pack_transposed)(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels);
   void (*gemm_block)(const Gemm<S>&, Index r0, Index r1, Index j0, Index j1, S* scratch);
   Index (*attention_scratch)(Index keys, Index width);
-  Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
   void (*attention_head)(const Attention<S>&, Index sequence, Index head, Index piece, Index pieces, S* scratch);
-  void (*attention_head_vjp)(const Attention<S>&, const AttentionGradients<S>&, Index sequence, Index head, S* scratch);
   void (*dropout)(const S* x, Index n, Index first, const Dropout&, S* y);
   void (*layer_norm_rows)(const LayerNorm<S>&, Index first, Index last);
-  void (*layer_norm_rows_vjp)(const LayerNorm<S>&, const S* dy, S* dx, S* moments, Index first, Index last);
-  void (*layer_norm_columns_vjp)(const LayerNorm<S>&, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
-                                 Index first, Index last);
   void (*softmax_rows)(const S* x, Index n, Index first, Index last, S* y, S* scratch);
   void (*transpose)(const Transposed<S>&, Index first, Index last);
   void (*activate)(const S* x, Index n, Activation, S* y);
-  void (*activate_vjp)(const S* x, const S* dy, Index n, Activation, S* dx);
   void (*binary)(const Binary<S>&);
   void (*error_function)(const S* x, Index n, S* y);
   void (*row_sums)(const S* x, Index n, Index first, Index last, S* y);
   void (*column_sums)(const S* x, Index rows, Index width, Index first, Index last, S* y);
+};
+/// The same of training: a table of its own, so that a program that does not train does not compile it.
+template <class S>
+struct GradientKernels {
+  Index (*attention_scratch)(Index queries, Index keys, Index width);
+  void (*attention_head)(const Attention<S>&, const AttentionGradients<S>&, Index sequence, Index head, S* scratch);
+  void (*layer_norm_rows)(const LayerNorm<S>&, const S* dy, S* dx, S* moments, Index first, Index last);
+  void (*layer_norm_columns)(const LayerNorm<S>&, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
+                             Index first, Index last);
+  void (*activate)(const S* x, const S* dy, Index n, Activation, S* dx);
   void (*adamw)(const AdamwStep<S>&, Index first, Index last);
 };
 
@@ -30346,9 +32210,9 @@ struct Bf16Kernels {
   void (*gemm_block)(const Gemm<float>&, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
                      float* scratch);
   Index (*attention_scratch)(Index keys, Index width);
-  Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
   void (*attention_head)(const Attention<float>&, Index sequence, Index head, Index piece, Index pieces,
                          float* scratch);
+  Index (*attention_vjp_scratch)(Index queries, Index keys, Index width);
   void (*attention_head_vjp)(const Attention<float>&, const AttentionGradients<float>&, Index sequence, Index head,
                              float* scratch);
 };
@@ -30489,7 +32353,7 @@ MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
 /// Lanes of `found` become negative where x is NaN or infinite: all bits of its exponent are set.
 template <class S>
 MOTIONLANG_INLINE void find_not_finite(const Vec<S>& x, Mask<S>& found) {
-  constexpr auto exponent = std::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
+  constexpr auto exponent = detail::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
   found |= (~(Mask<S>)x & exponent) - 1;
 }
 template <class S>
@@ -31237,7 +33101,8 @@ void dropout(const S* x, Index n, Index first, const Dropout& d, S* y) {
   typedef std::uint32_t Bits __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
   constexpr Index l = MOTIONLANG_VECTOR_BYTES / 4;
   const std::uint32_t limit = d.limit();
-  const auto key0 = static_cast<std::uint32_t>(d.key) + static_cast<std::uint32_t>(first >> 32) * 0x27D4EB2Fu;
+  const auto key0 = static_cast<std::uint32_t>(d.key) +
+                    static_cast<std::uint32_t>(static_cast<std::uint64_t>(first) >> 32) * 0x27D4EB2Fu;
   const auto key1 = static_cast<std::uint32_t>(d.key >> 32);
   const S keep = static_cast<S>(1.0 / (1.0 - d.p));
   Bits counter;
@@ -32064,8 +33929,8 @@ const Bf16Kernels& bf16_table() {
                                  .pack_transposed = &bf16_pack_transposed<Tile, true>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
-                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
                                  .attention_head = &attention_head<Bf16Products<Tile>>,
+                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
                                  .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
   return t;
 }
@@ -32073,8 +33938,8 @@ const Bf16Kernels& bf16_table() {
 template <class S>
 const Kernels<S>& table() {
   static constexpr Kernels<S> t{
+      .isa = Isa::MOTIONLANG_ISA,
       .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
-      .tiles = nullptr,
       .panel_width = panel_width<S>,
       .tile_rows = tile_rows,
       .gemm_rows = &gemm_rows<S>,
@@ -32083,21 +33948,27 @@ const Kernels<S>& table() {
       .pack_transposed = &pack_transposed<S, true>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
-      .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
       .attention_head = &attention_head<FloatProducts<S>>,
-      .attention_head_vjp = &attention_head_vjp<FloatProducts<S>>,
       .dropout = &dropout<S>,
       .layer_norm_rows = &layer_norm_rows<S>,
-      .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
-      .layer_norm_columns_vjp = &layer_norm_columns_vjp<S>,
       .softmax_rows = &softmax_rows<S>,
       .transpose = &transpose<S>,
       .activate = &activate<S>,
-      .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
       .error_function = &error_function<S>,
       .row_sums = &row_sums<S>,
       .column_sums = &column_sums<S>,
+  };
+  return t;
+}
+template <class S>
+const GradientKernels<S>& gradient_table() {
+  static constexpr GradientKernels<S> t{
+      .attention_scratch = &attention_vjp_scratch<FloatProducts<S>>,
+      .attention_head = &attention_head_vjp<FloatProducts<S>>,
+      .layer_norm_rows = &layer_norm_rows_vjp<S>,
+      .layer_norm_columns = &layer_norm_columns_vjp<S>,
+      .activate = &activate_vjp<S>,
       .adamw = &adamw<S>,
   };
   return t;
@@ -32231,7 +34102,7 @@ MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
 /// Lanes of `found` become negative where x is NaN or infinite: all bits of its exponent are set.
 template <class S>
 MOTIONLANG_INLINE void find_not_finite(const Vec<S>& x, Mask<S>& found) {
-  constexpr auto exponent = std::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
+  constexpr auto exponent = detail::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
   found |= (~(Mask<S>)x & exponent) - 1;
 }
 template <class S>
@@ -32979,7 +34850,8 @@ void dropout(const S* x, Index n, Index first, const Dropout& d, S* y) {
   typedef std::uint32_t Bits __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
   constexpr Index l = MOTIONLANG_VECTOR_BYTES / 4;
   const std::uint32_t limit = d.limit();
-  const auto key0 = static_cast<std::uint32_t>(d.key) + static_cast<std::uint32_t>(first >> 32) * 0x27D4EB2Fu;
+  const auto key0 = static_cast<std::uint32_t>(d.key) +
+                    static_cast<std::uint32_t>(static_cast<std::uint64_t>(first) >> 32) * 0x27D4EB2Fu;
   const auto key1 = static_cast<std::uint32_t>(d.key >> 32);
   const S keep = static_cast<S>(1.0 / (1.0 - d.p));
   Bits counter;
@@ -33806,8 +35678,8 @@ const Bf16Kernels& bf16_table() {
                                  .pack_transposed = &bf16_pack_transposed<Tile, true>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
-                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
                                  .attention_head = &attention_head<Bf16Products<Tile>>,
+                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
                                  .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
   return t;
 }
@@ -33815,8 +35687,8 @@ const Bf16Kernels& bf16_table() {
 template <class S>
 const Kernels<S>& table() {
   static constexpr Kernels<S> t{
+      .isa = Isa::MOTIONLANG_ISA,
       .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
-      .tiles = nullptr,
       .panel_width = panel_width<S>,
       .tile_rows = tile_rows,
       .gemm_rows = &gemm_rows<S>,
@@ -33825,21 +35697,27 @@ const Kernels<S>& table() {
       .pack_transposed = &pack_transposed<S, true>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
-      .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
       .attention_head = &attention_head<FloatProducts<S>>,
-      .attention_head_vjp = &attention_head_vjp<FloatProducts<S>>,
       .dropout = &dropout<S>,
       .layer_norm_rows = &layer_norm_rows<S>,
-      .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
-      .layer_norm_columns_vjp = &layer_norm_columns_vjp<S>,
       .softmax_rows = &softmax_rows<S>,
       .transpose = &transpose<S>,
       .activate = &activate<S>,
-      .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
       .error_function = &error_function<S>,
       .row_sums = &row_sums<S>,
       .column_sums = &column_sums<S>,
+  };
+  return t;
+}
+template <class S>
+const GradientKernels<S>& gradient_table() {
+  static constexpr GradientKernels<S> t{
+      .attention_scratch = &attention_vjp_scratch<FloatProducts<S>>,
+      .attention_head = &attention_head_vjp<FloatProducts<S>>,
+      .layer_norm_rows = &layer_norm_rows_vjp<S>,
+      .layer_norm_columns = &layer_norm_columns_vjp<S>,
+      .activate = &activate_vjp<S>,
       .adamw = &adamw<S>,
   };
   return t;
@@ -33971,7 +35849,7 @@ MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
 /// Lanes of `found` become negative where x is NaN or infinite: all bits of its exponent are set.
 template <class S>
 MOTIONLANG_INLINE void find_not_finite(const Vec<S>& x, Mask<S>& found) {
-  constexpr auto exponent = std::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
+  constexpr auto exponent = detail::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
   found |= (~(Mask<S>)x & exponent) - 1;
 }
 template <class S>
@@ -34719,7 +36597,8 @@ void dropout(const S* x, Index n, Index first, const Dropout& d, S* y) {
   typedef std::uint32_t Bits __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
   constexpr Index l = MOTIONLANG_VECTOR_BYTES / 4;
   const std::uint32_t limit = d.limit();
-  const auto key0 = static_cast<std::uint32_t>(d.key) + static_cast<std::uint32_t>(first >> 32) * 0x27D4EB2Fu;
+  const auto key0 = static_cast<std::uint32_t>(d.key) +
+                    static_cast<std::uint32_t>(static_cast<std::uint64_t>(first) >> 32) * 0x27D4EB2Fu;
   const auto key1 = static_cast<std::uint32_t>(d.key >> 32);
   const S keep = static_cast<S>(1.0 / (1.0 - d.p));
   Bits counter;
@@ -35546,8 +37425,8 @@ const Bf16Kernels& bf16_table() {
                                  .pack_transposed = &bf16_pack_transposed<Tile, true>,
                                  .gemm_block = &bf16_gemm_block<Tile>,
                                  .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
-                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
                                  .attention_head = &attention_head<Bf16Products<Tile>>,
+                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
                                  .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
   return t;
 }
@@ -35555,8 +37434,8 @@ const Bf16Kernels& bf16_table() {
 template <class S>
 const Kernels<S>& table() {
   static constexpr Kernels<S> t{
+      .isa = Isa::MOTIONLANG_ISA,
       .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
-      .tiles = nullptr,
       .panel_width = panel_width<S>,
       .tile_rows = tile_rows,
       .gemm_rows = &gemm_rows<S>,
@@ -35565,21 +37444,27 @@ const Kernels<S>& table() {
       .pack_transposed = &pack_transposed<S, true>,
       .gemm_block = &gemm_block<S>,
       .attention_scratch = &attention_scratch<FloatProducts<S>>,
-      .attention_vjp_scratch = &attention_vjp_scratch<FloatProducts<S>>,
       .attention_head = &attention_head<FloatProducts<S>>,
-      .attention_head_vjp = &attention_head_vjp<FloatProducts<S>>,
       .dropout = &dropout<S>,
       .layer_norm_rows = &layer_norm_rows<S>,
-      .layer_norm_rows_vjp = &layer_norm_rows_vjp<S>,
-      .layer_norm_columns_vjp = &layer_norm_columns_vjp<S>,
       .softmax_rows = &softmax_rows<S>,
       .transpose = &transpose<S>,
       .activate = &activate<S>,
-      .activate_vjp = &activate_vjp<S>,
       .binary = &binary<S>,
       .error_function = &error_function<S>,
       .row_sums = &row_sums<S>,
       .column_sums = &column_sums<S>,
+  };
+  return t;
+}
+template <class S>
+const GradientKernels<S>& gradient_table() {
+  static constexpr GradientKernels<S> t{
+      .attention_scratch = &attention_vjp_scratch<FloatProducts<S>>,
+      .attention_head = &attention_head_vjp<FloatProducts<S>>,
+      .layer_norm_rows = &layer_norm_rows_vjp<S>,
+      .layer_norm_columns = &layer_norm_columns_vjp<S>,
+      .activate = &activate_vjp<S>,
       .adamw = &adamw<S>,
   };
   return t;
@@ -36056,14 +37941,17 @@ inline void float_tile_block(const Gemm<float>& g, Index r0, Index r1, Index j0,
   if (!sound) multiply_odd_parts(g, r0, r1, j0, j1, scratch);
 }
 
-/// The kernels of AVX-512, with AMX for products.
-inline const Kernels<float>& table_with_tiles() {
-  static constexpr FloatTiles tiles{FloatTile::rows, &float_tile_rows, &float_tile_scratch, &float_tile_block};
+/// The kernels of AVX-512 under the name of AMX, whose tiles (float_tiles) go with them.
+inline const Kernels<float>& amx_table() {
   static const Kernels<float> t = [] {
     Kernels<float> k = table<float>();
-    k.name = FloatTile::name, k.tiles = &tiles;
+    k.isa = Isa::amx, k.name = FloatTile::name;
     return k;
   }();
+  return t;
+}
+inline const FloatTiles& float_tiles() {
+  static constexpr FloatTiles t{FloatTile::rows, &float_tile_rows, &float_tile_scratch, &float_tile_block};
   return t;
 }
 }  // namespace detail::avx512
@@ -36084,7 +37972,7 @@ const Kernels<S>* kernels_for(Isa isa) {
 #if defined(MOTIONLANG_WIDE_KERNELS)
   if (isa == Isa::avx2) return processor_has(isa) ? &avx2::table<S>() : nullptr;
   if constexpr (std::is_same_v<S, float>) {
-    if (isa == Isa::amx) return processor_has(isa) ? &avx512::table_with_tiles() : nullptr;
+    if (isa == Isa::amx) return processor_has(isa) ? &avx512::amx_table() : nullptr;
   }
   if (isa != Isa::best) return processor_has(Isa::avx512) ? &avx512::table<S>() : nullptr;
 #endif
@@ -36093,6 +37981,26 @@ const Kernels<S>* kernels_for(Isa isa) {
     if (const auto* k = kernels_for<S>(better)) return k;
   }
   return &portable::table<S>();
+}
+/// Those of training for the instruction set of `kernels`.
+template <class S>
+const GradientKernels<S>& gradient_kernels_of(const Kernels<S>& kernels) {
+#if defined(MOTIONLANG_WIDE_KERNELS)
+  if (kernels.isa == Isa::avx2) return avx2::gradient_table<S>();
+  if (kernels.isa != Isa::portable) return avx512::gradient_table<S>();
+#else
+  static_cast<void>(kernels);
+#endif
+  return portable::gradient_table<S>();
+}
+/// Tiles that belong to `kernels`, or nothing: all products are made of multiply-adds.
+inline const FloatTiles* float_tiles_of(const Kernels<float>& kernels) {
+#if defined(MOTIONLANG_WIDE_KERNELS)
+  if (kernels.isa == Isa::amx) return &avx512::float_tiles();
+#else
+  static_cast<void>(kernels);
+#endif
+  return nullptr;
 }
 /// The same for products of bfloat16. The best is AMX; vdpbf16ps where there is none (beside AMX it runs at half the
 /// speed of products in float); else float instructions.
@@ -36140,6 +38048,15 @@ inline const Bf16Kernels*& current_bf16_kernels() {
   return chosen;
 }
 
+/// The kernels of precisions other than fp32. Only set_product_precision (backend/precision.hpp) and searches in
+/// bfloat16 name them: a program without either does not compile them.
+inline std::atomic<const Bf16Kernels*& (*)()> bf16_products{nullptr};
+inline std::atomic<const FloatTiles* (*)(const Kernels<float>&)> tile_products{nullptr};
+/// Makes bf16_product_kernels() callable. Whoever packs panels in bfloat16 calls it before.
+inline void use_bf16_products() { bf16_products.store(&current_bf16_kernels, std::memory_order_relaxed); }
+/// The kernels of products in bfloat16. Precondition: use_bf16_products() was called.
+inline const Bf16Kernels& bf16_product_kernels() { return *bf16_products.load(std::memory_order_relaxed)(); }
+
 }  // namespace detail
 MOTIONLANG_NAMESPACE_END
 #endif
@@ -36149,7 +38066,7 @@ MOTIONLANG_NAMESPACE_END
 /// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by
 /// the Eigen and xtensor backends: one layer of kernels serves both.
 ///
-/// Declarations only; the bodies are in detail/kernel_ops_impl.hpp, which a program that links motionlang::instantiated
+/// Declarations only; the bodies are in kernel_ops.ipp, which a program that links motionlang::instantiated
 /// need not read.
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -36217,11 +38134,6 @@ struct KernelOps {
 
 MOTIONLANG_NAMESPACE_END
 
-#ifdef MOTIONLANG_INSTANTIATED
-extern template struct motionlang::KernelOps<float>;
-extern template struct motionlang::KernelOps<double>;
-#else
-#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -36312,7 +38224,7 @@ void pack_into(Panels<S>& p, const S* b, Index stride_k, Index stride_n, std::at
   };
   if constexpr (std::is_same_v<S, float>) {
     if (bf16) {
-      pack(*current_bf16_kernels(), static_cast<std::uint16_t*>(p.memory.data()));
+      pack(bf16_product_kernels(), static_cast<std::uint16_t*>(p.memory.data()));
       return;
     }
   }
@@ -36357,13 +38269,13 @@ const FloatTiles* float_tiles(Index m, Index n, Index k) {
   if (precision_of<S>() != Precision::bf16x3) return nullptr;
   const Index rows = RowsTogether::count() > 0 ? RowsTogether::count() : m;
   const bool pays = rows >= 128 && n >= 128 && k >= 128 && rows * n >= (k < 256 ? 131072 : 32768);
-  return pays ? kernels<S>().tiles : nullptr;
+  return pays ? tile_products.load(std::memory_order_relaxed)(kernels<float>()) : nullptr;
 }
 /// Scratch of products of at most so many rows with such panels.
 template <class S>
 Scratch<S> gemm_scratch(const Panels<S>& p, Index rows) {
   if constexpr (std::is_same_v<S, float>) {
-    if (p.kernels == nullptr) return Scratch<S>(current_bf16_kernels()->gemm_scratch(p.k));
+    if (p.kernels == nullptr) return Scratch<S>(bf16_product_kernels().gemm_scratch(p.k));
   }
   const FloatTiles* tiles = float_tiles<S>(rows, p.n, p.k);
   return Scratch<S>(std::max(tiles == nullptr ? 0 : tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
@@ -36418,7 +38330,7 @@ void run_gemm(Gemm<S> g, const Panels<S>& p, const Scratch<S>& scratch, const F&
   };
   if constexpr (std::is_same_v<S, float>) {
     if (p.kernels == nullptr) {
-      const Bf16Kernels& kernel = *current_bf16_kernels();
+      const Bf16Kernels& kernel = bf16_product_kernels();
       run(kernel, 1, [&](Index r0, Index r1, Index j0, Index j1) {  // rows would be rounded for every piece
         kernel.gemm_block(g, p.bf16(), r0, r1, j0, j1, scratch.mine());
       });
@@ -36518,17 +38430,9 @@ Attention<S> attention_arguments(const Offsets& q_offsets, const Offsets& k_offs
           .causal = options.causal,
           .dropout = options.dropout};
 }
-/// f(kernels), whose attention is that of the current precision.
-template <class S, class F>
-void with_attention_kernels(const F& f) {
-  if constexpr (std::is_same_v<S, float>) {
-    if (product_precision() == Precision::bf16) return f(*current_bf16_kernels());
-  }
-  f(kernels<S>());
-}
 template <class S>
 void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
-  with_attention_kernels<S>([&](const auto& kernel) {
+  const auto run = [&](const auto& kernel) {
     const Scratch<S> scratch(kernel.attention_scratch(k.longest(), t.width));
     // Few heads: the queries of each are split, so that every thread has as many tasks. Each task packs keys and
     // values.
@@ -36540,15 +38444,26 @@ void run_attention(const Attention<S>& t, const Offsets& q, const Offsets& k) {
       if (q.length(i / t.heads) > 0)
         kernel.attention_head(t, i / t.heads, i % t.heads, task % pieces, pieces, scratch.mine());
     });
-  });
+  };
+  if constexpr (std::is_same_v<S, float>) {
+    if (product_precision() == Precision::bf16) return run(bf16_product_kernels());
+  }
+  run(kernels<S>());
 }
 template <class S>
 void run_attention_vjp(const Attention<S>& t, const AttentionGradients<S>& g, const Offsets& q, const Offsets& k) {
-  with_attention_kernels<S>([&](const auto& kernel) {
-    const Scratch<S> scratch(kernel.attention_vjp_scratch(q.longest(), k.longest(), t.width));
-    parallel_for(q.count() * t.heads,
-                 [&](Index i) { kernel.attention_head_vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
-  });
+  const auto run = [&](const auto& scratch_of, const auto& vjp) {
+    const Scratch<S> scratch(scratch_of(q.longest(), k.longest(), t.width));
+    parallel_for(q.count() * t.heads, [&](Index i) { vjp(t, g, i / t.heads, i % t.heads, scratch.mine()); });
+  };
+  if constexpr (std::is_same_v<S, float>) {
+    if (product_precision() == Precision::bf16) {
+      const Bf16Kernels& kernel = bf16_product_kernels();
+      return run(kernel.attention_vjp_scratch, kernel.attention_head_vjp);
+    }
+  }
+  const GradientKernels<S>& kernel = gradient_kernels_of(kernels<S>());
+  run(kernel.attention_scratch, kernel.attention_head);
 }
 
 /// linear with the sides exchanged, y^T = weight x^T: the weight is read where it lies, only x is packed. The same sums
@@ -36832,10 +38747,11 @@ Dense<S> KernelOps<S>::activate(const Dense<S>& x, Activation act, const Dropout
 template <Scalar S>
 Dense<S> KernelOps<S>::activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act, const Dropout& drop) {
   Dense<S> dx(x.shape());
+  const auto& kernel = detail::gradient_kernels_of(detail::kernels<S>());
   detail::in_pieces(x.count(), [&](Index a, Index n) {
     const S* g = dy.data() + a;
     if (drop.p > 0) detail::kernels<S>().dropout(g, n, a, drop, dx.data() + a), g = dx.data() + a;
-    detail::kernels<S>().activate_vjp(x.data() + a, g, n, act, dx.data() + a);
+    kernel.activate(x.data() + a, g, n, act, dx.data() + a);
   });
   return dx;
 }
@@ -36862,11 +38778,11 @@ std::array<Dense<S>, 3> KernelOps<S>::layer_norm_vjp(const Dense<S>& x, const De
   const Index rows = x.shape()[0];
   const auto t = detail::layer_norm_arguments<S>(x, weight, nullptr, eps, nullptr);
   Dense<S> dx(x.shape()), dweight(weight.shape()), dbias(weight.shape()), moments(Shape{rows, 2});
-  parallel_ranges(rows, t.width, [&](Index a, Index b) {
-    detail::kernels<S>().layer_norm_rows_vjp(t, dy.data(), dx.data(), moments.data(), a, b);
-  });
+  const auto& kernel = detail::gradient_kernels_of(detail::kernels<S>());
+  parallel_ranges(rows, t.width,
+                  [&](Index a, Index b) { kernel.layer_norm_rows(t, dy.data(), dx.data(), moments.data(), a, b); });
   parallel_columns(rows, t.width, [&](Index a, Index b) {
-    detail::kernels<S>().layer_norm_columns_vjp(t, dy.data(), moments.data(), dweight.data(), dbias.data(), rows, a, b);
+    kernel.layer_norm_columns(t, dy.data(), moments.data(), dweight.data(), dbias.data(), rows, a, b);
   });
   return {std::move(dx), std::move(dweight), std::move(dbias)};
 }
@@ -36959,7 +38875,8 @@ void KernelOps<S>::adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const De
       .eps = static_cast<S>(u.eps),
       .decay = static_cast<S>(1 - u.lr * u.weight_decay),
       .gradient_scale = static_cast<S>(u.gradient_scale)};
-  parallel_ranges(parameter.count(), 1, [&](Index a, Index b) { detail::kernels<S>().adamw(t, a, b); });
+  const auto& kernel = detail::gradient_kernels_of(detail::kernels<S>());
+  parallel_ranges(parameter.count(), 1, [&](Index a, Index b) { kernel.adamw(t, a, b); });
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -37376,8 +39293,8 @@ namespace detail {
 template <class S>
 const ScanKernels<S>& scan_kernels(const Kernels<S>& kernels) {
 #ifdef MOTIONLANG_WIDE_KERNELS
-  if (&kernels == kernels_for<S>(Isa::avx512) || kernels.tiles != nullptr) return avx512::scan_table<S>();
-  if (&kernels == kernels_for<S>(Isa::avx2)) return avx2::scan_table<S>();
+  if (kernels.isa == Isa::avx2) return avx2::scan_table<S>();
+  if (kernels.isa != Isa::portable) return avx512::scan_table<S>();
 #else
   static_cast<void>(kernels);
 #endif
@@ -37553,6 +39470,7 @@ std::vector<std::vector<Neighbour>> RowScan<S>::nearest(std::span<const S> queri
       });
     };
     if (product) {
+      if (rounded) use_bf16_products();
       const auto panels = pack_panels<S>(mine.data(), width, n, 1, width, rounded ? Precision::bf16 : Precision::fp32);
       const Scratch<S> scratch(ScoreBlock<S>(panels).scratch(width));
       for_rows([&](Index first, Index last, Candidates<S>& c) {
@@ -37600,6 +39518,61 @@ typename RowScan<S>::DotFunction RowScan<S>::dot_function() {
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+enum class ScanStorage {
+  float32,  // the rows as they are
+  // a copy of half the size is scanned, many queries with products in bfloat16; the rows are read for the best ones
+  // only
+  bfloat16,
+};
+
+class VectorScan : public VectorSearch {
+ public:
+  /// rows   (count, width) of length 1
+  /// owner  keeps them alive; without one they have to outlive the object
+  /// Throws shape_error 205, config_error 101, numeric_error 302 (require_unit_rows)
+  VectorScan(std::span<const float> rows, Index width, std::shared_ptr<const void> owner = {},
+             ScanStorage storage = ScanStorage::float32);
+
+  Index count() const override { return scan_.count; }
+  Index width() const override { return scan_.width; }
+  std::vector<std::vector<Neighbour>> search(std::span<const float> queries, Index k) const override;
+
+ private:
+  detail::RowScan<float> scan_;
+  std::shared_ptr<const void> owner_, halves_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SEARCH_VECTOR_SCAN_IPP  // <motionlang/search/vector_scan.ipp>
+#define MOTIONLANG_HAS_SEARCH_VECTOR_SCAN_IPP
+// Bodies of vector_scan.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY VectorScan::VectorScan(std::span<const float> rows, Index width, std::shared_ptr<const void> owner,
+                                       ScanStorage storage)
+    : owner_(std::move(owner)) {
+  require_unit_rows("VectorScan", rows, width);
+  scan_ = {rows, {}, static_cast<Index>(rows.size()) / width, width};
+  if (storage == ScanStorage::float32) return;
+  const auto halves = large_table<std::uint16_t>(rows.size());
+  scan_.half_error = detail::RowScan<float>::to_halves(rows, width, halves.get());
+  scan_.halves = {halves.get(), rows.size()};
+  halves_ = halves;
+}
+
+MOTIONLANG_BODY std::vector<std::vector<Neighbour>> VectorScan::search(std::span<const float> queries, Index k) const {
+  if (k < 0) raise<config_error>(101, "VectorScan: the ", k, " nearest");
+  detail::whole_rows("VectorScan: queries", queries.size(), width());
+  return scan_.nearest(unit_rows(queries, width()), std::min(k, count()));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -37613,7 +39586,58 @@ struct MotionHit {
 
 /// The windows that are indexed of a clip: those of moment_windows for each length, each window once, in ascending
 /// order. A window that is longer than the clip is the whole clip.
-inline std::vector<FrameSlice> indexed_moments(Index frames, const IndexModel& model) {
+std::vector<FrameSlice> indexed_moments(Index frames, const IndexModel& model);
+
+/// Of moments in the order of their scores those that stand apart: one that overlaps a better one of the same clip by
+/// an intersection over union above `most_iou` is dropped (greedy non-maximum suppression). At most k are kept.
+std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_first,
+                                        std::span<const MotionIndex::Moment> moments, double most_iou, Index k);
+
+class MotionSearch {
+ public:
+  /// The index has to outlive the object. `clips` and `moments` search its rows; unless given, all of them are
+  /// compared, by scans with `storage`, which has no influence on the answers.
+  explicit MotionSearch(const MotionIndex& index, std::shared_ptr<const VectorSearch> clips = {},
+                        std::shared_ptr<const VectorSearch> moments = {}, ScanStorage storage = ScanStorage::float32);
+
+  /// The k nearest clips. Throws what VectorSearch throws.
+  std::vector<MotionHit> clips(std::span<const float> query, Index k) const;
+  /// The k nearest moments that stand apart. Throws config_error 102 if the index has none.
+  std::vector<MotionHit> moments(std::span<const float> query, Index k, double most_iou = 0.3) const;
+  /// The k clips whose captions are nearest, each with the score of its nearest caption.
+  std::vector<MotionHit> captions(std::span<const float> query, Index k) const;
+
+ private:
+  std::shared_ptr<const VectorSearch> scan(std::span<const float> rows, ScanStorage storage) const {
+    return std::make_shared<VectorScan>(rows, index_.model().width, std::shared_ptr<const void>{}, storage);
+  }
+  static std::vector<Neighbour> nearest(const VectorSearch& search, std::span<const float> query, Index k);
+  /// `choose` takes the best ones and drops some; who is kept does not depend on those that come later. Asks for more
+  /// of them until k are left, or all have been seen.
+  template <class F>
+  static std::vector<Neighbour> enough(const VectorSearch& search, std::span<const float> query, Index k, F choose) {
+    if (k < 0) raise<config_error>(101, "MotionSearch: the ", k, " nearest");
+    for (Index asked = 8 * std::min(k, search.count()) + 64;; asked *= 4) {
+      const auto best = nearest(search, query, asked);
+      auto kept = choose(std::span<const Neighbour>(best));
+      if (std::ssize(kept) >= k || std::ssize(best) < asked) return kept;
+    }
+  }
+  MotionHit whole(Index clip, float score) const;
+
+  const MotionIndex& index_;
+  std::shared_ptr<const VectorSearch> clips_, moments_, captions_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SEARCH_MOTION_SEARCH_IPP  // <motionlang/search/motion_search.ipp>
+#define MOTIONLANG_HAS_SEARCH_MOTION_SEARCH_IPP
+// Bodies of motion_search.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<FrameSlice> indexed_moments(Index frames, const IndexModel& model) {
   std::vector<FrameSlice> out;
   for (const Index width : model.windows) {
     const auto windows =
@@ -37628,10 +39652,9 @@ inline std::vector<FrameSlice> indexed_moments(Index frames, const IndexModel& m
   return out;
 }
 
-/// Of moments in the order of their scores those that stand apart: one that overlaps a better one of the same clip by
-/// an intersection over union above `most_iou` is dropped (greedy non-maximum suppression). At most k are kept.
-inline std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_first,
-                                               std::span<const MotionIndex::Moment> moments, double most_iou, Index k) {
+MOTIONLANG_BODY std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_first,
+                                                        std::span<const MotionIndex::Moment> moments, double most_iou,
+                                                        Index k) {
   std::vector<Neighbour> out;
   for (const Neighbour& n : best_first) {
     if (std::ssize(out) == k) break;
@@ -37645,87 +39668,68 @@ inline std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_f
   return out;
 }
 
-class MotionSearch {
- public:
-  /// The index has to outlive the object. `clips` and `moments` search its rows; unless given, all of them are
-  /// compared, by scans with `storage`, which has no influence on the answers.
-  explicit MotionSearch(const MotionIndex& index, std::shared_ptr<const VectorSearch> clips = {},
-                        std::shared_ptr<const VectorSearch> moments = {}, ScanStorage storage = ScanStorage::float32)
-      : index_(index),
-        clips_(clips ? std::move(clips) : scan(index.clip_rows(), storage)),
-        moments_(moments ? std::move(moments) : scan(index.moment_rows(), storage)),
-        captions_(scan(index.caption_rows(), storage)) {}
+MOTIONLANG_BODY MotionSearch::MotionSearch(const MotionIndex& index, std::shared_ptr<const VectorSearch> clips,
+                                           std::shared_ptr<const VectorSearch> moments, ScanStorage storage)
+    : index_(index),
+      clips_(clips ? std::move(clips) : scan(index.clip_rows(), storage)),
+      moments_(moments ? std::move(moments) : scan(index.moment_rows(), storage)),
+      captions_(scan(index.caption_rows(), storage)) {}
 
-  /// The k nearest clips. Throws what VectorSearch throws.
-  std::vector<MotionHit> clips(std::span<const float> query, Index k) const {
-    std::vector<MotionHit> out;
-    for (const Neighbour& n : nearest(*clips_, query, k)) out.push_back(whole(n.index, n.score));
-    return out;
+MOTIONLANG_BODY std::vector<MotionHit> MotionSearch::clips(std::span<const float> query, Index k) const {
+  std::vector<MotionHit> out;
+  for (const Neighbour& n : nearest(*clips_, query, k)) out.push_back(whole(n.index, n.score));
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<MotionHit> MotionSearch::moments(std::span<const float> query, Index k,
+                                                             double most_iou) const {
+  if (index_.model().windows.empty())
+    raise<config_error>(102, "MotionSearch: this index has no moments, only whole clips");
+  std::vector<MotionHit> out;
+  const auto apart = enough(*moments_, query, k, [&](std::span<const Neighbour> best) {
+    return separate_moments(best, index_.moments(), most_iou, k);
+  });
+  for (const Neighbour& n : apart) {
+    const auto& m = index_.moments()[static_cast<std::size_t>(n.index)];
+    MotionHit hit = whole(m.clip, n.score);
+    const double fps = index_.model().fps, begin = hit.start;
+    hit.start = begin + static_cast<double>(m.frames.first) / fps;
+    hit.end = std::min(hit.end, begin + static_cast<double>(m.frames.first + m.frames.length) / fps);
+    out.push_back(hit);
   }
-  /// The k nearest moments that stand apart. Throws config_error 102 if the index has none.
-  std::vector<MotionHit> moments(std::span<const float> query, Index k, double most_iou = 0.3) const {
-    if (index_.model().windows.empty())
-      raise<config_error>(102, "MotionSearch: this index has no moments, only whole clips");
-    std::vector<MotionHit> out;
-    const auto apart = enough(*moments_, query, k, [&](std::span<const Neighbour> best) {
-      return separate_moments(best, index_.moments(), most_iou, k);
-    });
-    for (const Neighbour& n : apart) {
-      const auto& m = index_.moments()[static_cast<std::size_t>(n.index)];
-      MotionHit hit = whole(m.clip, n.score);
-      const double fps = index_.model().fps, begin = hit.start;
-      hit.start = begin + static_cast<double>(m.frames.first) / fps;
-      hit.end = std::min(hit.end, begin + static_cast<double>(m.frames.first + m.frames.length) / fps);
-      out.push_back(hit);
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<MotionHit> MotionSearch::captions(std::span<const float> query, Index k) const {
+  std::vector<MotionHit> out;
+  const auto first_of_clips = [&](std::span<const Neighbour> best) {
+    std::vector<Neighbour> kept;
+    for (const Neighbour& n : best) {
+      const Index clip = index_.caption_clips()[static_cast<std::size_t>(n.index)];
+      const bool known =
+          std::any_of(kept.begin(), kept.end(), [&](const Neighbour& other) { return other.index == clip; });
+      if (!known && std::ssize(kept) < k) kept.push_back({clip, n.score});
     }
-    return out;
-  }
-  /// The k clips whose captions are nearest, each with the score of its nearest caption.
-  std::vector<MotionHit> captions(std::span<const float> query, Index k) const {
-    std::vector<MotionHit> out;
-    const auto first_of_clips = [&](std::span<const Neighbour> best) {
-      std::vector<Neighbour> kept;
-      for (const Neighbour& n : best) {
-        const Index clip = index_.caption_clips()[static_cast<std::size_t>(n.index)];
-        const bool known =
-            std::any_of(kept.begin(), kept.end(), [&](const Neighbour& other) { return other.index == clip; });
-        if (!known && std::ssize(kept) < k) kept.push_back({clip, n.score});
-      }
-      return kept;
-    };
-    for (const Neighbour& n : enough(*captions_, query, k, first_of_clips)) out.push_back(whole(n.index, n.score));
-    return out;
-  }
+    return kept;
+  };
+  for (const Neighbour& n : enough(*captions_, query, k, first_of_clips)) out.push_back(whole(n.index, n.score));
+  return out;
+}
 
- private:
-  std::shared_ptr<const VectorSearch> scan(std::span<const float> rows, ScanStorage storage) const {
-    return std::make_shared<VectorScan>(rows, index_.model().width, std::shared_ptr<const void>{}, storage);
-  }
-  static std::vector<Neighbour> nearest(const VectorSearch& search, std::span<const float> query, Index k) {
-    if (std::ssize(query) != search.width())
-      raise<shape_error>(204, "MotionSearch: a query of ", query.size(), " numbers, the index has ", search.width());
-    return search.search(query, k)[0];
-  }
-  /// `choose` takes the best ones and drops some; who is kept does not depend on those that come later. Asks for more
-  /// of them until k are left, or all have been seen.
-  template <class F>
-  static std::vector<Neighbour> enough(const VectorSearch& search, std::span<const float> query, Index k, F choose) {
-    if (k < 0) raise<config_error>(101, "MotionSearch: the ", k, " nearest");
-    for (Index asked = 8 * std::min(k, search.count()) + 64;; asked *= 4) {
-      const auto best = nearest(search, query, asked);
-      auto kept = choose(std::span<const Neighbour>(best));
-      if (std::ssize(kept) >= k || std::ssize(best) < asked) return kept;
-    }
-  }
-  MotionHit whole(Index clip, float score) const {
-    const IndexedClip& c = index_.clips()[static_cast<std::size_t>(clip)];
-    return {clip, c.start, c.end, score};
-  }
+MOTIONLANG_BODY std::vector<Neighbour> MotionSearch::nearest(const VectorSearch& search, std::span<const float> query,
+                                                             Index k) {
+  if (std::ssize(query) != search.width())
+    raise<shape_error>(204, "MotionSearch: a query of ", counted(query.size(), "number"), ", the index has ",
+                       search.width());
+  return search.search(query, k)[0];
+}
 
-  const MotionIndex& index_;
-  std::shared_ptr<const VectorSearch> clips_, moments_, captions_;
-};
+MOTIONLANG_BODY MotionHit MotionSearch::whole(Index clip, float score) const {
+  const IndexedClip& c = index_.clips()[static_cast<std::size_t>(clip)];
+  return {clip, c.start, c.end, score};
+}
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 #endif

@@ -55,6 +55,11 @@
 #define MOTIONLANG_ABI v0_no_exceptions
 #endif
 
+/// In front of every definition in a file *.ipp, which has the bodies of the header of the same name. Without
+/// motionlang::instantiated, the header includes it and all are inline. With it, units see declarations only, and the
+/// library's own units (instantiated/*.cpp) include the files *.ipp.
+#define MOTIONLANG_BODY inline
+
 /// Opens and closes the namespace of the library. A macro, so that editors, clang-format and ctags need not know of the
 /// inline namespace: `ctags -R include` finds every name.
 #define MOTIONLANG_NAMESPACE_BEGIN \
@@ -126,13 +131,306 @@ MOTIONLANG_NAMESPACE_END
 /// the module path. Text of files stands in it without control characters, and is UTF-8. The list of ids is `error_ids`
 /// below; every one has a test.
 
-#include <charconv>          // to_chars: messages without streams and without the locale
 #include <cstdio>            // fputs
 #include <cstdlib>           // abort
 #include <new>               // bad_alloc
 #include <stdexcept>         // runtime_error
 #include <utility>           // exchange, move
 #include <vector>            // diagnostics path
+
+#ifndef MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP  // <motionlang/core/standard_library.hpp>
+#define MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP
+/// What libc++ lacks of C++20, on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14), `from_chars` and
+/// `to_chars` of floating-point values. The same bits and the same characters as with every other standard library.
+
+#include <bit>       // bit_cast
+#include <charconv>  // from_chars, to_chars
+
+#ifndef __cpp_lib_to_chars
+
+#ifndef MOTIONLANG_HAS_CORE_DETAIL_DECIMAL_HPP  // <motionlang/core/detail/decimal.hpp>
+#define MOTIONLANG_HAS_CORE_DETAIL_DECIMAL_HPP
+/// Floating-point values as decimal text, by the C library alone: for standard libraries without `from_chars` and
+/// `to_chars` for them (standard_library.hpp), whose results these functions give to the last character.
+///
+/// strtod and printf of all C libraries round correctly, but their decimal point is the locale's. So strtod reads whole
+/// numbers with an exponent here, and whatever printf writes between digits is taken for a point. Slower than
+/// `to_chars`: a microsecond or two for a value.
+
+#include <cassert>       // formats
+#include <system_error>  // errc
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+inline bool is_decimal_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// digits x 10^exponent.
+struct Decimal {
+  std::string digits;
+  long long exponent = 0;
+
+  /// The nearest F; infinity if it is too large.
+  template <class F>
+  F value() const {
+    // Beyond these limits a value is zero or infinite, however many digits it has.
+    const long long e = exponent < -9999 ? -9999 : exponent > 9999 ? 9999 : exponent;
+    const std::string text = digits + "e" + std::to_string(e);
+    if constexpr (std::same_as<F, float>) return std::strtof(text.c_str(), nullptr);
+    static_assert(std::same_as<F, float> || std::same_as<F, double>);
+    return static_cast<F>(std::strtod(text.c_str(), nullptr));
+  }
+};
+
+/// Begins with `word` in letters of any case?
+inline bool starts_with_word(std::string_view text, std::string_view word) {
+  if (text.size() < word.size()) return false;
+  for (std::size_t i = 0; i < word.size(); ++i)
+    if ((text[i] | 0x20) != word[i]) return false;
+  return true;
+}
+
+/// Length of "inf", "infinity", "nan" or "nan(letters)" at the start of a text, and the value; 0 if there is none.
+template <class F>
+std::size_t read_word(std::string_view text, F& value) {
+  if (starts_with_word(text, "inf")) {
+    value = std::numeric_limits<F>::infinity();
+    return starts_with_word(text, "infinity") ? 8 : 3;
+  }
+  if (!starts_with_word(text, "nan")) return 0;
+  value = std::numeric_limits<F>::quiet_NaN();
+  if (text.size() < 4 || text[3] != '(') return 3;
+  constexpr std::string_view letters = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ_abcdefghijklmnopqrstuvwxyz";
+  const std::size_t end = text.find_first_not_of(letters, 4);
+  return end != text.npos && text[end] == ')' ? end + 1 : 3;
+}
+
+/// The exponent at `p`, which is moved behind it; 0 if there is none.
+inline long long read_exponent(const char*& p, const char* last) {
+  const char* at = p;
+  if (at == last || (*at | 0x20) != 'e') return 0;
+  const bool negative = ++at != last && *at == '-';
+  if (at != last && (*at == '-' || *at == '+')) ++at;
+  if (at == last || !is_decimal_digit(*at)) return 0;
+  long long out = 0;
+  for (; at != last && is_decimal_digit(*at); ++at)
+    if (out < 1'000'000'000'000'000) out = 10 * out + (*at - '0');  // no text has as many digits
+  p = at;
+  return negative ? -out : out;
+}
+
+/// The number at `p`, which is moved behind it; no digits if there is none.
+inline Decimal read_digits(const char*& p, const char* last) {
+  // More digits never decide: no value halfway between two doubles has more than 767. It only matters whether they are
+  // all zero, and one digit says so.
+  constexpr std::size_t most = 768;
+  Decimal out;
+  bool any = false, behind_point = false, more = false;
+  const char* at = p;
+  for (; at != last && (is_decimal_digit(*at) || (*at == '.' && !behind_point)); ++at) {
+    if (*at == '.') {
+      behind_point = true;
+      continue;
+    }
+    any = true;
+    const bool kept = out.digits.size() < most;
+    out.exponent += !kept - behind_point;
+    if (!kept)
+      more = more || *at != '0';
+    else if (!out.digits.empty() || *at != '0')
+      out.digits += *at;
+  }
+  if (!any) return out;
+  if (more) {
+    out.digits += '1';
+    --out.exponent;
+  }
+  if (out.digits.empty()) out.digits = "0";
+  p = at;
+  out.exponent += read_exponent(p, last);
+  return out;
+}
+
+/// As `std::from_chars`.
+template <class F>
+std::from_chars_result read_decimal(const char* first, const char* last, F& value) {
+  const bool negative = first != last && *first == '-';
+  const char* p = first + negative;
+  F size = 0;
+  const Decimal number = read_digits(p, last);
+  if (number.digits.empty()) {
+    const std::size_t length = read_word(std::string_view(p, static_cast<std::size_t>(last - p)), size);
+    if (length == 0) return {first, std::errc::invalid_argument};
+    p += length;
+  } else {
+    size = number.value<F>();
+    if (!std::isfinite(size) || (size == 0 && number.digits != "0")) return {p, std::errc::result_out_of_range};
+  }
+  value = negative ? -size : size;
+  return {p, std::errc{}};
+}
+
+/// What printf wrote, with a point in place of the locale's, which may have several bytes.
+inline std::string with_point(std::string_view printed) {
+  std::string out;
+  bool inside = false;
+  for (const char c : printed) {
+    const bool known = is_decimal_digit(c) || c == '-' || c == '+' || c == 'e';
+    if (known)
+      out += c;
+    else if (!inside)
+      out += '.';
+    inside = !known;
+  }
+  return out;
+}
+inline std::string printed(const char* format, int places, double x) {
+  char some[64];
+  const auto size = static_cast<std::size_t>(std::snprintf(some, sizeof some, format, places, x));
+  if (size < sizeof some) return with_point({some, size});
+  std::string all(size, ' ');
+  std::snprintf(all.data(), size + 1, format, places, x);
+  return with_point(all);
+}
+
+/// x > 0 to `count` digits, the nearest such number.
+inline Decimal rounded_decimal(double x, int count) {
+  const std::string text = printed("%.*e", count - 1, x);
+  const std::size_t e = text.find('e');
+  Decimal out{text.substr(0, 1), std::atoi(text.c_str() + e + 1) - (count - 1)};
+  if (count > 1) out.digits += text.substr(2, e - 2);
+  return out;
+}
+
+/// The next number of as many digits.
+inline Decimal next_decimal(Decimal d) {
+  std::size_t i = d.digits.size();
+  while (i > 0 && d.digits[i - 1] == '9') d.digits[--i] = '0';
+  if (i > 0)
+    ++d.digits[i - 1];
+  else
+    d.digits.insert(0, 1, '1');
+  return d;
+}
+
+/// The fewest digits that are read back as x > 0; the nearest to x of those.
+template <class F>
+Decimal shortest_decimal(F x) {
+  // A number of digits10 digits survives the way through a normal F. So the shortest, if it has no more digits than
+  // that, is what remains without the zeros at the end.
+  for (int count = x < std::numeric_limits<F>::min() ? 1 : std::numeric_limits<F>::digits10;; ++count) {
+    Decimal out = rounded_decimal(x, count);
+    // The gap above a power of two is twice the gap below. So the nearest number may be too far below, while the next
+    // one is near enough above.
+    if (out.value<F>() != x) out = next_decimal(std::move(out));
+    if (out.value<F>() != x) continue;
+    while (out.digits.size() > 1 && out.digits.ends_with('0')) {
+      out.digits.pop_back();
+      ++out.exponent;
+    }
+    return out;
+  }
+}
+
+/// d.ddde+xx
+inline std::string scientific_text(const Decimal& d) {
+  const long long exponent = d.exponent + static_cast<long long>(d.digits.size()) - 1;
+  std::string out = d.digits;
+  if (out.size() > 1) out.insert(1, ".");
+  out += exponent < 0 ? "e-" : "e+";
+  const std::string size = std::to_string(exponent < 0 ? -exponent : exponent);
+  return out + (size.size() < 2 ? "0" : "") + size;
+}
+/// ddd.ddd
+inline std::string fixed_text(const Decimal& d, double x) {
+  // The digits of a whole number are all written as they are.
+  if (d.exponent >= 0) return printed("%.*f", 0, x);
+  std::string out = d.digits;
+  const auto places = static_cast<std::size_t>(-d.exponent);
+  if (out.size() <= places) out.insert(0, places + 1 - out.size(), '0');
+  return out.insert(out.size() - places, ".");
+}
+
+/// What `std::to_chars` writes without a precision: fixed, scientific or, if not told, the shorter of the two.
+template <class F>
+std::string shortest_text(F x, std::chars_format format = {}) {
+  using enum std::chars_format;
+  assert(format == std::chars_format{} || format == fixed || format == scientific);
+  const std::string sign = std::signbit(x) ? "-" : "";
+  if (std::isnan(x)) return sign + "nan";
+  if (std::isinf(x)) return sign + "inf";
+  const F size = std::abs(x);
+  const Decimal d = size == 0 ? Decimal{"0"} : shortest_decimal(size);
+  const std::string with_exponent = scientific_text(d), without = fixed_text(d, size);
+  const bool shorter = format != fixed && with_exponent.size() < without.size();
+  return sign + (format == scientific || shorter ? with_exponent : without);
+}
+/// What it writes with a number of decimal places: fixed or scientific.
+template <class F>
+std::string text_with_places(F x, std::chars_format format, int places) {
+  using enum std::chars_format;
+  assert(format == fixed || format == scientific);
+  if (!std::isfinite(x)) return shortest_text(x);
+  return printed(format == fixed ? "%.*f" : "%.*e", places, x);
+}
+
+inline std::to_chars_result copy_text(const std::string& text, char* first, char* last) {
+  if (last - first < static_cast<std::ptrdiff_t>(text.size())) return {last, std::errc::value_too_large};
+  text.copy(first, text.size());
+  return {first + text.size(), std::errc{}};
+}
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+#ifdef __cpp_lib_bit_cast
+using std::bit_cast;
+#else
+template <class To, class From>
+constexpr To bit_cast(const From& from) {
+  return __builtin_bit_cast(To, from);
+}
+#endif
+
+#ifdef __cpp_lib_to_chars
+using std::from_chars;
+using std::to_chars;
+#else
+// Templates, because libc++ has some of the functions for floating-point values and deletes the others.
+template <std::integral N>
+std::from_chars_result from_chars(const char* first, const char* last, N& value, int base = 10) {
+  return std::from_chars(first, last, value, base);
+}
+template <std::floating_point F>
+std::from_chars_result from_chars(const char* first, const char* last, F& value) {
+  return read_decimal(first, last, value);
+}
+template <std::integral N>
+std::to_chars_result to_chars(char* first, char* last, N value) {
+  return std::to_chars(first, last, value);
+}
+template <std::floating_point F>
+std::to_chars_result to_chars(char* first, char* last, F value) {
+  return copy_text(shortest_text(value), first, last);
+}
+template <std::floating_point F>
+std::to_chars_result to_chars(char* first, char* last, F value, std::chars_format format) {
+  return copy_text(shortest_text(value, format), first, last);
+}
+template <std::floating_point F>
+std::to_chars_result to_chars(char* first, char* last, F value, std::chars_format format, int places) {
+  return copy_text(text_with_places(value, format, places), first, last);
+}
+#endif
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
+#endif
 
 #ifndef MOTIONLANG_HAS_CORE_THREAD_OBJECT_HPP  // <motionlang/core/thread_object.hpp>
 #define MOTIONLANG_HAS_CORE_THREAD_OBJECT_HPP
@@ -209,8 +507,32 @@ constexpr bool is_utf8(std::string_view text) {
   return true;
 }
 
+/// The longest beginning of a text that has at most so many bytes and ends between two characters.
+constexpr std::string_view utf8_head(std::string_view text, std::size_t bytes) {
+  if (text.size() <= bytes) return text;
+  for (std::size_t start = bytes - (bytes < 3 ? bytes : 3); start < bytes; ++start) {
+    std::size_t end = start;
+    if (decode_utf8(text, end) != invalid_code_point && end > bytes) return text.substr(0, start);
+  }
+  return text.substr(0, bytes);
+}
+
 /// Appends the bytes of a code point (up to U+10FFFF).
-inline void append_utf8(std::string& out, char32_t c) {
+void append_utf8(std::string& out, char32_t c);
+
+/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is
+/// in `keep` stays.
+std::string printable(std::string_view text, std::string_view keep = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_UTF8_IPP  // <motionlang/core/utf8.ipp>
+#define MOTIONLANG_HAS_CORE_UTF8_IPP
+// Bodies of utf8.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY void append_utf8(std::string& out, char32_t c) {
   const auto put = [&](char32_t b) { out += static_cast<char>(static_cast<unsigned char>(b)); };
   if (c < 0x80) {
     put(c);
@@ -223,9 +545,7 @@ inline void append_utf8(std::string& out, char32_t c) {
   }
 }
 
-/// For messages and lists: '?' for control characters, which terminals obey, and for bytes that are not UTF-8. What is
-/// in `keep` stays.
-inline std::string printable(std::string_view text, std::string_view keep = {}) {
+MOTIONLANG_BODY std::string printable(std::string_view text, std::string_view keep) {
   std::string out;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t start = at;
@@ -238,6 +558,7 @@ inline std::string printable(std::string_view text, std::string_view keep = {}) 
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -338,8 +659,13 @@ void append(std::string& out, T b) {
 template <class N>
 requires((std::integral<N> || std::floating_point<N>)&&!std::same_as<N, bool> &&
          !std::same_as<N, char>) void append(std::string& out, N n) {
+  if constexpr (std::floating_point<N>) {  // 10000000, not 1e+07: as far as whole numbers are exact
+    constexpr N exact = N(1ull << std::numeric_limits<N>::digits);
+    if (n > -exact && n < exact && n != 0 && n == N(static_cast<long long>(n)))
+      return append(out, static_cast<long long>(n));
+  }
   char digits[64];
-  out.append(digits, std::to_chars(digits, digits + sizeof digits, n).ptr);
+  out.append(digits, detail::to_chars(digits, digits + sizeof digits, n).ptr);
 }
 /// Anything with a `to_string` found by name lookup (shapes, enumerations).
 template <class T>
@@ -361,11 +687,7 @@ template <class T>
 TextPart text_part(const T& value) {
   return {&value, [](std::string& out, const void* v) { detail::append(out, *static_cast<const T*>(v)); }};
 }
-inline std::string concat_parts(std::initializer_list<TextPart> parts) {
-  std::string out;
-  for (const TextPart& p : parts) p.append(out, p.value);
-  return out;
-}
+std::string concat_parts(std::initializer_list<TextPart> parts);
 
 /// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
 struct ModulePath {
@@ -390,7 +712,7 @@ struct ModulePath {
 
 }  // namespace detail
 
-/// Text of all arguments, one after the other; numbers as `std::to_chars` writes them.
+/// Text of all arguments, one after the other; numbers as `std::to_chars` writes them, whole ones without an exponent.
 template <class... T>
 std::string concat_text(const T&... parts) {
   return detail::concat_parts({detail::text_part(parts)...});
@@ -412,6 +734,14 @@ template <class R>
 std::string join_text(const R& items, std::string_view between = ", ") {
   return join_text(
       items, between, [](const auto& item) -> const auto& { return item; });
+}
+
+/// A number of things: "1 frame", "2 frames"; of a word with another plural: counted(n, "pass", "passes").
+template <std::integral N>
+std::string counted(N n, std::string_view one, std::string_view several = {}) {
+  std::string out = concat_text(n, ' ', n == 1 || several.empty() ? one : several);
+  if (n != 1 && several.empty()) out += 's';
+  return out;
 }
 
 /// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
@@ -487,14 +817,12 @@ bool guard_all(const F& f, [[maybe_unused]] const H& handle) {
   return true;
 }
 
+/// The message of an error of a family.
+std::string error_text(std::string_view family, int id, std::initializer_list<TextPart> parts);
+
 template <class E>
 [[noreturn]] void raise_parts(int id, std::initializer_list<TextPart> parts) {
-  std::string text = concat_text("[motionlang.", E::family, ".", id, "] ") + printable(concat_parts(parts), "\n");
-#ifdef MOTIONLANG_DIAGNOSTICS
-  const auto& path = ModulePath::names();
-  for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
-#endif
-  throw_exception(E(id, text));
+  throw_exception(E(id, error_text(E::family, id, parts)));
 }
 
 }  // namespace detail
@@ -506,6 +834,34 @@ template <class E, class... T>
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_ERROR_IPP  // <motionlang/core/error.ipp>
+#define MOTIONLANG_HAS_CORE_ERROR_IPP
+// Bodies of error.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::string concat_parts(std::initializer_list<TextPart> parts) {
+  std::string out;
+  for (const TextPart& p : parts) p.append(out, p.value);
+  return out;
+}
+
+MOTIONLANG_BODY std::string error_text(std::string_view family, int id, std::initializer_list<TextPart> parts) {
+  std::string text = concat_text("[motionlang.", family, ".", id, "] ") + printable(concat_parts(parts), "\n");
+#ifdef MOTIONLANG_DIAGNOSTICS
+  const auto& path = ModulePath::names();
+  for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
+#endif
+  return text;
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -568,9 +924,7 @@ class Shape {
 namespace detail {
 
 /// "(2, 60, 512)"; a negative size stands for any.
-inline std::string shape_text(std::span<const Index> sizes) {
-  return concat_text("(", join_text(sizes, ", ", [](Index n) { return n < 0 ? "any" : concat_text(n); }), ")");
-}
+std::string shape_text(std::span<const Index> sizes);
 
 }  // namespace detail
 
@@ -600,6 +954,23 @@ constexpr Shape broadcast_shapes(const Shape& a, const Shape& b, const char* op)
 }
 
 MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_SHAPE_IPP  // <motionlang/core/shape.ipp>
+#define MOTIONLANG_HAS_CORE_SHAPE_IPP
+// Bodies of shape.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::string shape_text(std::span<const Index> sizes) {
+  return concat_text("(", join_text(sizes, ", ", [](Index n) { return n < 0 ? "any" : concat_text(n); }), ")");
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN

@@ -9,86 +9,6 @@
 /// Backend over xtensor: functions and maxima are xtensor expressions over adapted memory; arithmetic, sums, products
 /// and fused operations are the same kernels that the Eigen backend uses.
 
-#ifndef MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP  // <motionlang/backend/kernel_ops.hpp>
-#define MOTIONLANG_HAS_BACKEND_KERNEL_OPS_HPP
-/// Arithmetic and the operations of tensor/fused.hpp as kernels over Dense storage, with their derivatives. Shared by
-/// the Eigen and xtensor backends: one layer of kernels serves both.
-///
-/// Declarations only; the bodies are in detail/kernel_ops_impl.hpp, which a program that links motionlang::instantiated
-/// need not read.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-template <Scalar S>
-struct KernelOps {
-  using kernel_tensor = Dense<S>;
-
-  // Operands come by value: memory that nobody else holds is reused for the result.
-  static Dense<S> add(Dense<S> a, Dense<S> b);
-  static Dense<S> sub(Dense<S> a, Dense<S> b);
-  static Dense<S> mul(Dense<S> a, Dense<S> b);
-  static Dense<S> div(Dense<S> a, Dense<S> b);
-  static Dense<S> maximum(Dense<S> a, Dense<S> b);
-  static Dense<S> sum(const Dense<S>& a, int axis);
-
-  /// As many rows of a network's inside as stay in the caches of all threads from one layer to the next.
-  static Index rows_in_cache();
-
-  /// Product of the last two axes, batched. b is packed on the fly.
-  static Dense<S> matmul(const Dense<S>& a, const Dense<S>& b, bool transpose_a, bool transpose_b);
-
-  /// Packs a weight (out, in) once, or that of a convolution (out, in, taps); `linear` and `conv1d` then use the packed
-  /// form. For inference: the weight must not change afterwards. Returns whether all its numbers are finite: they are
-  /// read anyway.
-  static bool prepare(const Dense<S>& weight);
-  static Dense<S> linear(const Dense<S>& x, const Dense<S>& weight, const Dense<S>* bias, Activation act,
-                         const Dense<S>* residual, const Dropout& drop = {});
-
-  /// nn/conv1d.hpp, without dilation. The sequences of x lie in it by `before`, those of the result by `after`.
-  static Dense<S> conv1d(const Dense<S>& x, const Offsets& before, const Offsets& after, const Dense<S>& weight,
-                         const Dense<S>* bias, Index stride, Index padding, Activation act);
-  static Dense<S> conv1d_weight_vjp(const Dense<S>& x, const Offsets& before, const Offsets& after, Index taps,
-                                    Index stride, Index padding, const Dense<S>& dy);
-  static Dense<S> conv1d_input_vjp(const Dense<S>& weight, const Offsets& before, const Offsets& after, Index stride,
-                                   Index padding, const Dense<S>& dy);
-
-  static Dense<S> activate(const Dense<S>& x, Activation act, const Dropout& drop = {});
-  static Dense<S> activate_vjp(const Dense<S>& x, const Dense<S>& dy, Activation act, const Dropout& drop = {});
-
-  static Dense<S> layer_norm(const Dense<S>& x, const Dense<S>& weight, const Dense<S>& bias, double eps);
-  static Dense<S> add_layer_norm(const Dense<S>& x, const Dense<S>& residual, const Dense<S>& weight,
-                                 const Dense<S>& bias, double eps);
-  /// {dx, dweight, dbias}
-  static std::array<Dense<S>, 3> layer_norm_vjp(const Dense<S>& x, const Dense<S>& weight, double eps,
-                                                const Dense<S>& dy);
-
-  static Dense<S> softmax(const Dense<S>& x);
-  static Dense<S> dropout(const Dense<S>& x, const Dropout& d);
-
-  static Dense<S> attention(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v, const Offsets& q_offsets,
-                            const Offsets& k_offsets, const AttentionOptions& options,
-                            const Dense<S>* relative_scores = nullptr);
-  /// {dq, dk, dv}
-  static std::array<Dense<S>, 3> attention_vjp(const Dense<S>& q, const Dense<S>& k, const Dense<S>& v,
-                                               const Offsets& q_offsets, const Offsets& k_offsets,
-                                               const AttentionOptions& options, const Dense<S>& dy);
-  static Dense<S> self_attention(const Dense<S>& qkv, const Offsets& offsets, const AttentionOptions& options);
-  static Dense<S> self_attention_vjp(const Dense<S>& qkv, const Offsets& offsets, const AttentionOptions& options,
-                                     const Dense<S>& dy);
-
-  /// Updates parameter and moments in place when nobody else holds them, else makes new ones.
-  static void adamw(Dense<S>& parameter, Dense<S>& m, Dense<S>& v, const Dense<S>& gradient, const AdamwUpdate& update);
-};
-
-MOTIONLANG_NAMESPACE_END
-
-#ifdef MOTIONLANG_INSTANTIATED
-extern template struct motionlang::KernelOps<float>;
-extern template struct motionlang::KernelOps<double>;
-#else
-#endif
-#endif
-
 MOTIONLANG_NAMESPACE_BEGIN
 
 template <Scalar S>
@@ -109,13 +29,8 @@ struct XtensorBackend : DenseOps<S>, KernelOps<S> {
 
 MOTIONLANG_NAMESPACE_END
 
-#ifdef MOTIONLANG_INSTANTIATED
-extern template struct motionlang::XtensorBackend<float>;
-extern template struct motionlang::XtensorBackend<double>;
-#else
-
-#ifndef MOTIONLANG_HAS_BACKEND_DETAIL_XTENSOR_IMPL_HPP  // <motionlang/backend/detail/xtensor_impl.hpp>
-#define MOTIONLANG_HAS_BACKEND_DETAIL_XTENSOR_IMPL_HPP
+#ifndef MOTIONLANG_HAS_BACKEND_XTENSOR_IPP  // <motionlang/backend/xtensor.ipp>
+#define MOTIONLANG_HAS_BACKEND_XTENSOR_IPP
 /// Bodies of xtensor.hpp. The only header that includes xtensor, whose files moved in version 0.26.
 
 #if __has_include(<xtensor/containers/xadapt.hpp>)
@@ -238,7 +153,6 @@ Dense<S> XtensorBackend<S>::max(const tensor& a, int axis) {
 }
 
 MOTIONLANG_NAMESPACE_END
-#endif
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN

@@ -8,6 +8,7 @@
 #include <motionlang/file/detail/bytes.hpp>
 #include <motionlang/file/file.hpp>
 #include <motionlang/formats/skeleton_table_file.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/standing_skeleton.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN

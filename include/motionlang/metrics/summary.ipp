@@ -2,6 +2,7 @@
 // Bodies of summary.hpp.
 #pragma once
 
+#include <cmath>    // sqrt
 #include <numeric>  // accumulate
 #include <vector>   // percent
 

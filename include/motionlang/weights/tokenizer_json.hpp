@@ -8,6 +8,7 @@
 /// Source  spec text-encoders.md 9.2, 10
 #pragma once
 
+#include <map>      // tokens
 #include <variant>  // BERT or CLIP
 
 #include <motionlang/weights/tokenizer_files.hpp>

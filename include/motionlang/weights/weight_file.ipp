@@ -5,6 +5,7 @@
 #include <algorithm>      // find, none_of
 #include <unordered_map>  // objects that were looked into
 
+#include <motionlang/core/sort.hpp>
 #include <motionlang/file/detail/inflate.hpp>
 #include <motionlang/file/gzip.hpp>
 #include <motionlang/file/json.hpp>  // weight_map

@@ -2,8 +2,9 @@
 /// What a film strip is drawn with: the shapes, and two surfaces that take them, one for SVG, one for pixels.
 #pragma once
 
-#include <array>  // colours
-#include <cmath>  // distances
+#include <algorithm>  // clamp
+#include <array>      // colours
+#include <cmath>      // distances
 
 #include <motionlang/file/png.hpp>
 #include <motionlang/geometry/vec.hpp>
