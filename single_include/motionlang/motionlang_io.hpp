@@ -11122,6 +11122,12 @@ void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, con
 void write_humanml3d_statistics(const FilePath& folder, std::span<const float> mean, std::span<const float> deviation,
                                 const HumanMl3dForm& form = {});
 
+namespace detail {
+
+/// The values of an array of this shape, or of any number of rows of it. Throws io_error 407 for another shape.
+std::vector<float> read_rows(const FilePath& path, std::vector<Index> shape, bool any_number = false);
+
+}  // namespace detail
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_HUMANML3D_FOLDER_IPP  // <motionlang/datasets/humanml3d_folder.ipp>
@@ -11139,8 +11145,7 @@ namespace detail {
 
 inline FilePath below(const FilePath& folder, std::string_view name) { return concat_text(folder.string(), "/", name); }
 
-/// The values of an array of this shape, or of any number of rows of it. Throws io_error 407 for another shape.
-inline std::vector<float> read_rows(const FilePath& path, std::vector<Index> shape, bool any_number = false) {
+MOTIONLANG_BODY std::vector<float> read_rows(const FilePath& path, std::vector<Index> shape, bool any_number) {
   const NpyArray array = read_npy(path);
   if (any_number && !array.shape.empty()) shape.insert(shape.begin(), array.shape[0]);
   if (array.shape != shape) {

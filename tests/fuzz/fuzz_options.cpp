@@ -1,6 +1,8 @@
 // Options of training runs in every form: any text is read or refused with an error of the library; values are found by
 // their paths, references end, and what is read is not much more than the text.
+#include <algorithm>
 #include <cstdint>
+#include <span>
 
 #include <motionlang/file/options_file.hpp>
 

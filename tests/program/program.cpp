@@ -11,6 +11,7 @@
 #include <motionlang/file/id_list.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/glb_reader.hpp>
+#include <motionlang/formats/glb_writer.hpp>
 #include <motionlang/formats/motion_npy.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>

@@ -7,6 +7,7 @@
 
 #include <motionlang/compose/body_part_lexicon.hpp>
 #include <motionlang/compose/sinc_composition.hpp>
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/datasets/body_part_table.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>

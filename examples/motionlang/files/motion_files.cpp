@@ -6,10 +6,11 @@
 #include <cerrno>
 #include <cstdio>
 
+#include <motionlang/core/text_lines.hpp>
+#include <motionlang/features/guoh3d.hpp>
 #include <motionlang/file/id_list.hpp>
 #include <motionlang/file/npy.hpp>
 #include <motionlang/file/npz.hpp>
-#include <motionlang/features/guoh3d.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/amc.hpp>
 #include <motionlang/formats/bvh.hpp>

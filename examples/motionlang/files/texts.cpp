@@ -4,6 +4,7 @@
 #include <map>
 #include <vector>  // erase_if
 
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/datasets/babel.hpp>
 #include <motionlang/datasets/humanml3d_texts.hpp>
 

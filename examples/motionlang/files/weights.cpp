@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 
+#include <motionlang/file/npz.hpp>
 #include <motionlang/formats/amass_sequence.hpp>
 #include <motionlang/weights/module_file.hpp>
 #include <motionlang/weights/weight_file.hpp>

@@ -4,6 +4,8 @@
 #include <map>
 
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/datasets/humanml3d_folder.hpp>
+#include <motionlang/file/json.hpp>
 #include <motionlang/weights/tm2t_run.hpp>
 
 #include "../commands.hpp"

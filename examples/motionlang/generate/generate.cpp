@@ -8,6 +8,7 @@
 #include <motionlang/compose/detail/seconds_text.hpp>
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/compose/timeline_text.hpp>
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/core/utf8.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/bvh.hpp>

@@ -10,6 +10,7 @@
 
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/rng.hpp>
+#include <motionlang/datasets/humanml3d_folder.hpp>
 #include <motionlang/file/npy.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/text/mirror_caption.hpp>

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/datasets/guo_clip.hpp>
 #include <motionlang/metrics/bert_score.hpp>
 #include <motionlang/metrics/captions.hpp>

@@ -97,6 +97,12 @@ void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip, con
 void write_humanml3d_statistics(const FilePath& folder, std::span<const float> mean, std::span<const float> deviation,
                                 const HumanMl3dForm& form = {});
 
+namespace detail {
+
+/// The values of an array of this shape, or of any number of rows of it. Throws io_error 407 for another shape.
+std::vector<float> read_rows(const FilePath& path, std::vector<Index> shape, bool any_number = false);
+
+}  // namespace detail
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_INSTANTIATED

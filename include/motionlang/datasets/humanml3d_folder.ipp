@@ -21,8 +21,7 @@ namespace detail {
 
 inline FilePath below(const FilePath& folder, std::string_view name) { return concat_text(folder.string(), "/", name); }
 
-/// The values of an array of this shape, or of any number of rows of it. Throws io_error 407 for another shape.
-inline std::vector<float> read_rows(const FilePath& path, std::vector<Index> shape, bool any_number = false) {
+MOTIONLANG_BODY std::vector<float> read_rows(const FilePath& path, std::vector<Index> shape, bool any_number) {
   const NpyArray array = read_npy(path);
   if (any_number && !array.shape.empty()) shape.insert(shape.begin(), array.shape[0]);
   if (array.shape != shape) {

@@ -3,6 +3,7 @@
 
 #include <motionlang/formats/glb_rig.hpp>
 #include <motionlang/formats/skeleton_table_file.hpp>
+#include <motionlang/geometry/so3.hpp>
 
 #include "../../support/rigs.hpp"
 #include "../../support/synthetic_motion.hpp"

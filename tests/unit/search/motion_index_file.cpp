@@ -1,6 +1,7 @@
 // Index files: what is written is read, and a file that was cut off or changed is refused.
 #include <doctest/doctest.h>
 
+#include <motionlang/file/detail/bytes.hpp>
 #include <motionlang/search/motion_index_file.hpp>
 
 #include "../../support/check_error.hpp"

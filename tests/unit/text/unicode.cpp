@@ -1,5 +1,6 @@
 // Classes of characters, lower case, NFD and NFC: single cases, and with utf8proc every code point and random
 // sequences.
+#include <motionlang/text/detail/unicode_tables.hpp>
 #include <motionlang/text/unicode.hpp>
 
 #include <doctest/doctest.h>
