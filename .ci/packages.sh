@@ -1,5 +1,5 @@
 # need PACKAGE...: installs the Debian packages that are missing. Where it cannot, it says which they are and goes on: CMake
-# fetches the libraries from their repositories instead. Sourced by examples/run.sh and tests/run.sh.
+# fetches the libraries from their repositories instead. Sourced by examples/run.sh, tests/run.sh and the gates.
 need() {
   missing=
   for package in "$@"; do
@@ -21,14 +21,19 @@ need() {
     echo "apt-get failed, see ${TMPDIR:-/tmp}/motionlang-packages.log; going on without"
 }
 
-# build PRESET TARGET...: configures (with $options, if set) and compiles, quietly but with progress.
-build() {
-  preset=$1
-  shift
+# configure PRESET: quietly, with $options, if set.
+configure() {
   command -v cmake >/dev/null || { echo "cmake (3.24 or newer) is needed: https://cmake.org/download"; exit 1; }
   generator=Ninja
   command -v ninja >/dev/null || generator="Unix Makefiles"
-  cmake --preset "$preset" -G "$generator" ${options:-} >"${TMPDIR:-/tmp}/motionlang-configure.log" 2>&1 ||
+  cmake --preset "$1" -G "$generator" ${options:-} >"${TMPDIR:-/tmp}/motionlang-configure.log" 2>&1 ||
     { sed -n '/CMake Error/,$p' "${TMPDIR:-/tmp}/motionlang-configure.log"; exit 1; }
+}
+
+# build PRESET TARGET...: configures and compiles, with progress.
+build() {
+  preset=$1
+  shift
+  configure "$preset"
   cmake --build "build/$preset" -j "$(nproc)" ${1:+--target "$@"}
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// The whole library but for what needs a third-party package: add the backends that you use, and the files.
+/// The whole library except what needs a third-party package: add the backends that you use, and the files.
 ///
 ///     #include <motionlang/motionlang.hpp>
 ///     #include <motionlang/backend/eigen.hpp>    // or backend/xtensor.hpp
-///     #include <motionlang/formats/bvh.hpp>           // and whichever of io/
+///     #include <motionlang/formats/bvh.hpp>    // and other headers of formats/, datasets/, weights/, view/
 #pragma once
 
 #include <motionlang/fwd.hpp>

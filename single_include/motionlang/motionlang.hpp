@@ -4,11 +4,11 @@
 
 #ifndef MOTIONLANG_HAS_MOTIONLANG_HPP  // <motionlang/motionlang.hpp>
 #define MOTIONLANG_HAS_MOTIONLANG_HPP
-/// The whole library but for what needs a third-party package: add the backends that you use, and the files.
+/// The whole library except what needs a third-party package: add the backends that you use, and the files.
 ///
 ///     #include <motionlang/motionlang.hpp>
 ///     #include <motionlang/backend/eigen.hpp>    // or backend/xtensor.hpp
-///     #include <motionlang/formats/bvh.hpp>           // and whichever of io/
+///     #include <motionlang/formats/bvh.hpp>    // and other headers of formats/, datasets/, weights/, view/
 
 #ifndef MOTIONLANG_HAS_FWD_HPP  // <motionlang/fwd.hpp>
 #define MOTIONLANG_HAS_FWD_HPP
@@ -10443,8 +10443,8 @@ std::string to_string(const RetargetReport& r);
 /// How one skeleton follows another; made once, used for every clip.
 class SkeletonMap {
  public:
-  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for axes
-  /// that are none, or hips that a skeleton has not), and if a skeleton does not stand at rest by its table; 101 if the
+  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for
+  /// unknown axes, or hips that a skeleton lacks), and if a skeleton does not stand at rest by its table; 101 if the
   /// legs of a skeleton have no length.
   SkeletonMap(const Skeleton& source, const SkeletonTable& source_table, const Skeleton& target,
               const SkeletonTable& target_table);
@@ -12102,9 +12102,8 @@ struct Decoded {
 
 /// next     takes `count` beginnings of one length
 /// uniform(step, row)  a number of [0, 1), or nullptr: the most probable symbols are taken. Marks are never drawn;
-///                     where the end is
-///          the most probable symbol, it is written. A sequence that has ended goes on until the last one has; then
-///          nothing is written in that step
+///          where the end is the most probable symbol, it is written. A sequence that has ended goes on until the last
+///          one has; then nothing is written in that step
 /// Throws   numeric_error 302 where nothing but marks could be drawn
 template <class Next, class Uniform = std::nullptr_t>
 Decoded decode_batch(Next&& next, Index count, const DecodingOptions& o, Uniform&& uniform = nullptr) {
@@ -15520,7 +15519,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// As published, unless something is said.
+/// The defaults are as published.
 struct Guoh3dOptions {
   ChainRotationOptions rotations{.facing = {.sigma = 20}};
   /// false: where the heading passes 180 degrees, the turn of that frame gets the wrong sign.
@@ -18786,8 +18785,8 @@ struct DenoiserTraits {
 
 /// A network that cleans noisy sequences given a text for each.
 ///     x (frames of all sequences, features), t (one step number per sequence), text (one per sequence) -> as x
-/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), but for
-///          last digits in bf16x3 (core/precision.hpp)
+/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), except
+///          the last digits in bf16x3 (core/precision.hpp)
 /// Models   MdmSmplDenoiser, MdmDenoiser, MotionDiffuseDenoiser, and yours
 template <class D, class B>
 concept Denoiser = Module<D> &&
@@ -19767,7 +19766,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Turns texts into vectors: one sequence of tokens for each, a single row if it pools.
-/// Laws     a text gives the same features alone and among others (but for last digits in bf16x3); "" is a text like
+/// Laws     a text gives the same features alone and among others (except the last digits in bf16x3); "" is a text like
 ///          any other
 /// Models   CaptionEncoder, and yours
 template <class E, class B>
@@ -20053,9 +20052,9 @@ MOTIONLANG_NAMESPACE_END
 ///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);   //
 ///     weights/text_network_file.hpp const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
 ///
-/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others (but for last
-/// digits in bf16x3). Loading a file packs the weights for the kernels; a network that was made otherwise is made ready
-/// with `prepare`. On an Autodiff backend it is trained.
+/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others (except the
+/// last digits in bf16x3). Loading a file packs the weights for the kernels; a network that was made otherwise is made
+/// ready with `prepare`. On an Autodiff backend it is trained.
 
 #ifndef MOTIONLANG_HAS_TEXT_TOKEN_OFFSETS_HPP  // <motionlang/text/token_offsets.hpp>
 #define MOTIONLANG_HAS_TEXT_TOKEN_OFFSETS_HPP
@@ -23272,8 +23271,8 @@ std::optional<SpeechTag> motion_tag(std::string_view word);
 /// Vectors of words, with "sos", "eos" and "unk" among them.
 class GloVe {
  public:
-  /// vectors has a row of `width` numbers for each word. Throws shape_error 205 if it has not, config_error 103 if sos,
-  /// eos or unk is missing or a word is duplicated.
+  /// vectors has a row of `width` numbers for each word. Throws shape_error 205 for another size, config_error 103 if
+  /// sos, eos or unk is missing or a word is duplicated.
   GloVe(const std::vector<std::string>& words, std::vector<float> vectors, Index width);
 
   Index size() const { return static_cast<Index>(row_.size()); }
@@ -26226,8 +26225,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct TimelineTextOptions {
   double fps = 20;  // frame = trunc(fps * seconds)
-  bool as_published =
-      false;  // take intervals without a frame, and texts without parts as they are; else those move all
+  /// Take intervals without a frame and texts without parts as they are. Else texts without parts move the whole body.
+  bool as_published = false;
   std::string_view name = "timeline";  // of the file, for messages
 };
 
@@ -30759,10 +30758,10 @@ class KeptRows {
 
 }  // namespace detail
 
-/// As stmc.generate, with one motion to keep for each timeline. What is kept comes back as it was, but for the rounding
-/// of the normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline does not
-/// have, 102 for another number of motions and for other modes than StmcMode::stmc, shape_error 205 for other features,
-/// numeric_error 301.
+/// As stmc.generate, with one motion to keep for each timeline. What is kept comes back as it was, except for the
+/// rounding of the normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline
+/// does not have, 102 for another number of motions and for other modes than StmcMode::stmc, shape_error 205 for other
+/// features, numeric_error 301.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                           const Philox& rng, const StmcOptions& options,
@@ -31668,7 +31667,7 @@ class MotionIndex {
     bool operator==(const Moment&) const = default;
   };
 
-  /// Without clips. Throws config_error 101 for sizes and rates that are none.
+  /// Without clips. Throws config_error 101 for sizes and rates that are not positive.
   explicit MotionIndex(IndexModel model);
   /// From tables that a file has; rows of length 1. Throws io_error 403 if they do not fit each other, numeric_error
   /// 302.
@@ -32198,7 +32197,7 @@ struct GradientKernels {
 };
 
 /// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels
-/// that are the same for all instruction sets, but for numbers below 2^-126.
+/// that are the same for all instruction sets, except numbers below 2^-126.
 struct Bf16Kernels {
   const char* name;
   Index tile_rows;
@@ -33568,7 +33567,7 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 // processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
-//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126,
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
 //            which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
 //   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
@@ -33599,7 +33598,7 @@ MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
 /// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
@@ -35317,7 +35316,7 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 // processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
-//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126,
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
 //            which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
 //   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
@@ -35348,7 +35347,7 @@ MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
 /// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
@@ -37064,7 +37063,7 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 // processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
-//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126,
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
 //            which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
 //   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
@@ -37095,7 +37094,7 @@ MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
 /// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {

@@ -1032,8 +1032,8 @@ nlohmann::json parse_json_part(std::string_view text, std::size_t begin, std::si
 
 }  // namespace detail
 
-/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column, also where a name stands
-/// twice in an object.
+/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column, also where an object has a
+/// duplicate name.
 nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON");
 
 /// Reads a file. Throws io_error 401, 403.
@@ -4215,7 +4215,7 @@ void convert_numbers(const TensorView& view, std::span<T> out) {
 template <class T>
 void copy_values(const TensorView& view, std::span<T> out) {
   if (view.bytes.size() * 8 != out.size() * static_cast<std::size_t>(info(view.dtype).bits)) {
-    raise<shape_error>(205, "tensor '", view.name, "' of shape ", view.shape, " has not ",
+    raise<shape_error>(205, "tensor '", view.name, "' of shape ", view.shape, " does not have ",
                        counted(out.size(), "value"));
   }
   if constexpr (std::integral<T>) {
@@ -6471,8 +6471,8 @@ struct BodyFileOptions {
   /// SMPL-X: directions of shape in the file. 0: known of files with 400 directions (300) and 20 (10), in others all of
   /// them.
   Index shape_directions = 0;
-  bool extra_points =
-      true;  // nose, eyes, ears, feet, finger tips (kinematics/body.hpp), if the vertices are those of the kind
+  /// Nose, eyes, ears, feet and finger tips (kinematics/body.hpp), if the vertices are those of the kind.
+  bool extra_points = true;
 };
 
 namespace detail {
@@ -9865,8 +9865,8 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// The table of a text for a skeleton.
-/// Throws  with the line: io_error 403 for a line that has not two or three fields, config_error 103 for a joint that
-///         SMPL or the skeleton has not, and for axes that are none, 102 for a second line of the same joint;
+/// Throws  with the line: io_error 403 for a line without two or three fields, config_error 103 for a joint that
+///         SMPL or the skeleton lacks, and for unknown axes, 102 for a second line of the same joint;
 ///         config_error 103 if the pelvis, a hip, a knee or an ankle has no line
 SkeletonTable parse_skeleton_table(std::string_view text, const Skeleton& skeleton,
                                    std::string_view name = "table of joints");
@@ -10762,7 +10762,7 @@ Index humanml3d_lead(std::string_view source_path);
 
 /// The frames of a sequence that a row of the index takes: every floor(fps / 20)-th, behind the lead, from start to
 /// end. An end behind the last frame is the last frame, as Python slices are. Empty if the sequence is too short.
-/// Throws config_error 101 for a rate below 20 frames per second and for frames that are negative (but for end -1).
+/// Throws config_error 101 for a rate below 20 frames per second and for frames that are negative (except end -1).
 std::vector<Index> humanml3d_source_frames(const HumanMl3dSource& row, Index frames, double fps,
                                            const HumanMl3dSourceOptions& options = {});
 
@@ -10794,7 +10794,7 @@ std::vector<Vec3<S>> humanml3d_source_joints(const HumanMl3dSource& row, Index f
 
 /// Joints of some frames of a sequence with a body model, (frames, J), in the sequence's own world. The model takes the
 /// first rotations and shape coefficients that it has use for: SMPL-H all 52 joints, HumanML3D 10 coefficients.
-/// Throws shape_error 205 if the sequence has fewer of them, 203 for a frame that it has not.
+/// Throws shape_error 205 if the sequence has fewer of them, 203 for a frame that it lacks.
 template <Backend B>
 std::vector<Vec3<typename B::scalar>> posed_joints(const BodyModel<B>& model, const AmassSequence& sequence,
                                                    std::span<const Index> frames) {
@@ -12831,7 +12831,8 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Prefix   what stands before the name of the word embedding ("embeddings.word_embeddings.weight",
 ///          "token_embedding.weight") stands before all names of the network: "distilbert.", "bert.",
-///          "textencoder.text_model." (TEMOS, TEACH, SINC), "clip_model." (MDM) ... Tensors with other names are not read
+///          "textencoder.text_model." (TEMOS, TEACH, SINC), "clip_model." (MDM) ... Tensors with other names are not
+///          read
 /// Ignored  position_ids, poolers, heads of the pre-training (vocab_*, cls.*, lm_head.*); CLIP: logit_scale and the
 ///          image tower
 /// Aliases  LayerNorm.gamma and .beta for .weight and .bias; CLIP in the form of Hugging Face, whose projections of
@@ -19045,7 +19046,7 @@ template <Backend B>
 std::string body_viewer_html(const Body<B>& body, std::span<const ViewerMotion> motions,
                              std::span<const typename B::scalar> betas = {}, const ViewerOptions& options = {}) {
   if (body.faces.empty()) raise<config_error>(101, "viewer: the body has no faces");
-  const Skeleton skeleton = body_skeleton(body, betas);  // refuses betas that the body has not
+  const Skeleton skeleton = body_skeleton(body, betas);  // refuses betas that the body lacks
   const auto mesh = detail::body_mesh(body, betas);
   std::vector<ViewerMotion> own;
   for (const ViewerMotion& m : motions) own.push_back({motion_on_body(body, m.motion, betas), m.tracks, m.note});

@@ -3749,7 +3749,7 @@ struct GradientKernels {
 };
 
 /// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels
-/// that are the same for all instruction sets, but for numbers below 2^-126.
+/// that are the same for all instruction sets, except numbers below 2^-126.
 struct Bf16Kernels {
   const char* name;
   Index tile_rows;
@@ -5119,7 +5119,7 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 // processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
-//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126,
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
 //            which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
 //   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
@@ -5150,7 +5150,7 @@ MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
 /// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
@@ -6868,7 +6868,7 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 // processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
-//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126,
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
 //            which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
 //   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
@@ -6899,7 +6899,7 @@ MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
 /// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
@@ -8615,7 +8615,7 @@ void adamw(const AdamwStep<S>& t, Index first, Index last) {
 // processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
 //
 //   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
-//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, but for numbers below 2^-126,
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
 //            which some round to 0.
 //   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
 //   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
@@ -8646,7 +8646,7 @@ MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(
 MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
 MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
 
-/// The same as round_row of a tile (but for numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
 /// squares of lanes are transposed.
 template <class Element>
 void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
@@ -10861,8 +10861,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct TimelineTextOptions {
   double fps = 20;  // frame = trunc(fps * seconds)
-  bool as_published =
-      false;  // take intervals without a frame, and texts without parts as they are; else those move all
+  /// Take intervals without a frame and texts without parts as they are. Else texts without parts move the whole body.
+  bool as_published = false;
   std::string_view name = "timeline";  // of the file, for messages
 };
 
@@ -11908,8 +11908,8 @@ struct DenoiserTraits {
 
 /// A network that cleans noisy sequences given a text for each.
 ///     x (frames of all sequences, features), t (one step number per sequence), text (one per sequence) -> as x
-/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), but for
-///          last digits in bf16x3 (core/precision.hpp)
+/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), except
+///          the last digits in bf16x3 (core/precision.hpp)
 /// Models   MdmSmplDenoiser, MdmDenoiser, MotionDiffuseDenoiser, and yours
 template <class D, class B>
 concept Denoiser = Module<D> &&
@@ -14224,7 +14224,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Turns texts into vectors: one sequence of tokens for each, a single row if it pools.
-/// Laws     a text gives the same features alone and among others (but for last digits in bf16x3); "" is a text like
+/// Laws     a text gives the same features alone and among others (except the last digits in bf16x3); "" is a text like
 ///          any other
 /// Models   CaptionEncoder, and yours
 template <class E, class B>
@@ -17050,7 +17050,7 @@ void convert_numbers(const TensorView& view, std::span<T> out) {
 template <class T>
 void copy_values(const TensorView& view, std::span<T> out) {
   if (view.bytes.size() * 8 != out.size() * static_cast<std::size_t>(info(view.dtype).bits)) {
-    raise<shape_error>(205, "tensor '", view.name, "' of shape ", view.shape, " has not ",
+    raise<shape_error>(205, "tensor '", view.name, "' of shape ", view.shape, " does not have ",
                        counted(out.size(), "value"));
   }
   if constexpr (std::integral<T>) {

@@ -78,9 +78,9 @@ endforeach()
 
 # Takes away what includes nothing that is left, until nothing changes: circles are left.
 list(REMOVE_DUPLICATES nodes)
-set(before)
-while(NOT nodes STREQUAL before)
-  set(before ${nodes})
+set(before "none yet")
+while(NOT "${nodes}" STREQUAL "${before}")
+  set(before "${nodes}")
   foreach(node ${before})
     list(REMOVE_ITEM included_by_${node} ${node})
     set(waits FALSE)

@@ -8,6 +8,7 @@ if [ $# -eq 0 ]; then
   cd "$here/../.."
   . "$here/sources.sh"
   set -- $(sources)
+  [ $# -gt 100 ] || { echo "only $# sources found"; exit 1; }
 fi
 command -v clang-format-14 >/dev/null || { echo "clang-format-14 is needed (Debian: clang-format-14)"; exit 1; }
 code=0

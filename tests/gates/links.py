@@ -46,7 +46,7 @@ for file in files:
     page = file.suffix == ".md"
     for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
         if not page:
-            comment = re.search(r"(//|/\*|^ \*|#(?!include|if|define|undef|elif|else|endif|pragma|error))", line.lstrip() if line.startswith(" *") else line)
+            comment = re.search(r"//|/\*|^\s*\*|#(?!include|if|define|undef|elif|else|endif|pragma|error)", line)
             if comment is None:
                 continue
             line = line[comment.start():]

@@ -5,11 +5,13 @@ set -eu
 cd "$(dirname "$0")/../.."
 . .ci/packages.sh
 if [ $# -eq 0 ]; then
-  set -- unit_file unit_formats unit_datasets unit_weights unit_text unit_compose \
+  set -- unit_file unit_formats unit_datasets unit_weights unit_text unit_compose unit_search unit_view \
+    systems_official_folders systems_weight_limits \
     $(cd tests/fuzz && ls fuzz_*.cpp | sed 's/fuzz_\(.*\)\.cpp/replay_\1/')
 fi
 build sanitizers "$@"
-log=${TMPDIR:-/tmp}/motionlang-sanitizers.log
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
 code=0
 for test in "$@"; do
   corpus=

@@ -1,22 +1,21 @@
 #!/bin/sh
 # Gate: clang-tidy 14, with the checks of .clang-tidy, finds nothing.
-#     sh tests/gates/tidy.sh BUILD all | changed | tenth | FILE ...
+#     sh tests/gates/tidy.sh all | changed | tenth | FILE ...
 #
-# BUILD     a build folder: its compile_commands.json has the options of every source
 # changed   what differs from the last merge, or from TIDY_BASE
 # tenth     every tenth file, other ones with every commit
 #
-# Headers are looked at together, in one unit that includes them; sources one by one. After TIDY_MINUTES no further unit is
+# Headers of include/ are looked at together, in one unit that includes them, with their bodies (.ipp); sources one by one, with
+# the options of the preset tidy. Headers of examples/ and tests/ are not looked at. After TIDY_MINUTES no further unit is
 # begun, and those left out are reported.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
-build=$(cd "$1" && pwd)
-shift
 cd "$here/../.."
 . "$here/sources.sh"
+. .ci/packages.sh
 command -v clang-tidy-14 >/dev/null || { echo "clang-tidy-14 is needed (Debian: clang-tidy-14)"; exit 1; }
 last_merge() { git rev-list --merges --max-count=1 HEAD^ 2>/dev/null || true; }
-ours() { grep -E '^(include|examples|tests/(unit|laws|ops|systems|program|golden))/.*\.(hpp|cpp)$' || true; }
+ours() { grep -E '^include/.*\.(hpp|ipp)$|^(include|examples|tests)/.*\.cpp$' || true; }
 case ${1:-all} in
   all) files=$(sources | ours) ;;
   changed)
@@ -27,11 +26,13 @@ case ${1:-all} in
   tenth) files=$(sources | ours | awk -v n="$(git rev-list --count HEAD)" 'NR % 10 == n % 10') ;;
   *) files=$* ;;
 esac
-mkdir -p "$build/tidy"
+configure tidy
+folder=build/tidy/gate
+mkdir -p $folder
 # shellcheck disable=SC2086
-python3 "$here/tidy_commands.py" "$build" $files >"$build/tidy/units.txt"
-echo "clang-tidy looks at $(echo "$files" | wc -w) files in $(wc -l <"$build/tidy/units.txt") units"
+python3 "$here/tidy_commands.py" build/tidy $files >$folder/units.txt
+echo "clang-tidy looks at $(echo "$files" | wc -w) files in $(wc -l <$folder/units.txt) units"
 deadline=$(($(date +%s) + ${TIDY_MINUTES:-10000} * 60))
-xargs -a "$build/tidy/units.txt" -P "$(nproc)" -I{} sh -c '
+xargs -a $folder/units.txt -P "$(nproc)" -I{} sh -c '
   [ "$(date +%s)" -lt "$1" ] || { echo "left out, for time: {}"; exit 0; }
-  clang-tidy-14 --quiet -p "$0/tidy" --header-filter="$(cat "$0/tidy/headers.txt")" "{}" 2>/dev/null' "$build" "$deadline"
+  clang-tidy-14 --quiet -p "$0" --header-filter="$(cat "$0/headers.txt")" "{}" 2>/dev/null' "$folder" "$deadline"

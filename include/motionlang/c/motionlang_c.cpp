@@ -123,7 +123,7 @@ int motionlang_read_motion(const char* file, motionlang_motion** motion) {
     const char* name = &given(file, "file");
     if (ends_with(name, ".bvh")) return ml::read_bvh_motion(name);
     if (ends_with(name, ".glb") || ends_with(name, ".gltf")) return ml::read_glb(name);
-    ml::raise<ml::config_error>(103, "motionlang_read_motion: ", name, " is none of .bvh, .glb, .gltf");
+    ml::raise<ml::config_error>(103, "motionlang_read_motion: ", name, " is not one of .bvh, .glb, .gltf");
   });
 }
 int motionlang_write_motion(const motionlang_motion* motion, const char* file) {
@@ -137,7 +137,7 @@ int motionlang_write_motion(const motionlang_motion* motion, const char* file) {
     } else if (ends_with(name, ".html")) {
       ml::write_viewer(name, m);
     } else {
-      ml::raise<ml::config_error>(103, "motionlang_write_motion: ", name, " is none of .bvh, .glb, .html");
+      ml::raise<ml::config_error>(103, "motionlang_write_motion: ", name, " is not one of .bvh, .glb, .html");
     }
   });
 }

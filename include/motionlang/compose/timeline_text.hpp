@@ -25,8 +25,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct TimelineTextOptions {
   double fps = 20;  // frame = trunc(fps * seconds)
-  bool as_published =
-      false;  // take intervals without a frame, and texts without parts as they are; else those move all
+  /// Take intervals without a frame and texts without parts as they are. Else texts without parts move the whole body.
+  bool as_published = false;
   std::string_view name = "timeline";  // of the file, for messages
 };
 

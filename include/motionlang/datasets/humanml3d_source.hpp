@@ -48,7 +48,7 @@ Index humanml3d_lead(std::string_view source_path);
 
 /// The frames of a sequence that a row of the index takes: every floor(fps / 20)-th, behind the lead, from start to
 /// end. An end behind the last frame is the last frame, as Python slices are. Empty if the sequence is too short.
-/// Throws config_error 101 for a rate below 20 frames per second and for frames that are negative (but for end -1).
+/// Throws config_error 101 for a rate below 20 frames per second and for frames that are negative (except end -1).
 std::vector<Index> humanml3d_source_frames(const HumanMl3dSource& row, Index frames, double fps,
                                            const HumanMl3dSourceOptions& options = {});
 
@@ -80,7 +80,7 @@ std::vector<Vec3<S>> humanml3d_source_joints(const HumanMl3dSource& row, Index f
 
 /// Joints of some frames of a sequence with a body model, (frames, J), in the sequence's own world. The model takes the
 /// first rotations and shape coefficients that it has use for: SMPL-H all 52 joints, HumanML3D 10 coefficients.
-/// Throws shape_error 205 if the sequence has fewer of them, 203 for a frame that it has not.
+/// Throws shape_error 205 if the sequence has fewer of them, 203 for a frame that it lacks.
 template <Backend B>
 std::vector<Vec3<typename B::scalar>> posed_joints(const BodyModel<B>& model, const AmassSequence& sequence,
                                                    std::span<const Index> frames) {

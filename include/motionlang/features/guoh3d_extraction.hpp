@@ -24,7 +24,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// As published, unless something is said.
+/// The defaults are as published.
 struct Guoh3dOptions {
   ChainRotationOptions rotations{.facing = {.sigma = 20}};
   /// false: where the heading passes 180 degrees, the turn of that frame gets the wrong sign.

@@ -41,8 +41,8 @@ nlohmann::json parse_json_part(std::string_view text, std::size_t begin, std::si
 
 }  // namespace detail
 
-/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column, also where a name stands
-/// twice in an object.
+/// Reads a document. `name` stands in messages. Throws io_error 403 with line and column, also where an object has a
+/// duplicate name.
 nlohmann::json parse_json(std::string_view text, std::string_view name = "JSON");
 
 /// Reads a file. Throws io_error 401, 403.

@@ -150,7 +150,7 @@ void convert_numbers(const TensorView& view, std::span<T> out) {
 template <class T>
 void copy_values(const TensorView& view, std::span<T> out) {
   if (view.bytes.size() * 8 != out.size() * static_cast<std::size_t>(info(view.dtype).bits)) {
-    raise<shape_error>(205, "tensor '", view.name, "' of shape ", view.shape, " has not ",
+    raise<shape_error>(205, "tensor '", view.name, "' of shape ", view.shape, " does not have ",
                        counted(out.size(), "value"));
   }
   if constexpr (std::integral<T>) {

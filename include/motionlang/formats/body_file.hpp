@@ -35,8 +35,8 @@ struct BodyFileOptions {
   /// SMPL-X: directions of shape in the file. 0: known of files with 400 directions (300) and 20 (10), in others all of
   /// them.
   Index shape_directions = 0;
-  bool extra_points =
-      true;  // nose, eyes, ears, feet, finger tips (kinematics/body.hpp), if the vertices are those of the kind
+  /// Nose, eyes, ears, feet and finger tips (kinematics/body.hpp), if the vertices are those of the kind.
+  bool extra_points = true;
 };
 
 namespace detail {

@@ -16,8 +16,8 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// The table of a text for a skeleton.
-/// Throws  with the line: io_error 403 for a line that has not two or three fields, config_error 103 for a joint that
-///         SMPL or the skeleton has not, and for axes that are none, 102 for a second line of the same joint;
+/// Throws  with the line: io_error 403 for a line without two or three fields, config_error 103 for a joint that
+///         SMPL or the skeleton lacks, and for unknown axes, 102 for a second line of the same joint;
 ///         config_error 103 if the pelvis, a hip, a knee or an ankle has no line
 SkeletonTable parse_skeleton_table(std::string_view text, const Skeleton& skeleton,
                                    std::string_view name = "table of joints");

@@ -33,8 +33,8 @@ std::string to_string(const RetargetReport& r);
 /// How one skeleton follows another; made once, used for every clip.
 class SkeletonMap {
  public:
-  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for axes
-  /// that are none, or hips that a skeleton has not), and if a skeleton does not stand at rest by its table; 101 if the
+  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for
+  /// unknown axes, or hips that a skeleton lacks), and if a skeleton does not stand at rest by its table; 101 if the
   /// legs of a skeleton have no length.
   SkeletonMap(const Skeleton& source, const SkeletonTable& source_table, const Skeleton& target,
               const SkeletonTable& target_table);

@@ -118,9 +118,8 @@ struct Decoded {
 
 /// next     takes `count` beginnings of one length
 /// uniform(step, row)  a number of [0, 1), or nullptr: the most probable symbols are taken. Marks are never drawn;
-///                     where the end is
-///          the most probable symbol, it is written. A sequence that has ended goes on until the last one has; then
-///          nothing is written in that step
+///          where the end is the most probable symbol, it is written. A sequence that has ended goes on until the last
+///          one has; then nothing is written in that step
 /// Throws   numeric_error 302 where nothing but marks could be drawn
 template <class Next, class Uniform = std::nullptr_t>
 Decoded decode_batch(Next&& next, Index count, const DecodingOptions& o, Uniform&& uniform = nullptr) {

@@ -79,7 +79,7 @@ class MotionIndex {
     bool operator==(const Moment&) const = default;
   };
 
-  /// Without clips. Throws config_error 101 for sizes and rates that are none.
+  /// Without clips. Throws config_error 101 for sizes and rates that are not positive.
   explicit MotionIndex(IndexModel model);
   /// From tables that a file has; rows of length 1. Throws io_error 403 if they do not fit each other, numeric_error
   /// 302.

@@ -93,10 +93,10 @@ class KeptRows {
 
 }  // namespace detail
 
-/// As stmc.generate, with one motion to keep for each timeline. What is kept comes back as it was, but for the rounding
-/// of the normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline does not
-/// have, 102 for another number of motions and for other modes than StmcMode::stmc, shape_error 205 for other features,
-/// numeric_error 301.
+/// As stmc.generate, with one motion to keep for each timeline. What is kept comes back as it was, except for the
+/// rounding of the normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline
+/// does not have, 102 for another number of motions and for other modes than StmcMode::stmc, shape_error 205 for other
+/// features, numeric_error 301.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                           const Philox& rng, const StmcOptions& options,

@@ -5,9 +5,9 @@
 ///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);   //
 ///     weights/text_network_file.hpp const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
 ///
-/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others (but for last
-/// digits in bf16x3). Loading a file packs the weights for the kernels; a network that was made otherwise is made ready
-/// with `prepare`. On an Autodiff backend it is trained.
+/// Batches are packed: padding is never computed, and a text has the same numbers alone and among others (except the
+/// last digits in bf16x3). Loading a file packs the weights for the kernels; a network that was made otherwise is made
+/// ready with `prepare`. On an Autodiff backend it is trained.
 #pragma once
 
 #include <motionlang/nn/dropout.hpp>

@@ -32,8 +32,8 @@ std::optional<SpeechTag> motion_tag(std::string_view word);
 /// Vectors of words, with "sos", "eos" and "unk" among them.
 class GloVe {
  public:
-  /// vectors has a row of `width` numbers for each word. Throws shape_error 205 if it has not, config_error 103 if sos,
-  /// eos or unk is missing or a word is duplicated.
+  /// vectors has a row of `width` numbers for each word. Throws shape_error 205 for another size, config_error 103 if
+  /// sos, eos or unk is missing or a word is duplicated.
   GloVe(const std::vector<std::string>& words, std::vector<float> vectors, Index width);
 
   Index size() const { return static_cast<Index>(row_.size()); }

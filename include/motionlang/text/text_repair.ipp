@@ -3,7 +3,7 @@
 #pragma once
 
 #include <algorithm>      // all_of, min
-#include <optional>       // references that are none
+#include <optional>       // no references
 #include <unordered_map>  // entities
 #include <utility>        // exchange
 

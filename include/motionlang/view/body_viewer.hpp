@@ -15,7 +15,7 @@ template <Backend B>
 std::string body_viewer_html(const Body<B>& body, std::span<const ViewerMotion> motions,
                              std::span<const typename B::scalar> betas = {}, const ViewerOptions& options = {}) {
   if (body.faces.empty()) raise<config_error>(101, "viewer: the body has no faces");
-  const Skeleton skeleton = body_skeleton(body, betas);  // refuses betas that the body has not
+  const Skeleton skeleton = body_skeleton(body, betas);  // refuses betas that the body lacks
   const auto mesh = detail::body_mesh(body, betas);
   std::vector<ViewerMotion> own;
   for (const ViewerMotion& m : motions) own.push_back({motion_on_body(body, m.motion, betas), m.tracks, m.note});

@@ -7,7 +7,8 @@
 ///
 /// Prefix   what stands before the name of the word embedding ("embeddings.word_embeddings.weight",
 ///          "token_embedding.weight") stands before all names of the network: "distilbert.", "bert.",
-///          "textencoder.text_model." (TEMOS, TEACH, SINC), "clip_model." (MDM) ... Tensors with other names are not read
+///          "textencoder.text_model." (TEMOS, TEACH, SINC), "clip_model." (MDM) ... Tensors with other names are not
+///          read
 /// Ignored  position_ids, poolers, heads of the pre-training (vocab_*, cls.*, lm_head.*); CLIP: logit_scale and the
 ///          image tower
 /// Aliases  LayerNorm.gamma and .beta for .weight and .bias; CLIP in the form of Hugging Face, whose projections of

@@ -1,7 +1,7 @@
 #!/bin/bash
 # What the headers cost a user: compile_time.sh [--table] [--kept FILE] <compiler and flags...>
 #
-# Compiles the unit of a user in several ways and prints each time (user seconds, the best of two) and its ratio to three
+# Compiles the unit of a user in several ways and prints each time (user seconds, the best of two after a first one) and its ratio to three
 # packages together, <Eigen/Dense>, <nlohmann/json.hpp> and <xtensor/xarray.hpp>, measured in the same run. Fails if a ratio is
 # more than 1.2 times what kept.txt says, and says so if it is less than 0.8 times: then keep the new one.
 # --table: what single headers cost, too.
@@ -17,11 +17,13 @@ while [ $# -gt 0 ]; do
 done
 compile=("$@")
 TIMEFORMAT=%U
+[ -r "$kept" ] || { echo "cannot read $kept"; exit 1; }
 
-# seconds <flags...>: of the text on standard input
+# seconds <flags...>: of the text on standard input. Without a result if it does not compile.
 seconds() {
   local text
   text=$(cat)
+  "${compile[@]}" "$@" -x c++ - <<<"$text" >&2 || return
   for _ in 1 2; do
     { time "${compile[@]}" "$@" -x c++ - <<<"$text" >/dev/null 2>&1; } 2>&1
   done | sort -n | head -1
@@ -40,13 +42,17 @@ if [ $table -eq 1 ]; then
 fi
 
 status=0
+rows=0
 packages=$(seconds -O0 -c -o /dev/null < <(includes Eigen/Dense nlohmann/json.hpp xtensor/xarray.hpp))
+[ -n "$packages" ] || { echo "the three packages do not compile"; exit 1; }
 printf '%-34s %7s %7s %7s\n' "unit of a user" seconds ratio kept
 printf '%-34s %7s %7s\n' "the three packages, -O0" "$packages" 1
 while read -r ratio flags; do
   [ "${ratio:0:1}" = "#" ] && continue
   # shellcheck disable=SC2086
   time=$(seconds $flags -c -o /dev/null <"$here/user.cpp")
+  [ -n "$time" ] || { echo "user.cpp does not compile with $flags"; exit 1; }
+  rows=$((rows + 1))
   now=$(awk "BEGIN { printf \"%.2f\", $time / $packages }")
   printf '%-34s %7s %7s %7s' "$flags" "$time" "$now" "$ratio"
   if awk "BEGIN { exit !($now > 1.2 * $ratio) }"; then
@@ -56,4 +62,5 @@ while read -r ratio flags; do
   fi
   echo
 done <"$kept"
+[ $rows -gt 0 ] || { echo "$kept keeps nothing"; exit 1; }
 exit $status

@@ -1,5 +1,5 @@
-# libc++, the standard library of clang, macOS and WebAssembly, where it is installed: every header, tests of core, io
-# and STMC, and the same bits as with the library of the compiler that builds everything else.
+# libc++, the standard library of clang, macOS and WebAssembly, where it is installed: every header, tests of core, file,
+# formats and STMC, and the same bits as with the library of the compiler that builds everything else.
 set(libcxx_folder ${CMAKE_CURRENT_BINARY_DIR}/libcxx)
 file(WRITE ${libcxx_folder}/is_there.cpp "#include <vector>\nint main() { return std::vector<int>(2).at(1); }\n")
 execute_process(COMMAND ${MOTIONLANG_CLANG} -std=c++20 -stdlib=libc++ is_there.cpp -o is_there

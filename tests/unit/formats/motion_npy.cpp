@@ -1,9 +1,9 @@
 // Clips from arrays of features and of joint positions.
 #include <doctest/doctest.h>
 
+#include <motionlang/features/guoh3d_extraction.hpp>
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/file/npy.hpp>
-#include <motionlang/features/guoh3d_extraction.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/motion_npy.hpp>
 #include <motionlang/kinematics/retarget.hpp>

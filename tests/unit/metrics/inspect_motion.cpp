@@ -4,9 +4,9 @@
 
 #include <limits>
 
-#include <motionlang/view/film_strip.hpp>
 #include <motionlang/geometry/slerp.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/inspection_page.hpp>
 
 #include "../../support/check_error.hpp"

@@ -154,7 +154,7 @@ struct GradientKernels {
 };
 
 /// Products of numbers rounded to bfloat16, with sums in float; attention with such products. B is packed in panels
-/// that are the same for all instruction sets, but for numbers below 2^-126.
+/// that are the same for all instruction sets, except numbers below 2^-126.
 struct Bf16Kernels {
   const char* name;
   Index tile_rows;
