@@ -305,7 +305,7 @@ inline std::string printed(const char* format, int places, double x) {
 inline Decimal rounded_decimal(double x, int count) {
   const std::string text = printed("%.*e", count - 1, x);
   const std::size_t e = text.find('e');
-  Decimal out{text.substr(0, 1), std::atoi(text.c_str() + e + 1) - (count - 1)};
+  Decimal out{text.substr(0, 1), static_cast<int>(std::strtol(text.c_str() + e + 1, nullptr, 10)) - (count - 1)};
   if (count > 1) out.digits += text.substr(2, e - 2);
   return out;
 }
@@ -2685,7 +2685,7 @@ namespace detail {
 
 template <class F>
 void ControlGroups::for_lines(const std::string& path, const F& f) {
-  std::FILE* const file = std::fopen(path.c_str(), "r");
+  std::FILE* const file = std::fopen(path.c_str(), "r");  // NOLINT(android-cloexec-fopen): C has no mode "e"
   if (file == nullptr) return;
   char text[4096];
   while (std::fgets(text, sizeof text, file) != nullptr) {
@@ -2719,9 +2719,11 @@ MOTIONLANG_BODY int ControlGroups::processors(int all) const {
 
 MOTIONLANG_BODY int ControlGroups::limit(const std::string& quota_file, const std::string& period_file, int all) {
   double quota = 0, period = 0;
+  // NOLINTBEGIN(cert-err34-c): what is no number stays 0, which is no limit
   for_lines(quota_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf %lf", &quota, &period); });
   if (!period_file.empty())
     for_lines(period_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf", &period); });
+  // NOLINTEND(cert-err34-c)
   return quota > 0 && period > 0 ? static_cast<int>(std::clamp(std::ceil(quota / period), 1.0, 1.0 * all)) : all;
 }
 
@@ -2759,8 +2761,8 @@ class ThreadPool {
 
   void resize(int threads) {
     stop();
-    shares_.reset(new Share[static_cast<std::size_t>(threads)]);
-    threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
+    shares_ = std::make_unique<Share[]>(static_cast<std::size_t>(threads));
+    threads_ = std::make_unique<std::thread[]>(static_cast<std::size_t>(threads - 1));
     stopping_ = false;
     for (int i = 1; i < threads; ++i) {
       threads_[static_cast<std::size_t>(workers_)] = std::thread(start, this, i, round_.load());
@@ -7070,7 +7072,7 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
     raise<shape_error>(205, "gaussian_smooth: ", values.size(), " values are not rows of ", width);
   }
   if (values.empty()) return {};
-  const auto radius = static_cast<Index>(4 * sigma + 0.5);
+  const auto radius = static_cast<Index>(4 * sigma + 0.5);  // NOLINT(bugprone-incorrect-roundings): as scipy does
   std::vector<double> kernel;
   double sum = 0;
   for (Index k = -radius; k <= radius; ++k) {
@@ -8322,7 +8324,7 @@ class StandingSkeleton {
   SkeletonTable table;
   std::vector<Quaternion<double>> rotation;  // of each joint in the world
 
-  StandingSkeleton(const Skeleton& s, const SkeletonTable& t);
+  StandingSkeleton(Skeleton s, SkeletonTable t);
 
   /// What says that it does not stand, facing forward: the head is not over the pelvis, the hips are not side by side,
   /// or toes point back as left and right are exchanged. "" if it stands, or has no such joints.
@@ -8455,7 +8457,8 @@ MOTIONLANG_BODY Quaternion<double> axes_rotation(const MappedJoint& joint) {
   return to_quaternion(AxisAngle<double>{degree * joint.turn}) * frame;
 }
 
-MOTIONLANG_BODY StandingSkeleton::StandingSkeleton(const Skeleton& s, const SkeletonTable& t) : skeleton(s), table(t) {
+MOTIONLANG_BODY StandingSkeleton::StandingSkeleton(Skeleton s, SkeletonTable t)
+    : skeleton(std::move(s)), table(std::move(t)) {
   const auto joints = static_cast<std::size_t>(skeleton.size());
   rotation.assign(joints, Quaternion<double>::identity());
   position_.assign(joints, {});
@@ -8864,10 +8867,9 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY std::vector<std::string> body_joint_names(BodyKind kind, Index joints) {
-  std::vector<std::string> out;
-  const Skeleton& smpl = smpl24_skeleton();
+  const std::vector<std::string>& smpl = smpl24_skeleton().names;
   const Index known = kind == BodyKind::other ? 0 : kind == BodyKind::smpl ? 24 : 22;
-  for (int j = 0; j < known; ++j) out.push_back(smpl.name(j));
+  std::vector<std::string> out(smpl.begin(), smpl.begin() + known);
   if (kind == BodyKind::smplx) out.insert(out.end(), {"jaw", "left_eye", "right_eye"});
   if (kind == BodyKind::smplh || kind == BodyKind::smplx) {
     for (const char* side : {"left_", "right_"}) {
@@ -10279,7 +10281,7 @@ inline std::vector<Vec3<double>> bones_of_one_joint(std::vector<Vec3<double>> re
   constexpr int rounds = 10;
   constexpr std::size_t most_frames = 200;
   const std::size_t n = rest.size(), frames = seen.size() / n, step = std::max<std::size_t>(1, frames / most_frames);
-  const std::vector<Vec3<double>> at_rest = rest;
+  std::vector<Vec3<double>> at_rest = rest;
   auto turn = Quaternion<double>::identity();
   std::vector<SeenVector> pairs(n);
   for (int round = 0; round < rounds; ++round) {
@@ -10528,6 +10530,7 @@ MOTIONLANG_BODY std::string to_string(const RetargetReport& r) {
   };
   auto rounded = [](double x) { return std::round(x * 1000) / 1000; };
   std::vector<std::string> pairs;
+  pairs.reserve(r.mapped.size());
   for (const auto& [to, from] : r.mapped) pairs.push_back(from + " -> " + to);
   return concat_text(r.table, " -> ", r.target_table, ": ", r.mapped.size(), " of ",
                      r.mapped.size() + r.unmapped.size(), " joints follow, legs x ", rounded(r.leg_ratio), ", arms x ",
@@ -14625,7 +14628,8 @@ struct StepDecay {
   Index every = 1;
 
   double operator()(Index step) const {
-    return rate / std::pow(factor, static_cast<double>(step / std::max<Index>(1, every)));
+    const Index times = step / std::max<Index>(1, every);
+    return rate / std::pow(factor, static_cast<double>(times));
   }
 };
 
@@ -21515,8 +21519,9 @@ inline void append_decomposed(std::u32string& out, char32_t c) {
     out += c;
   } else if (c - hangul < hangul_count) {
     const char32_t s = c - hangul, t = s % jamo_t_count;
-    out += jamo_l + s / (jamo_v_count * jamo_t_count);
-    out += jamo_v + s / jamo_t_count % jamo_v_count;
+    const char32_t v = s / jamo_t_count % jamo_v_count, l = s / (jamo_v_count * jamo_t_count);
+    out += jamo_l + l;
+    out += jamo_v + v;
     if (t != 0) out += jamo_t + t;
   } else {
     const std::span<const Decomposition> table(decompositions);
@@ -22091,7 +22096,7 @@ class WordCache;
 class ClipTokenizer {
  public:
   /// OpenAI's ids: 256 symbols of bytes, the same at the end of words, the merges, begin, end.
-  explicit ClipTokenizer(const BytePairMerges& merges, ClipTokenizerOptions options = {},
+  explicit ClipTokenizer(const BytePairMerges& merges, const ClipTokenizerOptions& options = {},
                          std::string_view source = "ClipTokenizer");
   /// Any ids. `added` instead of begin and end, as a tokenizer.json lists them: they are looked for before the words
   /// are. Throws config_error 107, naming `source`, if begin or end is no piece, a piece is duplicated or a merge needs
@@ -23030,7 +23035,7 @@ class WordCache {
 
 }  // namespace detail
 
-MOTIONLANG_BODY ClipTokenizer::ClipTokenizer(const BytePairMerges& merges, ClipTokenizerOptions options,
+MOTIONLANG_BODY ClipTokenizer::ClipTokenizer(const BytePairMerges& merges, const ClipTokenizerOptions& options,
                                              std::string_view source)
     : ClipTokenizer(openai_pieces(merges, options), merges, options, source) {}
 
@@ -23444,7 +23449,7 @@ MOTIONLANG_BODY std::string GloVe::known_form(const std::string& word) const {
   if (contains(word)) return word;
   for (const std::string_view end : {"ing", "ed", "es", "s"}) {
     if (!word.ends_with(end) || word.size() < end.size() + 2) continue;
-    const std::string stem = word.substr(0, word.size() - end.size());
+    std::string stem = word.substr(0, word.size() - end.size());
     if (contains(stem)) return stem;
     if (contains(stem + "e")) return stem + "e";
     if (stem.back() == stem[stem.size() - 2] && contains(stem.substr(0, stem.size() - 1)))
@@ -24951,11 +24956,11 @@ class Collage {
   /// collage. rows_at_once: frames of a batch, more only if one crop has more; 0: any number. No result depends on it.
   /// Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for the
   /// denoiser, config_error 101 for a negative rows_at_once.
-  Collage(const D& denoiser, BatchPlan plan, const FeatureLayout& layout, const TextFeatures<B>& text,
+  Collage(const D& denoiser, BatchPlan plan, FeatureLayout layout, const TextFeatures<B>& text,
           const TextFeatures<B>& null, double guidance, Index rows_at_once = usual_rows_at_once)
       : denoiser_(&denoiser),
         plan_(std::move(plan)),
-        layout_(layout),
+        layout_(std::move(layout)),
         texts_{
             {concat(0, text.tokens.rows, null.tokens.rows), detail::joined(text.tokens.offsets, null.tokens.offsets)},
             text.end_position,
@@ -24968,7 +24973,7 @@ class Collage {
     prepare_step();
   }
   /// The same with some crops and slices of its plan only (compose/edits.hpp).
-  Collage with_plan(BatchPlan plan) const {
+  Collage with_plan(BatchPlan plan) const {  // NOLINT(performance-unnecessary-value-param): it is moved from
     Collage out = *this;
     out.plan_ = std::move(plan);
     out.prepare_step();
@@ -25124,8 +25129,8 @@ namespace detail {
 
 /// Frames of a crop with a text: what the network sees as one sequence.
 struct CropJob {
-  Index first, length, text;  // first: row of the motions
-  auto operator<=>(const CropJob&) const = default;
+  Index first, length, text;                         // first: row of the motions
+  auto operator<=>(const CropJob&) const = default;  // NOLINT(modernize-use-nullptr): there is no 0
 };
 
 /// Where a sequence depends on the others: as published, all crops in their order, and then the same without their
@@ -25163,6 +25168,7 @@ MOTIONLANG_BODY JobBatches plan_jobs(const CropRows& crops, std::span<const Inde
     if (options.guided) begin[pairs.back().second];
   }
   std::vector<CropJob> jobs;
+  jobs.reserve(begin.size());
   for (const auto& [job, at] : begin) jobs.push_back(job);
   sort(jobs, [](const CropJob& a, const CropJob& b) { return a.length != b.length ? a.length > b.length : a < b; });
 
@@ -25309,6 +25315,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 MOTIONLANG_BODY Timeline cut_at_handovers(const Timeline& timeline, Index least) {
   const auto pieces = elementary_pieces(timeline);
   std::vector<PartOwners> owners;
+  owners.reserve(pieces.size());
   FirstWins ties;
   for (const Piece& piece : pieces) {
     owners.push_back(piece.intervals.empty() ? PartOwners{} : assign_parts(timeline, piece.intervals, ties));
@@ -25521,7 +25528,7 @@ MOTIONLANG_BODY EditSpread::EditSpread(const BatchPlan& before, Index rows_befor
       const auto was = detail::frame_terms(before.timelines[m], longest),
                  is = detail::frame_terms(plan_.timelines[m], longest);
       for (std::size_t f = 0; f < edited.size(); ++f)
-        edited[f] = std::cmp_greater_equal(f, rows_before) || was[f] != is[f];
+        edited[f] = std::cmp_greater_equal(f, rows_before) || was[f] != is[f] ? 1 : 0;
     }
     reachable_.push_back(within ? near(edited, *within) : std::vector<char>(edited.size(), 1));
     differs_.push_back(std::move(edited));
@@ -25552,7 +25559,7 @@ MOTIONLANG_BODY bool EditSpread::advance() {
       if (crop.size() == 0 || !any(m, {crop.start, reads_ > 0 ? std::min(crop.start + reads_, rows_) : crop.end}))
         return;
       for (auto f = static_cast<std::size_t>(s.to.start); f < static_cast<std::size_t>(s.to.end); ++f) {
-        now[f] |= reachable_[m][f];
+        if (reachable_[m][f] != 0) now[f] = 1;
         limited_ |= now[f] == 0;
       }
     });
@@ -25566,8 +25573,9 @@ MOTIONLANG_BODY BatchPlan EditSpread::needed() const {
   for (std::size_t m = 0; m < differs_.size(); ++m) {
     TimelinePlan& plan = out.timelines[m];
     std::vector<char> used(plan.crops.size());
-    for_each_slice(plan,
-                   [&](const Slice& s) { used[static_cast<std::size_t>(s.crop)] |= static_cast<char>(any(m, s.to)); });
+    for_each_slice(plan, [&](const Slice& s) {
+      if (any(m, s.to)) used[static_cast<std::size_t>(s.crop)] = 1;
+    });
     const auto unused = [&](const Slice& s) { return used[static_cast<std::size_t>(s.crop)] == 0; };
     std::erase_if(plan.add, unused), std::erase_if(plan.subtract, unused);
     for (std::size_t c = 0; c < used.size(); ++c) {
@@ -28377,7 +28385,7 @@ class MotionInspector {
     const double stand = quantile(feet, 0.05);
     for (double& height : feet) height -= stand;
     Arcs out;
-    for (std::size_t a = lag - 1, b = a; a + 1 + lag < y.size(); a = std::max(a + 1, b - 1)) {
+    for (std::size_t a = lag - 1, b = 0; a + 1 + lag < y.size(); a = std::max(a + 1, b - 1)) {
       for (b = a + 1; b + lag < y.size() && y[b - lag] - 2 * y[b] + y[b + lag] < 0;) ++b;
       if (b - a < fewest) continue;
       const auto [bend, off] = fit_parabola(std::span(y).subspan(a, b - a + 1));
@@ -28572,6 +28580,7 @@ class MotionInspector {
     std::vector<double> speeds;
     for (int BodyJoints::Pair::*side : {&BodyJoints::Pair::left, &BodyJoints::Pair::right}) {
       std::vector<int> feet;
+      feet.reserve(joints.size());
       for (const BodyJoints::Pair& p : joints) feet.push_back(p.*side);
       add_contacts(feet, stands, speeds);
     }

@@ -297,7 +297,7 @@ inline std::string printed(const char* format, int places, double x) {
 inline Decimal rounded_decimal(double x, int count) {
   const std::string text = printed("%.*e", count - 1, x);
   const std::size_t e = text.find('e');
-  Decimal out{text.substr(0, 1), std::atoi(text.c_str() + e + 1) - (count - 1)};
+  Decimal out{text.substr(0, 1), static_cast<int>(std::strtol(text.c_str() + e + 1, nullptr, 10)) - (count - 1)};
   if (count > 1) out.digits += text.substr(2, e - 2);
   return out;
 }

@@ -300,7 +300,7 @@ MOTIONLANG_BODY void MappedFile::forget(std::span<const std::byte> part) const {
   const std::uintptr_t begin = std::max(address(part) / block * block, address(bytes())),
                        end = std::min((address(part) + part.size() + block - 1) / block * block,
                                       address(bytes()) + size_);
-  if (begin < end) detail::system::forget(reinterpret_cast<void*>(begin), end - begin);
+  if (begin < end) detail::system::forget(static_cast<std::byte*>(data_) + (begin - address(bytes())), end - begin);
 }
 
 MOTIONLANG_BODY void MappedFile::forget_if_mapped(std::span<const std::byte> part) {
@@ -2641,7 +2641,7 @@ class YamlReader {
   /// The path of the key before a colon, in a mapping at `path`.
   std::string key_path(const std::string& path, std::string_view text) {
     text = trimmed(text);
-    const std::string out = below(path, is_quoted(text) ? unquoted(text) : std::string(text));
+    std::string out = below(path, is_quoted(text) ? unquoted(text) : std::string(text));
     values.add_key(out, line_);
     return out;
   }
@@ -3687,11 +3687,11 @@ namespace detail {
 
 inline bool is_numpy(const PickleValue& v, std::string_view function) {
   const std::string name = v.name();
-  for (const std::string_view module :
-       {"numpy.core.multiarray.", "numpy._core.multiarray.", "numpy.core.numeric.", "numpy._core.numeric.", "numpy."}) {
-    if (name.starts_with(module) && std::string_view(name).substr(module.size()) == function) return true;
-  }
-  return false;
+  constexpr std::string_view modules[] = {"numpy.core.multiarray.", "numpy._core.multiarray.", "numpy.core.numeric.",
+                                          "numpy._core.numeric.", "numpy."};
+  return std::any_of(std::begin(modules), std::end(modules), [&](std::string_view module) {
+    return name.starts_with(module) && std::string_view(name).substr(module.size()) == function;
+  });
 }
 
 inline std::vector<Index> shape_of(const PickleValue& sizes) {
@@ -4914,16 +4914,17 @@ class TorchFile {
   static TorchFile open(const FilePath& path);
   /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
   /// messages.
-  static TorchFile from_bytes(std::span<const std::byte> bytes, std::string name,
+  static TorchFile from_bytes(std::span<const std::byte> bytes, const std::string& name,
                               std::shared_ptr<const void> owner = {});
   /// A file of the older form.
   static TorchFile from_legacy(std::span<const std::byte> bytes, const std::string& name,
-                               std::shared_ptr<TensorMemory> memory);
+                               const std::shared_ptr<TensorMemory>& memory);
   /// An archive that is open already. `checksums`: those of stored storages are compared, too, which reads all of them.
-  static TorchFile from_archive(const ZipArchive& zip, std::shared_ptr<TensorMemory> memory, bool checksums = false);
+  static TorchFile from_archive(const ZipArchive& zip, const std::shared_ptr<TensorMemory>& memory,
+                                bool checksums = false);
 
   /// A plain pickle, in which tensors bring their storages.
-  static TorchFile from_pickle(Pickle pickle, std::shared_ptr<TensorMemory> memory);
+  static TorchFile from_pickle(Pickle pickle, const std::shared_ptr<TensorMemory>& memory);
 
   static bool is_legacy(std::span<const std::byte> bytes);
   /// The first folder of an archive that has a data.pkl, with a slash; empty if there is none.
@@ -5271,20 +5272,20 @@ MOTIONLANG_BODY TorchFile TorchFile::open(const FilePath& path) {
   return from_bytes(file->bytes(), path.string(), file);
 }
 
-MOTIONLANG_BODY TorchFile TorchFile::from_bytes(std::span<const std::byte> bytes, std::string name,
+MOTIONLANG_BODY TorchFile TorchFile::from_bytes(std::span<const std::byte> bytes, const std::string& name,
                                                 std::shared_ptr<const void> owner) {
   const auto memory = std::make_shared<TensorMemory>(std::move(owner), bytes.size(), name);
   return is_legacy(bytes) ? from_legacy(bytes, name, memory) : from_archive(ZipArchive(bytes, name), memory);
 }
 
 MOTIONLANG_BODY TorchFile TorchFile::from_legacy(std::span<const std::byte> bytes, const std::string& name,
-                                                 std::shared_ptr<TensorMemory> memory) {
+                                                 const std::shared_ptr<TensorMemory>& memory) {
   detail::TorchTensors tensors(memory);
   Pickle object = detail::read_torch_legacy(bytes, name, tensors, memory);
   return TorchFile(std::move(object), std::move(tensors), memory, "torch legacy");
 }
 
-MOTIONLANG_BODY TorchFile TorchFile::from_archive(const ZipArchive& zip, std::shared_ptr<TensorMemory> memory,
+MOTIONLANG_BODY TorchFile TorchFile::from_archive(const ZipArchive& zip, const std::shared_ptr<TensorMemory>& memory,
                                                   bool checksums) {
   const std::string folder = root_folder(zip);
   if (folder.empty()) raise<io_error>(403, zip.name(), ": no data.pkl in the archive: not a file of PyTorch");
@@ -5317,7 +5318,7 @@ MOTIONLANG_BODY TorchFile TorchFile::from_archive(const ZipArchive& zip, std::sh
   return out;
 }
 
-MOTIONLANG_BODY TorchFile TorchFile::from_pickle(Pickle pickle, std::shared_ptr<TensorMemory> memory) {
+MOTIONLANG_BODY TorchFile TorchFile::from_pickle(Pickle pickle, const std::shared_ptr<TensorMemory>& memory) {
   return TorchFile(std::move(pickle), detail::TorchTensors(memory), memory, "pickle");
 }
 
@@ -6125,7 +6126,7 @@ class AsfParser {
     skeleton_.name = name;
     skeleton_.bones.push_back({.name = "root"});
     axes_.push_back({});
-    children_.push_back({});
+    children_.emplace_back();
   }
 
   AsfSkeleton parse() && {
@@ -6247,7 +6248,7 @@ class AsfParser {
     bone.end = length * normalized(direction);
     skeleton_.bones.push_back(std::move(bone));
     axes_.push_back(axis);
-    children_.push_back({});
+    children_.emplace_back();
   }
   /// "TX TY TZ RX RY RZ", "rx rz", "l": to the end of the line.
   void channels(AsfBone& bone) {
@@ -7167,6 +7168,7 @@ namespace detail {
 
 inline constexpr std::uint32_t glb_magic = 0x46546C67u, glb_json = 0x4E4F534Au, glb_binary = 0x004E4942u;
 
+// NOLINTNEXTLINE(bugprone-exception-escape): a document moves without throwing
 struct GlbChunks {
   std::string_view text;  // of the document, in the bytes that were parsed
   nlohmann::json document;
@@ -7543,7 +7545,7 @@ void write_body_glb(const FilePath& path, const Body<B>& body, std::span<const M
 template <Backend B>
 Index write_body_objs(const FilePath& path, const Body<B>& body, const Motion& motion,
                       std::span<const typename B::scalar> betas = {}) {
-  const std::string name = path.string();
+  const std::string& name = path.string();
   const std::string stem = name.ends_with(".obj") ? name.substr(0, name.size() - 4) : name;
   const Motion own = motion_on_body(body, motion, betas);
   const std::span<const std::array<Index, 3>> faces(body.faces);
@@ -8979,7 +8981,7 @@ MOTIONLANG_BODY void GltfSkeleton::mark_joints(const GltfDocument& document, std
   }
   const std::vector<int> own_place = place_;
   const auto& order = document.depth_first();
-  for (auto n = order.rbegin(); n != order.rend(); ++n) {
+  for (auto n = order.rbegin(); n != order.rend(); ++n) {  // NOLINT(modernize-loop-convert): needs reverse_view
     const int p = document.node(*n).parent;
     if (p < 0) continue;
     if (own_place[slot(p)] == nowhere) place_[slot(p)] = std::min(place_[slot(p)], place_[slot(*n)]);
@@ -9266,7 +9268,7 @@ MOTIONLANG_BODY double GlbFile::most_rotations(std::size_t keys) {
 MOTIONLANG_BODY double GlbFile::skeleton_rotations() const {
   std::size_t bytes = 0;
   for (const std::string& name : skeleton().names)
-    bytes += sizeof name + name.size() + sizeof(int) + sizeof(Vec3<double>);
+    bytes += sizeof(std::string) + name.size() + sizeof(int) + sizeof(Vec3<double>);
   return static_cast<double>(bytes) / sizeof(Quaternion<double>);
 }
 
@@ -11807,6 +11809,7 @@ inline std::vector<BabelSegment> actions_and_transitions(std::span<const BabelSe
     if (s.is_transition() || !is_babel_excluded(s.text)) texts[{s.start, s.end}] = s.text;
   }
   std::vector<BabelSegment> out;
+  out.reserve(texts.size());
   for (const auto& [times, text] : texts) out.push_back({times.first, times.second, std::string(text)});
   return out;
 }
@@ -13478,7 +13481,7 @@ MOTIONLANG_BODY RunFolder find_run(const FilePath& path) {
   namespace fs = std::filesystem;
   RunFolder run{.folder = path.string(), .system = {}, .options_file = {}, .options = {}, .weights = {}, .parts = {}};
   std::error_code problem;
-  fs::directory_iterator(run.folder, problem);
+  static_cast<void>(fs::directory_iterator(run.folder, problem));
   if (problem) raise<io_error>(401, "cannot list ", path.string(), ": ", problem.message());
   std::error_code ignored;
   for (const char* name : {"config.json", "args.json", "opt.yaml", "opt.txt", ".hydra/config.yaml"}) {
@@ -13559,7 +13562,7 @@ class WeightFile : public TensorSet {
   WeightFile(std::string name, std::shared_ptr<const void> owner, std::string format)
       : TensorSet(std::move(name), std::move(owner)), format_(std::move(format)) {}
 
-  static WeightFile from_safetensors(SafetensorsFile file);
+  static WeightFile from_safetensors(const SafetensorsFile& file);
   static WeightFile from_shards(const FilePath& index, const WeightOptions& options);
   /// Takes over what another file holds, its names behind a prefix. `owners` are those of this file.
   void add(const WeightFile& file, const std::string& prefix, std::vector<std::shared_ptr<const void>>& owners);
@@ -14048,7 +14051,7 @@ inline bool begins_pickle(std::string_view text) {
 
 }  // namespace detail
 
-MOTIONLANG_BODY WeightFile WeightFile::from_safetensors(SafetensorsFile file) {
+MOTIONLANG_BODY WeightFile WeightFile::from_safetensors(const SafetensorsFile& file) {
   WeightFile out(file.name(), file.owner(), "safetensors");
   out.tensors_.assign(file.tensors().begin(), file.tensors().end());
   for (const auto& [key, text] : file.metadata()) out.values_.push_back({key, text});
@@ -14407,7 +14410,7 @@ MOTIONLANG_BODY std::string RunReader::text(const char* key, const char* otherwi
 
 MOTIONLANG_BODY std::string RunReader::one_of(const char* key, const char* otherwise,
                                               std::initializer_list<std::string_view> known) const {
-  const std::string found = text(key, otherwise);
+  std::string found = text(key, otherwise);
   if (std::find(known.begin(), known.end(), found) != known.end()) return found;
   raise<io_error>(404, place(key), " is '", found, "', known are ", join_text(known));
 }
@@ -14771,8 +14774,8 @@ BytePairMerges read_merges(const FilePath& path, std::size_t most = static_cast<
 inline constexpr std::size_t clip_merges = 48894;
 
 /// CLIP's tokenizer from OpenAI's file, packed or not. Throws as read_merges, and as the constructor of ClipTokenizer.
-inline ClipTokenizer read_clip_tokenizer(const FilePath& path, ClipTokenizerOptions options = {}) {
-  return ClipTokenizer(read_merges(path, clip_merges), std::move(options), path.string());
+inline ClipTokenizer read_clip_tokenizer(const FilePath& path, const ClipTokenizerOptions& options = {}) {
+  return ClipTokenizer(read_merges(path, clip_merges), options, path.string());
 }
 
 /// BERT's tokenizer from vocab.txt. Throws as read_vocabulary, and as the constructor of BertTokenizer.
@@ -15216,7 +15219,7 @@ inline ClipTokenizer clip_from_folder(const std::string& folder, const Tokenizer
 }  // namespace detail
 
 MOTIONLANG_BODY AnyTokenizer read_tokenizer(const FilePath& folder, const TokenizerLimits& limits) {
-  const std::string name = folder.string();
+  const std::string& name = folder.string();
   if (detail::file_exists(name + "/tokenizer.json")) return read_tokenizer_json(name + "/tokenizer.json", limits);
   TokenizerConfig config;
   if (const std::string file = name + "/tokenizer_config.json"; detail::file_exists(file)) {
@@ -16370,7 +16373,8 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY GloVe read_glove(const FilePath& stem) {
-  const std::string base = stem.string(), data = base + "_data.npy", places = base + "_idx.pkl";
+  const std::string& base = stem.string();
+  const std::string data = base + "_data.npy", places = base + "_idx.pkl";
   const NpyArray array = read_npy(data);
   const Pickle words = Pickle::open(base + "_words.pkl"), index = Pickle::open(places);
   const PickleValue rows = index.root(), list = words.root();
@@ -16414,7 +16418,7 @@ inline std::string pickled_words(std::span<const std::string> words, bool rows) 
 }  // namespace detail
 
 MOTIONLANG_BODY void write_glove(const FilePath& stem, const GloVe& glove) {
-  const std::string base = stem.string();
+  const std::string& base = stem.string();
   const std::vector<std::string> words = glove.words();
   std::vector<float> vectors;
   for (const std::string& word : words) {
@@ -17739,7 +17743,7 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
   const Shape shape{std::ssize(run.timelines) * run.rows, stmc.layout.size};
   StmcRecord<B> out{.timelines = std::move(run.timelines),
                     .rng = run.rng,
-                    .options = std::move(run.options),
+                    .options = run.options,
                     .rows = run.rows,
                     .exact = run.exact};
   for (Index k = 0; k < *out.options.steps; ++k) {

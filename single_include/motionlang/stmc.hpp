@@ -281,7 +281,7 @@ inline std::string printed(const char* format, int places, double x) {
 inline Decimal rounded_decimal(double x, int count) {
   const std::string text = printed("%.*e", count - 1, x);
   const std::size_t e = text.find('e');
-  Decimal out{text.substr(0, 1), std::atoi(text.c_str() + e + 1) - (count - 1)};
+  Decimal out{text.substr(0, 1), static_cast<int>(std::strtol(text.c_str() + e + 1, nullptr, 10)) - (count - 1)};
   if (count > 1) out.digits += text.substr(2, e - 2);
   return out;
 }
@@ -1628,7 +1628,7 @@ namespace detail {
 
 template <class F>
 void ControlGroups::for_lines(const std::string& path, const F& f) {
-  std::FILE* const file = std::fopen(path.c_str(), "r");
+  std::FILE* const file = std::fopen(path.c_str(), "r");  // NOLINT(android-cloexec-fopen): C has no mode "e"
   if (file == nullptr) return;
   char text[4096];
   while (std::fgets(text, sizeof text, file) != nullptr) {
@@ -1662,9 +1662,11 @@ MOTIONLANG_BODY int ControlGroups::processors(int all) const {
 
 MOTIONLANG_BODY int ControlGroups::limit(const std::string& quota_file, const std::string& period_file, int all) {
   double quota = 0, period = 0;
+  // NOLINTBEGIN(cert-err34-c): what is no number stays 0, which is no limit
   for_lines(quota_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf %lf", &quota, &period); });
   if (!period_file.empty())
     for_lines(period_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf", &period); });
+  // NOLINTEND(cert-err34-c)
   return quota > 0 && period > 0 ? static_cast<int>(std::clamp(std::ceil(quota / period), 1.0, 1.0 * all)) : all;
 }
 
@@ -1702,8 +1704,8 @@ class ThreadPool {
 
   void resize(int threads) {
     stop();
-    shares_.reset(new Share[static_cast<std::size_t>(threads)]);
-    threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
+    shares_ = std::make_unique<Share[]>(static_cast<std::size_t>(threads));
+    threads_ = std::make_unique<std::thread[]>(static_cast<std::size_t>(threads - 1));
     stopping_ = false;
     for (int i = 1; i < threads; ++i) {
       threads_[static_cast<std::size_t>(workers_)] = std::thread(start, this, i, round_.load());
@@ -15345,11 +15347,11 @@ class Collage {
   /// collage. rows_at_once: frames of a batch, more only if one crop has more; 0: any number. No result depends on it.
   /// Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for the
   /// denoiser, config_error 101 for a negative rows_at_once.
-  Collage(const D& denoiser, BatchPlan plan, const FeatureLayout& layout, const TextFeatures<B>& text,
+  Collage(const D& denoiser, BatchPlan plan, FeatureLayout layout, const TextFeatures<B>& text,
           const TextFeatures<B>& null, double guidance, Index rows_at_once = usual_rows_at_once)
       : denoiser_(&denoiser),
         plan_(std::move(plan)),
-        layout_(layout),
+        layout_(std::move(layout)),
         texts_{
             {concat(0, text.tokens.rows, null.tokens.rows), detail::joined(text.tokens.offsets, null.tokens.offsets)},
             text.end_position,
@@ -15362,7 +15364,7 @@ class Collage {
     prepare_step();
   }
   /// The same with some crops and slices of its plan only (compose/edits.hpp).
-  Collage with_plan(BatchPlan plan) const {
+  Collage with_plan(BatchPlan plan) const {  // NOLINT(performance-unnecessary-value-param): it is moved from
     Collage out = *this;
     out.plan_ = std::move(plan);
     out.prepare_step();
@@ -15518,8 +15520,8 @@ namespace detail {
 
 /// Frames of a crop with a text: what the network sees as one sequence.
 struct CropJob {
-  Index first, length, text;  // first: row of the motions
-  auto operator<=>(const CropJob&) const = default;
+  Index first, length, text;                         // first: row of the motions
+  auto operator<=>(const CropJob&) const = default;  // NOLINT(modernize-use-nullptr): there is no 0
 };
 
 /// Where a sequence depends on the others: as published, all crops in their order, and then the same without their
@@ -15557,6 +15559,7 @@ MOTIONLANG_BODY JobBatches plan_jobs(const CropRows& crops, std::span<const Inde
     if (options.guided) begin[pairs.back().second];
   }
   std::vector<CropJob> jobs;
+  jobs.reserve(begin.size());
   for (const auto& [job, at] : begin) jobs.push_back(job);
   sort(jobs, [](const CropJob& a, const CropJob& b) { return a.length != b.length ? a.length > b.length : a < b; });
 
@@ -16782,7 +16785,7 @@ MOTIONLANG_BODY void MappedFile::forget(std::span<const std::byte> part) const {
   const std::uintptr_t begin = std::max(address(part) / block * block, address(bytes())),
                        end = std::min((address(part) + part.size() + block - 1) / block * block,
                                       address(bytes()) + size_);
-  if (begin < end) detail::system::forget(reinterpret_cast<void*>(begin), end - begin);
+  if (begin < end) detail::system::forget(static_cast<std::byte*>(data_) + (begin - address(bytes())), end - begin);
 }
 
 MOTIONLANG_BODY void MappedFile::forget_if_mapped(std::span<const std::byte> part) {

@@ -66,11 +66,11 @@ class Collage {
   /// collage. rows_at_once: frames of a batch, more only if one crop has more; 0: any number. No result depends on it.
   /// Throws shape_error 204 if the number of texts is another, timeline_error 508 if a crop is too long for the
   /// denoiser, config_error 101 for a negative rows_at_once.
-  Collage(const D& denoiser, BatchPlan plan, const FeatureLayout& layout, const TextFeatures<B>& text,
+  Collage(const D& denoiser, BatchPlan plan, FeatureLayout layout, const TextFeatures<B>& text,
           const TextFeatures<B>& null, double guidance, Index rows_at_once = usual_rows_at_once)
       : denoiser_(&denoiser),
         plan_(std::move(plan)),
-        layout_(layout),
+        layout_(std::move(layout)),
         texts_{
             {concat(0, text.tokens.rows, null.tokens.rows), detail::joined(text.tokens.offsets, null.tokens.offsets)},
             text.end_position,
@@ -83,7 +83,7 @@ class Collage {
     prepare_step();
   }
   /// The same with some crops and slices of its plan only (compose/edits.hpp).
-  Collage with_plan(BatchPlan plan) const {
+  Collage with_plan(BatchPlan plan) const {  // NOLINT(performance-unnecessary-value-param): it is moved from
     Collage out = *this;
     out.plan_ = std::move(plan);
     out.prepare_step();

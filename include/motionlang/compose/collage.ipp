@@ -14,8 +14,8 @@ namespace detail {
 
 /// Frames of a crop with a text: what the network sees as one sequence.
 struct CropJob {
-  Index first, length, text;  // first: row of the motions
-  auto operator<=>(const CropJob&) const = default;
+  Index first, length, text;                         // first: row of the motions
+  auto operator<=>(const CropJob&) const = default;  // NOLINT(modernize-use-nullptr): there is no 0
 };
 
 /// Where a sequence depends on the others: as published, all crops in their order, and then the same without their
@@ -53,6 +53,7 @@ MOTIONLANG_BODY JobBatches plan_jobs(const CropRows& crops, std::span<const Inde
     if (options.guided) begin[pairs.back().second];
   }
   std::vector<CropJob> jobs;
+  jobs.reserve(begin.size());
   for (const auto& [job, at] : begin) jobs.push_back(job);
   sort(jobs, [](const CropJob& a, const CropJob& b) { return a.length != b.length ? a.length > b.length : a < b; });
 

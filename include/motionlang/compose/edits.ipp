@@ -45,7 +45,7 @@ MOTIONLANG_BODY EditSpread::EditSpread(const BatchPlan& before, Index rows_befor
       const auto was = detail::frame_terms(before.timelines[m], longest),
                  is = detail::frame_terms(plan_.timelines[m], longest);
       for (std::size_t f = 0; f < edited.size(); ++f)
-        edited[f] = std::cmp_greater_equal(f, rows_before) || was[f] != is[f];
+        edited[f] = std::cmp_greater_equal(f, rows_before) || was[f] != is[f] ? 1 : 0;
     }
     reachable_.push_back(within ? near(edited, *within) : std::vector<char>(edited.size(), 1));
     differs_.push_back(std::move(edited));
@@ -76,7 +76,7 @@ MOTIONLANG_BODY bool EditSpread::advance() {
       if (crop.size() == 0 || !any(m, {crop.start, reads_ > 0 ? std::min(crop.start + reads_, rows_) : crop.end}))
         return;
       for (auto f = static_cast<std::size_t>(s.to.start); f < static_cast<std::size_t>(s.to.end); ++f) {
-        now[f] |= reachable_[m][f];
+        if (reachable_[m][f] != 0) now[f] = 1;
         limited_ |= now[f] == 0;
       }
     });
@@ -90,8 +90,9 @@ MOTIONLANG_BODY BatchPlan EditSpread::needed() const {
   for (std::size_t m = 0; m < differs_.size(); ++m) {
     TimelinePlan& plan = out.timelines[m];
     std::vector<char> used(plan.crops.size());
-    for_each_slice(plan,
-                   [&](const Slice& s) { used[static_cast<std::size_t>(s.crop)] |= static_cast<char>(any(m, s.to)); });
+    for_each_slice(plan, [&](const Slice& s) {
+      if (any(m, s.to)) used[static_cast<std::size_t>(s.crop)] = 1;
+    });
     const auto unused = [&](const Slice& s) { return used[static_cast<std::size_t>(s.crop)] == 0; };
     std::erase_if(plan.add, unused), std::erase_if(plan.subtract, unused);
     for (std::size_t c = 0; c < used.size(); ++c) {

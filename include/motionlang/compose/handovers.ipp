@@ -11,6 +11,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 MOTIONLANG_BODY Timeline cut_at_handovers(const Timeline& timeline, Index least) {
   const auto pieces = elementary_pieces(timeline);
   std::vector<PartOwners> owners;
+  owners.reserve(pieces.size());
   FirstWins ties;
   for (const Piece& piece : pieces) {
     owners.push_back(piece.intervals.empty() ? PartOwners{} : assign_parts(timeline, piece.intervals, ties));

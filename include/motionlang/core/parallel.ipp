@@ -35,8 +35,8 @@ class ThreadPool {
 
   void resize(int threads) {
     stop();
-    shares_.reset(new Share[static_cast<std::size_t>(threads)]);
-    threads_.reset(new std::thread[static_cast<std::size_t>(threads - 1)]);
+    shares_ = std::make_unique<Share[]>(static_cast<std::size_t>(threads));
+    threads_ = std::make_unique<std::thread[]>(static_cast<std::size_t>(threads - 1));
     stopping_ = false;
     for (int i = 1; i < threads; ++i) {
       threads_[static_cast<std::size_t>(workers_)] = std::thread(start, this, i, round_.load());

@@ -16,7 +16,7 @@ namespace detail {
 
 template <class F>
 void ControlGroups::for_lines(const std::string& path, const F& f) {
-  std::FILE* const file = std::fopen(path.c_str(), "r");
+  std::FILE* const file = std::fopen(path.c_str(), "r");  // NOLINT(android-cloexec-fopen): C has no mode "e"
   if (file == nullptr) return;
   char text[4096];
   while (std::fgets(text, sizeof text, file) != nullptr) {
@@ -50,9 +50,11 @@ MOTIONLANG_BODY int ControlGroups::processors(int all) const {
 
 MOTIONLANG_BODY int ControlGroups::limit(const std::string& quota_file, const std::string& period_file, int all) {
   double quota = 0, period = 0;
+  // NOLINTBEGIN(cert-err34-c): what is no number stays 0, which is no limit
   for_lines(quota_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf %lf", &quota, &period); });
   if (!period_file.empty())
     for_lines(period_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf", &period); });
+  // NOLINTEND(cert-err34-c)
   return quota > 0 && period > 0 ? static_cast<int>(std::clamp(std::ceil(quota / period), 1.0, 1.0 * all)) : all;
 }
 

@@ -36,6 +36,7 @@ inline std::vector<BabelSegment> actions_and_transitions(std::span<const BabelSe
     if (s.is_transition() || !is_babel_excluded(s.text)) texts[{s.start, s.end}] = s.text;
   }
   std::vector<BabelSegment> out;
+  out.reserve(texts.size());
   for (const auto& [times, text] : texts) out.push_back({times.first, times.second, std::string(text)});
   return out;
 }

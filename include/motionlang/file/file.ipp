@@ -93,7 +93,7 @@ MOTIONLANG_BODY void MappedFile::forget(std::span<const std::byte> part) const {
   const std::uintptr_t begin = std::max(address(part) / block * block, address(bytes())),
                        end = std::min((address(part) + part.size() + block - 1) / block * block,
                                       address(bytes()) + size_);
-  if (begin < end) detail::system::forget(reinterpret_cast<void*>(begin), end - begin);
+  if (begin < end) detail::system::forget(static_cast<std::byte*>(data_) + (begin - address(bytes())), end - begin);
 }
 
 MOTIONLANG_BODY void MappedFile::forget_if_mapped(std::span<const std::byte> part) {

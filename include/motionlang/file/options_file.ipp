@@ -218,7 +218,7 @@ class YamlReader {
   /// The path of the key before a colon, in a mapping at `path`.
   std::string key_path(const std::string& path, std::string_view text) {
     text = trimmed(text);
-    const std::string out = below(path, is_quoted(text) ? unquoted(text) : std::string(text));
+    std::string out = below(path, is_quoted(text) ? unquoted(text) : std::string(text));
     values.add_key(out, line_);
     return out;
   }

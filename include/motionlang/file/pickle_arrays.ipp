@@ -2,7 +2,7 @@
 // Bodies of pickle_arrays.hpp.
 #pragma once
 
-#include <algorithm>  // is_sorted
+#include <algorithm>  // any_of, is_sorted
 
 #include <motionlang/file/pickle_arrays.hpp>
 
@@ -12,11 +12,11 @@ namespace detail {
 
 inline bool is_numpy(const PickleValue& v, std::string_view function) {
   const std::string name = v.name();
-  for (const std::string_view module :
-       {"numpy.core.multiarray.", "numpy._core.multiarray.", "numpy.core.numeric.", "numpy._core.numeric.", "numpy."}) {
-    if (name.starts_with(module) && std::string_view(name).substr(module.size()) == function) return true;
-  }
-  return false;
+  constexpr std::string_view modules[] = {"numpy.core.multiarray.", "numpy._core.multiarray.", "numpy.core.numeric.",
+                                          "numpy._core.numeric.", "numpy."};
+  return std::any_of(std::begin(modules), std::end(modules), [&](std::string_view module) {
+    return name.starts_with(module) && std::string_view(name).substr(module.size()) == function;
+  });
 }
 
 inline std::vector<Index> shape_of(const PickleValue& sizes) {

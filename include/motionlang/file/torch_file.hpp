@@ -39,16 +39,17 @@ class TorchFile {
   static TorchFile open(const FilePath& path);
   /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
   /// messages.
-  static TorchFile from_bytes(std::span<const std::byte> bytes, std::string name,
+  static TorchFile from_bytes(std::span<const std::byte> bytes, const std::string& name,
                               std::shared_ptr<const void> owner = {});
   /// A file of the older form.
   static TorchFile from_legacy(std::span<const std::byte> bytes, const std::string& name,
-                               std::shared_ptr<TensorMemory> memory);
+                               const std::shared_ptr<TensorMemory>& memory);
   /// An archive that is open already. `checksums`: those of stored storages are compared, too, which reads all of them.
-  static TorchFile from_archive(const ZipArchive& zip, std::shared_ptr<TensorMemory> memory, bool checksums = false);
+  static TorchFile from_archive(const ZipArchive& zip, const std::shared_ptr<TensorMemory>& memory,
+                                bool checksums = false);
 
   /// A plain pickle, in which tensors bring their storages.
-  static TorchFile from_pickle(Pickle pickle, std::shared_ptr<TensorMemory> memory);
+  static TorchFile from_pickle(Pickle pickle, const std::shared_ptr<TensorMemory>& memory);
 
   static bool is_legacy(std::span<const std::byte> bytes);
   /// The first folder of an archive that has a data.pkl, with a slash; empty if there is none.

@@ -321,20 +321,20 @@ MOTIONLANG_BODY TorchFile TorchFile::open(const FilePath& path) {
   return from_bytes(file->bytes(), path.string(), file);
 }
 
-MOTIONLANG_BODY TorchFile TorchFile::from_bytes(std::span<const std::byte> bytes, std::string name,
+MOTIONLANG_BODY TorchFile TorchFile::from_bytes(std::span<const std::byte> bytes, const std::string& name,
                                                 std::shared_ptr<const void> owner) {
   const auto memory = std::make_shared<TensorMemory>(std::move(owner), bytes.size(), name);
   return is_legacy(bytes) ? from_legacy(bytes, name, memory) : from_archive(ZipArchive(bytes, name), memory);
 }
 
 MOTIONLANG_BODY TorchFile TorchFile::from_legacy(std::span<const std::byte> bytes, const std::string& name,
-                                                 std::shared_ptr<TensorMemory> memory) {
+                                                 const std::shared_ptr<TensorMemory>& memory) {
   detail::TorchTensors tensors(memory);
   Pickle object = detail::read_torch_legacy(bytes, name, tensors, memory);
   return TorchFile(std::move(object), std::move(tensors), memory, "torch legacy");
 }
 
-MOTIONLANG_BODY TorchFile TorchFile::from_archive(const ZipArchive& zip, std::shared_ptr<TensorMemory> memory,
+MOTIONLANG_BODY TorchFile TorchFile::from_archive(const ZipArchive& zip, const std::shared_ptr<TensorMemory>& memory,
                                                   bool checksums) {
   const std::string folder = root_folder(zip);
   if (folder.empty()) raise<io_error>(403, zip.name(), ": no data.pkl in the archive: not a file of PyTorch");
@@ -367,7 +367,7 @@ MOTIONLANG_BODY TorchFile TorchFile::from_archive(const ZipArchive& zip, std::sh
   return out;
 }
 
-MOTIONLANG_BODY TorchFile TorchFile::from_pickle(Pickle pickle, std::shared_ptr<TensorMemory> memory) {
+MOTIONLANG_BODY TorchFile TorchFile::from_pickle(Pickle pickle, const std::shared_ptr<TensorMemory>& memory) {
   return TorchFile(std::move(pickle), detail::TorchTensors(memory), memory, "pickle");
 }
 

@@ -40,7 +40,7 @@ void write_body_glb(const FilePath& path, const Body<B>& body, std::span<const M
 template <Backend B>
 Index write_body_objs(const FilePath& path, const Body<B>& body, const Motion& motion,
                       std::span<const typename B::scalar> betas = {}) {
-  const std::string name = path.string();
+  const std::string& name = path.string();
   const std::string stem = name.ends_with(".obj") ? name.substr(0, name.size() - 4) : name;
   const Motion own = motion_on_body(body, motion, betas);
   const std::span<const std::array<Index, 3>> faces(body.faces);

@@ -120,7 +120,7 @@ MOTIONLANG_BODY double GlbFile::most_rotations(std::size_t keys) {
 MOTIONLANG_BODY double GlbFile::skeleton_rotations() const {
   std::size_t bytes = 0;
   for (const std::string& name : skeleton().names)
-    bytes += sizeof name + name.size() + sizeof(int) + sizeof(Vec3<double>);
+    bytes += sizeof(std::string) + name.size() + sizeof(int) + sizeof(Vec3<double>);
   return static_cast<double>(bytes) / sizeof(Quaternion<double>);
 }
 

@@ -8,10 +8,9 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY std::vector<std::string> body_joint_names(BodyKind kind, Index joints) {
-  std::vector<std::string> out;
-  const Skeleton& smpl = smpl24_skeleton();
+  const std::vector<std::string>& smpl = smpl24_skeleton().names;
   const Index known = kind == BodyKind::other ? 0 : kind == BodyKind::smpl ? 24 : 22;
-  for (int j = 0; j < known; ++j) out.push_back(smpl.name(j));
+  std::vector<std::string> out(smpl.begin(), smpl.begin() + known);
   if (kind == BodyKind::smplx) out.insert(out.end(), {"jaw", "left_eye", "right_eye"});
   if (kind == BodyKind::smplh || kind == BodyKind::smplx) {
     for (const char* side : {"left_", "right_"}) {

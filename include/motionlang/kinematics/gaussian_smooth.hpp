@@ -27,7 +27,7 @@ std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double si
     raise<shape_error>(205, "gaussian_smooth: ", values.size(), " values are not rows of ", width);
   }
   if (values.empty()) return {};
-  const auto radius = static_cast<Index>(4 * sigma + 0.5);
+  const auto radius = static_cast<Index>(4 * sigma + 0.5);  // NOLINT(bugprone-incorrect-roundings): as scipy does
   std::vector<double> kernel;
   double sum = 0;
   for (Index k = -radius; k <= radius; ++k) {

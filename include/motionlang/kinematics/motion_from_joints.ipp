@@ -47,7 +47,7 @@ inline std::vector<Vec3<double>> bones_of_one_joint(std::vector<Vec3<double>> re
   constexpr int rounds = 10;
   constexpr std::size_t most_frames = 200;
   const std::size_t n = rest.size(), frames = seen.size() / n, step = std::max<std::size_t>(1, frames / most_frames);
-  const std::vector<Vec3<double>> at_rest = rest;
+  std::vector<Vec3<double>> at_rest = rest;
   auto turn = Quaternion<double>::identity();
   std::vector<SeenVector> pairs(n);
   for (int round = 0; round < rounds; ++round) {

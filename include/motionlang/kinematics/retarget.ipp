@@ -19,6 +19,7 @@ MOTIONLANG_BODY std::string to_string(const RetargetReport& r) {
   };
   auto rounded = [](double x) { return std::round(x * 1000) / 1000; };
   std::vector<std::string> pairs;
+  pairs.reserve(r.mapped.size());
   for (const auto& [to, from] : r.mapped) pairs.push_back(from + " -> " + to);
   return concat_text(r.table, " -> ", r.target_table, ": ", r.mapped.size(), " of ",
                      r.mapped.size() + r.unmapped.size(), " joints follow, legs x ", rounded(r.leg_ratio), ", arms x ",

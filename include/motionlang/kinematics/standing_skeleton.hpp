@@ -27,7 +27,7 @@ class StandingSkeleton {
   SkeletonTable table;
   std::vector<Quaternion<double>> rotation;  // of each joint in the world
 
-  StandingSkeleton(const Skeleton& s, const SkeletonTable& t);
+  StandingSkeleton(Skeleton s, SkeletonTable t);
 
   /// What says that it does not stand, facing forward: the head is not over the pelvis, the hips are not side by side,
   /// or toes point back as left and right are exchanged. "" if it stands, or has no such joints.

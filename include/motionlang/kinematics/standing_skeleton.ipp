@@ -4,6 +4,7 @@
 
 #include <cmath>    // atan2, round
 #include <numbers>  // pi
+#include <utility>  // move
 
 #include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/geometry/degree.hpp>
@@ -35,7 +36,8 @@ MOTIONLANG_BODY Quaternion<double> axes_rotation(const MappedJoint& joint) {
   return to_quaternion(AxisAngle<double>{degree * joint.turn}) * frame;
 }
 
-MOTIONLANG_BODY StandingSkeleton::StandingSkeleton(const Skeleton& s, const SkeletonTable& t) : skeleton(s), table(t) {
+MOTIONLANG_BODY StandingSkeleton::StandingSkeleton(Skeleton s, SkeletonTable t)
+    : skeleton(std::move(s)), table(std::move(t)) {
   const auto joints = static_cast<std::size_t>(skeleton.size());
   rotation.assign(joints, Quaternion<double>::identity());
   position_.assign(joints, {});

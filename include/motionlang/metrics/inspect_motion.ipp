@@ -327,7 +327,7 @@ class MotionInspector {
     const double stand = quantile(feet, 0.05);
     for (double& height : feet) height -= stand;
     Arcs out;
-    for (std::size_t a = lag - 1, b = a; a + 1 + lag < y.size(); a = std::max(a + 1, b - 1)) {
+    for (std::size_t a = lag - 1, b = 0; a + 1 + lag < y.size(); a = std::max(a + 1, b - 1)) {
       for (b = a + 1; b + lag < y.size() && y[b - lag] - 2 * y[b] + y[b + lag] < 0;) ++b;
       if (b - a < fewest) continue;
       const auto [bend, off] = fit_parabola(std::span(y).subspan(a, b - a + 1));
@@ -522,6 +522,7 @@ class MotionInspector {
     std::vector<double> speeds;
     for (int BodyJoints::Pair::*side : {&BodyJoints::Pair::left, &BodyJoints::Pair::right}) {
       std::vector<int> feet;
+      feet.reserve(joints.size());
       for (const BodyJoints::Pair& p : joints) feet.push_back(p.*side);
       add_contacts(feet, stands, speeds);
     }

@@ -33,7 +33,8 @@ struct StepDecay {
   Index every = 1;
 
   double operator()(Index step) const {
-    return rate / std::pow(factor, static_cast<double>(step / std::max<Index>(1, every)));
+    const Index times = step / std::max<Index>(1, every);
+    return rate / std::pow(factor, static_cast<double>(times));
   }
 };
 

@@ -45,7 +45,7 @@ class WordCache;
 class ClipTokenizer {
  public:
   /// OpenAI's ids: 256 symbols of bytes, the same at the end of words, the merges, begin, end.
-  explicit ClipTokenizer(const BytePairMerges& merges, ClipTokenizerOptions options = {},
+  explicit ClipTokenizer(const BytePairMerges& merges, const ClipTokenizerOptions& options = {},
                          std::string_view source = "ClipTokenizer");
   /// Any ids. `added` instead of begin and end, as a tokenizer.json lists them: they are looked for before the words
   /// are. Throws config_error 107, naming `source`, if begin or end is no piece, a piece is duplicated or a merge needs

@@ -134,7 +134,7 @@ class WordCache {
 
 }  // namespace detail
 
-MOTIONLANG_BODY ClipTokenizer::ClipTokenizer(const BytePairMerges& merges, ClipTokenizerOptions options,
+MOTIONLANG_BODY ClipTokenizer::ClipTokenizer(const BytePairMerges& merges, const ClipTokenizerOptions& options,
                                              std::string_view source)
     : ClipTokenizer(openai_pieces(merges, options), merges, options, source) {}
 

@@ -119,7 +119,7 @@ MOTIONLANG_BODY std::string GloVe::known_form(const std::string& word) const {
   if (contains(word)) return word;
   for (const std::string_view end : {"ing", "ed", "es", "s"}) {
     if (!word.ends_with(end) || word.size() < end.size() + 2) continue;
-    const std::string stem = word.substr(0, word.size() - end.size());
+    std::string stem = word.substr(0, word.size() - end.size());
     if (contains(stem)) return stem;
     if (contains(stem + "e")) return stem + "e";
     if (stem.back() == stem[stem.size() - 2] && contains(stem.substr(0, stem.size() - 1)))

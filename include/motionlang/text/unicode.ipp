@@ -82,8 +82,9 @@ inline void append_decomposed(std::u32string& out, char32_t c) {
     out += c;
   } else if (c - hangul < hangul_count) {
     const char32_t s = c - hangul, t = s % jamo_t_count;
-    out += jamo_l + s / (jamo_v_count * jamo_t_count);
-    out += jamo_v + s / jamo_t_count % jamo_v_count;
+    const char32_t v = s / jamo_t_count % jamo_v_count, l = s / (jamo_v_count * jamo_t_count);
+    out += jamo_l + l;
+    out += jamo_v + v;
     if (t != 0) out += jamo_t + t;
   } else {
     const std::span<const Decomposition> table(decompositions);

@@ -9,7 +9,8 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY GloVe read_glove(const FilePath& stem) {
-  const std::string base = stem.string(), data = base + "_data.npy", places = base + "_idx.pkl";
+  const std::string& base = stem.string();
+  const std::string data = base + "_data.npy", places = base + "_idx.pkl";
   const NpyArray array = read_npy(data);
   const Pickle words = Pickle::open(base + "_words.pkl"), index = Pickle::open(places);
   const PickleValue rows = index.root(), list = words.root();
@@ -53,7 +54,7 @@ inline std::string pickled_words(std::span<const std::string> words, bool rows) 
 }  // namespace detail
 
 MOTIONLANG_BODY void write_glove(const FilePath& stem, const GloVe& glove) {
-  const std::string base = stem.string();
+  const std::string& base = stem.string();
   const std::vector<std::string> words = glove.words();
   std::vector<float> vectors;
   for (const std::string& word : words) {

@@ -179,7 +179,7 @@ MOTIONLANG_BODY RunFolder find_run(const FilePath& path) {
   namespace fs = std::filesystem;
   RunFolder run{.folder = path.string(), .system = {}, .options_file = {}, .options = {}, .weights = {}, .parts = {}};
   std::error_code problem;
-  fs::directory_iterator(run.folder, problem);
+  static_cast<void>(fs::directory_iterator(run.folder, problem));
   if (problem) raise<io_error>(401, "cannot list ", path.string(), ": ", problem.message());
   std::error_code ignored;
   for (const char* name : {"config.json", "args.json", "opt.yaml", "opt.txt", ".hydra/config.yaml"}) {

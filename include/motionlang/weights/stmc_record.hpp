@@ -71,7 +71,7 @@ StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>&
   const Shape shape{std::ssize(run.timelines) * run.rows, stmc.layout.size};
   StmcRecord<B> out{.timelines = std::move(run.timelines),
                     .rng = run.rng,
-                    .options = std::move(run.options),
+                    .options = run.options,
                     .rows = run.rows,
                     .exact = run.exact};
   for (Index k = 0; k < *out.options.steps; ++k) {

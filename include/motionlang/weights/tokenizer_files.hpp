@@ -37,8 +37,8 @@ BytePairMerges read_merges(const FilePath& path, std::size_t most = static_cast<
 inline constexpr std::size_t clip_merges = 48894;
 
 /// CLIP's tokenizer from OpenAI's file, packed or not. Throws as read_merges, and as the constructor of ClipTokenizer.
-inline ClipTokenizer read_clip_tokenizer(const FilePath& path, ClipTokenizerOptions options = {}) {
-  return ClipTokenizer(read_merges(path, clip_merges), std::move(options), path.string());
+inline ClipTokenizer read_clip_tokenizer(const FilePath& path, const ClipTokenizerOptions& options = {}) {
+  return ClipTokenizer(read_merges(path, clip_merges), options, path.string());
 }
 
 /// BERT's tokenizer from vocab.txt. Throws as read_vocabulary, and as the constructor of BertTokenizer.

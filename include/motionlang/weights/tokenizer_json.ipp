@@ -297,7 +297,7 @@ inline ClipTokenizer clip_from_folder(const std::string& folder, const Tokenizer
 }  // namespace detail
 
 MOTIONLANG_BODY AnyTokenizer read_tokenizer(const FilePath& folder, const TokenizerLimits& limits) {
-  const std::string name = folder.string();
+  const std::string& name = folder.string();
   if (detail::file_exists(name + "/tokenizer.json")) return read_tokenizer_json(name + "/tokenizer.json", limits);
   TokenizerConfig config;
   if (const std::string file = name + "/tokenizer_config.json"; detail::file_exists(file)) {

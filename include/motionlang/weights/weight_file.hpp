@@ -82,7 +82,7 @@ class WeightFile : public TensorSet {
   WeightFile(std::string name, std::shared_ptr<const void> owner, std::string format)
       : TensorSet(std::move(name), std::move(owner)), format_(std::move(format)) {}
 
-  static WeightFile from_safetensors(SafetensorsFile file);
+  static WeightFile from_safetensors(const SafetensorsFile& file);
   static WeightFile from_shards(const FilePath& index, const WeightOptions& options);
   /// Takes over what another file holds, its names behind a prefix. `owners` are those of this file.
   void add(const WeightFile& file, const std::string& prefix, std::vector<std::shared_ptr<const void>>& owners);

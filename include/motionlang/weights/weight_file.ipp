@@ -476,7 +476,7 @@ inline bool begins_pickle(std::string_view text) {
 
 }  // namespace detail
 
-MOTIONLANG_BODY WeightFile WeightFile::from_safetensors(SafetensorsFile file) {
+MOTIONLANG_BODY WeightFile WeightFile::from_safetensors(const SafetensorsFile& file) {
   WeightFile out(file.name(), file.owner(), "safetensors");
   out.tensors_.assign(file.tensors().begin(), file.tensors().end());
   for (const auto& [key, text] : file.metadata()) out.values_.push_back({key, text});

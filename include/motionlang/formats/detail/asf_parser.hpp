@@ -25,7 +25,7 @@ class AsfParser {
     skeleton_.name = name;
     skeleton_.bones.push_back({.name = "root"});
     axes_.push_back({});
-    children_.push_back({});
+    children_.emplace_back();
   }
 
   AsfSkeleton parse() && {
@@ -147,7 +147,7 @@ class AsfParser {
     bone.end = length * normalized(direction);
     skeleton_.bones.push_back(std::move(bone));
     axes_.push_back(axis);
-    children_.push_back({});
+    children_.emplace_back();
   }
   /// "TX TY TZ RX RY RZ", "rx rz", "l": to the end of the line.
   void channels(AsfBone& bone) {

@@ -12,6 +12,7 @@ namespace detail {
 
 inline constexpr std::uint32_t glb_magic = 0x46546C67u, glb_json = 0x4E4F534Au, glb_binary = 0x004E4942u;
 
+// NOLINTNEXTLINE(bugprone-exception-escape): a document moves without throwing
 struct GlbChunks {
   std::string_view text;  // of the document, in the bytes that were parsed
   nlohmann::json document;

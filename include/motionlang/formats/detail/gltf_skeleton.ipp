@@ -45,7 +45,7 @@ MOTIONLANG_BODY void GltfSkeleton::mark_joints(const GltfDocument& document, std
   }
   const std::vector<int> own_place = place_;
   const auto& order = document.depth_first();
-  for (auto n = order.rbegin(); n != order.rend(); ++n) {
+  for (auto n = order.rbegin(); n != order.rend(); ++n) {  // NOLINT(modernize-loop-convert): needs reverse_view
     const int p = document.node(*n).parent;
     if (p < 0) continue;
     if (own_place[slot(p)] == nowhere) place_[slot(p)] = std::min(place_[slot(p)], place_[slot(*n)]);

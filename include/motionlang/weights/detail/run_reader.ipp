@@ -89,7 +89,7 @@ MOTIONLANG_BODY std::string RunReader::text(const char* key, const char* otherwi
 
 MOTIONLANG_BODY std::string RunReader::one_of(const char* key, const char* otherwise,
                                               std::initializer_list<std::string_view> known) const {
-  const std::string found = text(key, otherwise);
+  std::string found = text(key, otherwise);
   if (std::find(known.begin(), known.end(), found) != known.end()) return found;
   raise<io_error>(404, place(key), " is '", found, "', known are ", join_text(known));
 }
