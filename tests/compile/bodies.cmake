@@ -1,7 +1,7 @@
 # Where bodies stand: cmake -DINCLUDE=<repository>/include -P bodies.cmake
 #
 #   - MOTIONLANG_BODY occurs in files *.ipp only
-#   - every file *.ipp is included by a header, for those who compile headers only
+#   - every file *.ipp is included by a header, for those who compile headers only, and only for those
 #   - every file *.ipp with bodies is compiled by exactly one unit of motionlang::instantiated
 cmake_minimum_required(VERSION 3.24)
 
@@ -20,6 +20,10 @@ foreach(header ${headers})
   foreach(line ${lines})
     if(line MATCHES "include <(.*)>")
       list(APPEND included_by_headers ${CMAKE_MATCH_1})
+      file(READ ${INCLUDE}/${header} text)
+      if(NOT text MATCHES "\n#(ifndef MOTIONLANG_INSTANTIATED|else)\n#include <${CMAKE_MATCH_1}>\n")
+        problem("${header} includes ${line} with motionlang::instantiated, too")
+      endif()
     elseif(NOT header STREQUAL "motionlang/version.hpp")
       problem("${header} defines a body: ${line}")
     endif()
