@@ -1,13 +1,12 @@
 #!/bin/sh
-# Gate: clang-tidy 14, with the checks of .clang-tidy, finds nothing.
+# Gate: clang-tidy 14, with the checks of .clang-tidy, finds nothing in the headers. FILE may be a source, too.
 #     sh tests/gates/tidy.sh all | changed | tenth | FILE ...
 #
 # changed   what differs from the last merge, or from TIDY_BASE
 # tenth     every tenth file, other ones with every commit
 #
 # Headers of include/ are looked at together, in one unit that includes them, with their bodies (.ipp); sources one by one, with
-# the options of the preset tidy. Headers of examples/ and tests/ are not looked at. After TIDY_MINUTES no further unit is
-# begun, and those left out are reported.
+# the options of the preset tidy. After TIDY_MINUTES no further unit is begun, and those left out are reported.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 cd "$here/../.."
@@ -15,7 +14,7 @@ cd "$here/../.."
 . .ci/packages.sh
 command -v clang-tidy-14 >/dev/null || { echo "clang-tidy-14 is needed (Debian: clang-tidy-14)"; exit 1; }
 last_merge() { git rev-list --merges --max-count=1 HEAD^ 2>/dev/null || true; }
-ours() { grep -E '^include/.*\.(hpp|ipp)$|^(include|examples|tests)/.*\.cpp$' || true; }
+ours() { grep -E '^include/.*\.(hpp|ipp)$' || true; }
 case ${1:-all} in
   all) files=$(sources | ours) ;;
   changed)
