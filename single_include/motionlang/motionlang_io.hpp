@@ -15806,8 +15806,8 @@ ModelFolder parse_model_config(std::string_view text, const std::string& name);
 /// Throws io_error 401 if there is no config.json, and as parse_model_config.
 ModelFolder read_model_folder(const FilePath& folder);
 
-/// The text of config.json. Throws config_error 101 without a system, a licence or a provenance, 102 for `others` that
-/// are none; io_error 403 for texts that are not UTF-8.
+/// The text of config.json. Throws config_error 101 without a system, a licence or a provenance, 102 for invalid
+/// `others`; io_error 403 for texts that are not UTF-8.
 std::string model_config_text(const ModelFolder& m, const std::string& name = detail::model_config_file);
 
 /// Writes a folder that is not there yet. text_encoder_files: copied into its text_encoder/.
@@ -16135,8 +16135,8 @@ class EmbeddingCache {
                                    std::optional<std::span<const std::byte>> slice_file, std::string_view index_text,
                                    const std::string& base, std::shared_ptr<const void> owner = nullptr);
 
-  /// Makes the folder and those inside it that the name of the model asks for. Throws io_error 401; 403 if a text has
-  /// not one row but slices are not wanted.
+  /// Makes the folder and those inside it that the name of the model asks for. Throws io_error 401; 403 if slices
+  /// are not wanted and a text has another number of rows than one.
   void write(const FilePath& folder, const std::string& model, bool with_slices = true) const;
 
   /// Texts, and numbers of a row.

@@ -44,8 +44,9 @@ if not files:
 missing = checked = 0
 for file in files:
     page = file.suffix == ".md"
+    whole = page or file.suffix == ".py"  # strings of Python are comments, too
     for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
-        if not page:
+        if not whole:
             comment = re.search(r"//|/\*|^\s*\*|#(?!include|if|define|undef|elif|else|endif|pragma|error)", line)
             if comment is None:
                 continue

@@ -21,11 +21,16 @@ if not files:
         "*.hpp", "*.ipp", "*.inc", "*.cpp", "*.h", "*.c", "*.md", "*.sh", "*.cmake", "*.txt", "*.py",
         "!single_include", "!tests/gates", "!tests/fuzz/corpus", "!tests/golden/cases")]
 
+marker = re.compile(r"^\s*(///?|\*|#)?\s*")
 found = 0
 for file in files:
-    for number, line in enumerate(pathlib.Path(file).read_text(encoding="utf-8").splitlines(), 1):
+    lines = pathlib.Path(file).read_text(encoding="utf-8").splitlines()
+    for number, line in enumerate(lines, 1):
+        begin = line.rstrip() + " "
+        rest = marker.sub("", lines[number]) if number < len(lines) else ""  # a phrase may go on in the next line
         for pattern, better in rules:
-            if match := pattern.search(line):
+            match = pattern.search(begin + rest)
+            if match and match.start() < len(begin):
                 print(f"{file}:{number}: '{match.group()}': write {better}")
                 found += 1
 if found:

@@ -56,8 +56,8 @@ class EmbeddingCache {
                                    std::optional<std::span<const std::byte>> slice_file, std::string_view index_text,
                                    const std::string& base, std::shared_ptr<const void> owner = nullptr);
 
-  /// Makes the folder and those inside it that the name of the model asks for. Throws io_error 401; 403 if a text has
-  /// not one row but slices are not wanted.
+  /// Makes the folder and those inside it that the name of the model asks for. Throws io_error 401; 403 if slices
+  /// are not wanted and a text has another number of rows than one.
   void write(const FilePath& folder, const std::string& model, bool with_slices = true) const;
 
   /// Texts, and numbers of a row.
