@@ -1,4 +1,7 @@
-"""The files of the repository: those that git does not ignore; in a copy without git, all except build/."""
+"""The files of the repository: those that git does not ignore; in a copy without git, all except build/.
+
+    python3 tests/gates/files.py        prints the sources of C and C++, except what is generated or broken on purpose
+"""
 import fnmatch
 import pathlib
 import subprocess
@@ -18,3 +21,7 @@ def tracked(*patterns):
     if len(found) < 100:
         raise SystemExit(f"only {len(found)} files found in {root}")
     return found
+
+
+if __name__ == "__main__":
+    print(*tracked("*.hpp", "*.ipp", "*.inc", "*.cpp", "*.h", "*.c", "!single_include", "!tests/gates/broken"), sep="\n")

@@ -6,8 +6,7 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 if [ $# -eq 0 ]; then
   cd "$here/../.."
-  . "$here/sources.sh"
-  set -- $(sources)
+  set -- $(python3 "$here/files.py")
   [ $# -gt 100 ] || { echo "only $# sources found"; exit 1; }
 fi
 command -v clang-format-14 >/dev/null || { echo "clang-format-14 is needed (Debian: clang-format-14)"; exit 1; }

@@ -10,19 +10,18 @@
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 cd "$here/../.."
-. "$here/sources.sh"
 . .ci/packages.sh
 command -v clang-tidy-14 >/dev/null || { echo "clang-tidy-14 is needed (Debian: clang-tidy-14)"; exit 1; }
 last_merge() { git rev-list --merges --max-count=1 HEAD^ 2>/dev/null || true; }
-ours() { grep -E '^include/.*\.(hpp|ipp)$' || true; }
+headers() { grep -E '^include/.*\.(hpp|ipp)$' || true; }
 case ${1:-all} in
-  all) files=$(sources | ours) ;;
+  all) files=$(python3 "$here/files.py" | headers) ;;
   changed)
     base=${TIDY_BASE:-$(last_merge)}
     [ -n "$base" ] || { echo "clang-tidy: no merge is known here, so nothing counts as changed"; exit 0; }
-    files=$(git diff --name-only --diff-filter=d "$base" | ours)
+    files=$(git diff --name-only --diff-filter=d "$base" | headers)
     ;;
-  tenth) files=$(sources | ours | awk -v n="$(git rev-list --count HEAD)" 'NR % 10 == n % 10') ;;
+  tenth) files=$(python3 "$here/files.py" | headers | awk -v n="$(git rev-list --count HEAD)" 'NR % 10 == n % 10') ;;
   *) files=$* ;;
 esac
 configure tidy

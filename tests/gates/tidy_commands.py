@@ -58,4 +58,4 @@ if headers:
 (folder / "compile_commands.json").write_text(json.dumps(list(commands.values())))
 paths = [re.escape(str(name.with_suffix(""))) + r"\.(hpp|ipp)" for name in headers]
 (folder / "headers.txt").write_text("(" + "|".join(paths or ["none"]) + ")$")
-print("\n".join(units))
+print(*units, sep="\n", end="\n" if units else "")

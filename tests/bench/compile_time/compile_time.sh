@@ -1,9 +1,9 @@
 #!/bin/bash
 # What the headers cost a user: compile_time.sh [--table] [--kept FILE] <compiler and flags...>
 #
-# Compiles the unit of a user in several ways and prints each time (user seconds, the best of two after a first one) and its ratio to three
-# packages together, <Eigen/Dense>, <nlohmann/json.hpp> and <xtensor/xarray.hpp>, measured in the same run. Fails if a ratio is
-# more than 1.2 times what kept.txt says, and says so if it is less than 0.8 times: then keep the new one.
+# Compiles the unit of a user in several ways and prints each time (user seconds, the best of two) and its ratio to three
+# packages together, <Eigen/Dense>, <nlohmann/json.hpp> and <xtensor/xarray.hpp>, measured in the same run. Fails if a ratio
+# is more than 1.2 times what kept.txt says. Says if it is less than 0.8 times: then keep the new one.
 # --table: what single headers cost, too.
 here=$(cd "$(dirname "$0")" && pwd)
 kept=$here/kept.txt
@@ -21,12 +21,11 @@ TIMEFORMAT=%U
 
 # seconds <flags...>: of the text on standard input. Without a result if it does not compile.
 seconds() {
-  local text
+  local text times
   text=$(cat)
-  "${compile[@]}" "$@" -x c++ - <<<"$text" >&2 || return
-  for _ in 1 2; do
-    { time "${compile[@]}" "$@" -x c++ - <<<"$text" >/dev/null 2>&1; } 2>&1
-  done | sort -n | head -1
+  times=$(for _ in 1 2; do
+    { time "${compile[@]}" "$@" -x c++ - <<<"$text" >/dev/null 2>&3; } 3>&2 2>&1 || exit
+  done) && sort -n <<<"$times" | head -1
 }
 includes() { printf '#include <%s>\n' "$@"; }
 
