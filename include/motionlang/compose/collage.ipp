@@ -108,7 +108,8 @@ MOTIONLANG_BODY void check_texts(const BatchPlan& plan, Index texts, Index nulls
   Index intervals = 0;
   for (const TimelinePlan& p : plan.timelines) intervals += static_cast<Index>(p.timeline.intervals.size());
   if (texts == intervals && nulls == 1) return;
-  raise<shape_error>(204, "Collage: ", texts, " texts for ", intervals, " intervals; ", nulls, " unconditional texts");
+  raise<shape_error>(204, "Collage: ", counted(texts, "text"), " for ", counted(intervals, "interval"), "; ",
+                     counted(nulls, "unconditional text"));
 }
 
 MOTIONLANG_BODY CropRows own_frames(const BatchPlan& plan, Index stride, Index crop_frames) {

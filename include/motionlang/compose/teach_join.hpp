@@ -33,8 +33,8 @@ void align_to(const PoseInWorld<S>& e, std::span<Matrix3<S>> rotations, std::spa
               Alignment alignment = Alignment::full) {
   const std::size_t joints = e.rotations.size();
   if (joints == 0 || rotations.size() != trans.size() * joints) {
-    raise<shape_error>(205, "align_to: ", rotations.size(), " rotations for ", trans.size(), " frames of ", joints,
-                       " joints");
+    raise<shape_error>(205, "align_to: ", counted(rotations.size(), "rotation"), " for ",
+                       counted(trans.size(), "frame"), " of ", counted(joints, "joint"));
   }
   if (trans.empty()) return;
   auto turn = Matrix3<S>::identity();

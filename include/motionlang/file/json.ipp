@@ -35,7 +35,7 @@ inline std::size_t json_members(const nlohmann::json& document) {
   return count;
 }
 
-/// Throws io_error 403 for a name that appears twice in an object of the well-formed document in a part of the text.
+/// Throws io_error 403 for a name that is duplicated in an object of the well-formed document in a part of the text.
 inline void refuse_json_repetition(std::string_view text, std::size_t begin, std::size_t size, std::string_view name) {
   std::vector<std::map<std::string, std::size_t>> objects;  // around the place: names and where they are
   const std::size_t end = begin + size;
@@ -51,7 +51,7 @@ inline void refuse_json_repetition(std::string_view text, std::size_t begin, std
     const auto [first, is_new] = objects.back().emplace(key, start);
     if (!is_new)
       raise_json(text, start, name,
-                 concat_text("the name '", key, "' appears twice, first at ", json_place(text, first->second)));
+                 concat_text("the name '", key, "' is duplicated, first at ", json_place(text, first->second)));
   }
 }
 

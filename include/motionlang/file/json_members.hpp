@@ -18,7 +18,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 class JsonMembers {
  public:
-  /// Throws io_error 401; 403 if the file is not an object, if a name appears twice, and at the end of the file where
+  /// Throws io_error 401; 403 if the file is not an object, if a name is duplicated, and at the end of the file where
   /// something is not closed. Mistakes inside of a value show when it is loaded.
   static JsonMembers open(const FilePath& path);
   static JsonMembers from_text(std::string text, std::string name = "JSON");

@@ -49,7 +49,7 @@ MOTIONLANG_BODY void JsonMembers::add_member() {
   if (at_ == value) fail(at_, "expected a value");
   const auto [first, is_new] = parts_.emplace(key, Part{value, at_ - value});
   if (!is_new)
-    fail(start, concat_text("the name '", key, "' appears twice, first with the value at ",
+    fail(start, concat_text("the name '", key, "' is duplicated, first with the value at ",
                             detail::json_place(text_, first->second.begin)));
   keys_.push_back(key);
 }

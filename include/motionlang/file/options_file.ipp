@@ -36,7 +36,7 @@ class OptionValues {
   void add_key(const std::string& path, std::size_t line) {
     spend(path);
     const auto [first, is_new] = lines_.emplace(path, line);
-    if (!is_new) raise<io_error>(403, file_, ":", line, ": '", path, "' appears twice, first in line ", first->second);
+    if (!is_new) raise<io_error>(403, file_, ":", line, ": '", path, "' is duplicated, first in line ", first->second);
   }
   /// A plain or quoted text as what it means; nothing if it means that there is no value.
   void add_text(const std::string& path, std::string_view text);

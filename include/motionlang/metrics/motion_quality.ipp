@@ -82,7 +82,8 @@ MOTIONLANG_BODY Penetration penetration(const JointTracks& tracks, double floor)
 MOTIONLANG_BODY double bone_length_deviation(const JointTracks& tracks, std::span<const int> parents) {
   tracks.validate();
   if (std::ssize(parents) != tracks.joints) {
-    raise<shape_error>(204, "bone_length_deviation: ", parents.size(), " parents for ", tracks.joints, " joints");
+    raise<shape_error>(204, "bone_length_deviation: ", counted(parents.size(), "parent"), " for ",
+                       counted(tracks.joints, "joint"));
   }
   double worst = 0;
   std::vector<double> lengths(static_cast<std::size_t>(tracks.frames()));

@@ -93,7 +93,8 @@ struct GruLayer {
   /// result for every row. Throws shape_error 204.
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 2>& h0, bool backwards = false) const {
     if (h0.shape() != Shape{x.count(), hidden()})
-      raise<shape_error>(204, "GruLayer: h0 ", h0.shape(), " for ", hidden(), " units and ", x.count(), " sequences");
+      raise<shape_error>(204, "GruLayer: h0 ", h0.shape(), " for ", counted(hidden(), "unit"), " and ",
+                         counted(x.count(), "sequence"));
     const detail::TimeSteps<B> time(x, backwards);
     if (time.steps.empty()) return x.with(Tensor<B, 2>::zeros({0, hidden()}));
     return x.with(time.packed((*this)(time.steps, gather(h0, time.order))));

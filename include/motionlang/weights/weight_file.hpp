@@ -83,6 +83,7 @@ class WeightFile : public TensorSet {
       : TensorSet(std::move(name), std::move(owner)), format_(std::move(format)) {}
 
   static WeightFile from_safetensors(const SafetensorsFile& file);
+  /// The files of an index `*.index.json`, as one. Throws io_error 403, 404 and what open_weights throws.
   static WeightFile from_shards(const FilePath& index, const WeightOptions& options);
   /// Takes over what another file holds, its names behind a prefix. `owners` are those of this file.
   void add(const WeightFile& file, const std::string& prefix, std::vector<std::shared_ptr<const void>>& owners);

@@ -136,7 +136,7 @@ TEST_CASE("members of a JSON file: mistakes around the values show when it is op
   refused("{\"a\": [1, {}", "m:1:13: the text ends inside of a value");
   refused("{\"a\": \"b\\\"", "m:1:7: a string has no end");
   refused("{\"a\": 1 \"b\": 2}", "m:1:9: expected '}'");
-  refused("{\"a\": 1,\n\"\\u0061\": 2}", "m:2:1: the name 'a' appears twice, first with the value at 1:7");
+  refused("{\"a\": 1,\n\"\\u0061\": 2}", "m:2:1: the name 'a' is duplicated, first with the value at 1:7");
   refused("{\"a\": 1} x", "m:1:10: something follows the object");
   refused("{\"\x01\": 1}", "[motionlang.io.403] m:1:");
 }

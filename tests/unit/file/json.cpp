@@ -47,9 +47,9 @@ TEST_CASE("the message says all that is wrong") {
 TEST_CASE("a duplicate name in an object is refused with both places") {
   const auto said = [](std::string_view text) { return message_of([&] { ml::parse_json(text, "file"); }); };
   CHECK(said("{\"a\": 1,\n \"b\": 2, \"a\": 3}") ==
-        "[motionlang.io.403] file:2:10: the name 'a' appears twice, first at 1:2");
+        "[motionlang.io.403] file:2:10: the name 'a' is duplicated, first at 1:2");
   CHECK(said("[{\"x\": [{\"k\\\"\" : \"k:\", \"k\": {}}, {\"\\u006b\": 1,\n\"k\": 1}]}]") ==
-        "[motionlang.io.403] file:2:1: the name 'k' appears twice, first at 1:35");
+        "[motionlang.io.403] file:2:1: the name 'k' is duplicated, first at 1:35");
   CHECK_NOTHROW(ml::parse_json("{\"a\": {\"a\": [{\"a\": 1}, {\"a\": \"a\"}]}}"));
 }
 

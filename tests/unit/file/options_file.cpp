@@ -76,12 +76,12 @@ TEST_CASE("YAML: mappings in one line") {
 
 TEST_CASE("a duplicate name is refused with both lines") {
   CHECK_ERROR(ml::parse_options("a:\n  b: 1\nc: 2\na:\n  d: 1\n", "x"),
-              "[motionlang.io.403] x:4: 'a' appears twice, first in line 1");
-  CHECK_ERROR(ml::parse_options("a:\n- b: 1\n  c: 2\n  b: 3\n", "x"), "x:4: 'a/0/b' appears twice, first in line 2");
-  CHECK_ERROR(ml::parse_options("a: {b: 1, b: 1}\n", "x"), "x:1: 'a/b' appears twice, first in line 1");
+              "[motionlang.io.403] x:4: 'a' is duplicated, first in line 1");
+  CHECK_ERROR(ml::parse_options("a:\n- b: 1\n  c: 2\n  b: 3\n", "x"), "x:4: 'a/0/b' is duplicated, first in line 2");
+  CHECK_ERROR(ml::parse_options("a: {b: 1, b: 1}\n", "x"), "x:1: 'a/b' is duplicated, first in line 1");
   CHECK_ERROR(ml::parse_options("---- Options\nlr: 1\n\nlr: 2\n", "opt.txt"),
-              "opt.txt:4: 'lr' appears twice, first in line 2");
-  CHECK_ERROR(ml::parse_options("{\"lr\": 1,\n\"lr\": 2}", "x"), "x:2:1: the name 'lr' appears twice, first at 1:2");
+              "opt.txt:4: 'lr' is duplicated, first in line 2");
+  CHECK_ERROR(ml::parse_options("{\"lr\": 1,\n\"lr\": 2}", "x"), "x:2:1: the name 'lr' is duplicated, first at 1:2");
   CHECK(listed("a:\n- b: 1\n- b: 2\n") == "a/0/b=1;a/1/b=2;");
 }
 

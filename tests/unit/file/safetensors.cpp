@@ -174,7 +174,7 @@ TEST_CASE("headers that are not the JSON that is due") {
     check_refused(file_of(one("U8", "[1]", ml::concat_text("[0,", number, "]")), "x"), "403] test: byte");
   }
   CHECK(refusal(file_of(R"({"ab":{"dtype":"U8","shape":[],"data_offsets":[0,1]},"ab":{}})", "x")) ==
-        "[motionlang.io.403] test: byte 61: the name 'ab' appears twice in one object");
+        "[motionlang.io.403] test: byte 61: the name 'ab' is duplicated in one object");
 }
 
 TEST_CASE("what is not supported says so") {

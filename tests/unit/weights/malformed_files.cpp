@@ -64,7 +64,7 @@ const std::map<std::string, Reason> reasons{
     {"pt_truncated.pt", {403, "no end record of a zip archive from byte 0 on: not a zip, or cut off"}},
     {"pt_wrong_crc.pt", {403, "data.pkl at byte 64: checksum 2415502470, the directory says 2415502457"}},
     {"st_bad_dtype.safetensors", {404, "byte 22: unknown dtype 'Q32'"}},
-    {"st_duplicate.safetensors", {403, "byte 62: the name 'a' appears twice in one object"}},
+    {"st_duplicate.safetensors", {403, "byte 62: the name 'a' is duplicated in one object"}},
     {"st_float_offset.safetensors", {403, "byte 59: a fraction where an integer is due"}},
     {"st_header_huge.safetensors", {405, "a header of 18446744073709551615 bytes; at most 100000000"}},
     {"st_header_too_long.safetensors", {402, "the header needs 1000000 bytes at byte 8, the file has 70"}},

@@ -63,7 +63,7 @@ class JsonCursor {
         const std::size_t start = at_;
         const auto [key, is_new] = keys.insert(string());
         if (keys.size() > max_members) fail(405, start, concat_text("more than ", max_members, " names in one object"));
-        if (!is_new) fail(403, start, "the name '" + *key + "' appears twice in one object");
+        if (!is_new) fail(403, start, "the name '" + *key + "' is duplicated in one object");
         expect(':');
         on_value(*key);
       } while (accept(','));
