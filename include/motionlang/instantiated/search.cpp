@@ -3,5 +3,4 @@
 #include <motionlang/search/motion_index.ipp>
 #include <motionlang/search/motion_search.ipp>
 #include <motionlang/search/unit_rows.ipp>
-#include <motionlang/search/vector_graph.ipp>
 #include <motionlang/search/vector_scan.ipp>
