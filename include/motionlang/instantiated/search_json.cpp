@@ -1,4 +1,4 @@
 // SPDX-License-Identifier: MIT
-// Bodies of the headers in search/ that need nlohmann_json, or others that do, compiled once for motionlang::instantiated.
+// Bodies of the headers in search/ that need nlohmann_json, themselves or through others, compiled once.
 #include <motionlang/search/motion_index_file.ipp>
 #include <motionlang/search/vector_graph.ipp>

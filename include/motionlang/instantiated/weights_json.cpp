@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bodies of the headers in weights/ that need nlohmann_json, or others that do, compiled once for motionlang::instantiated.
+// Bodies of the headers in weights/ that need nlohmann_json, themselves or through others, compiled once.
 #include <motionlang/weights/actor_file.ipp>
 #include <motionlang/weights/detail/run_reader.ipp>
 #include <motionlang/weights/diffusion_folder.ipp>
