@@ -18,8 +18,7 @@ int main(int argc, char** argv) try {
   const auto timeline = ml::parse_timeline(
       "walk forward    # 0.0 # 4.0 # legs\n"
       "raise both arms # 1.0 # 3.5 # left arm # right arm\n");
-  const ml::Tensor<B, 2> features = stmc.generate(timeline, ml::Philox{.seed = 7});  // (frames, 205)
-  const ml::Motion motion = ml::stmc_motion(features);
+  const ml::Motion motion = ml::generate_motion(stmc, timeline, {.seed = 7});
 
   const auto way = motion.root_at(motion.frames() - 1) - motion.root_at(0);
   const auto joints = motion.positions();  // (frames, joints)

@@ -52,7 +52,7 @@ double first_number(const TinyDenoiser<B>& model, const std::vector<double>& fra
                             ml::Offsets{2, 3});  // two sequences, 2 and 3 frames
   const auto c = ml::TextFeatures<To>::pooled(ml::Tensor<To, 2>::from(as(words), {2, 16}));
   const std::vector<ml::Index> t{10, 90};
-  return static_cast<double>(other(x, t, c).rows.span()[0]);
+  return static_cast<double>(other(x, t, c).rows.at(0, 0));
 }
 
 int main() {

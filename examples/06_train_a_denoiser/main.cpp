@@ -9,6 +9,7 @@
 #include <motionlang/diffusion/sampler.hpp>
 #include <motionlang/loss/reconstruction.hpp>
 #include <motionlang/optim/adamw.hpp>
+#include <motionlang/weights/module_file.hpp>
 
 namespace ml = motionlang;
 using B = ml::EigenBackend<float>;
@@ -16,6 +17,8 @@ using A = ml::Autodiff<B>;
 using ml::Index;
 
 constexpr Index frames = 12, sequences = 16;
+constexpr ml::MdmSmplConfig config{
+    .nfeats = 1, .tx_dim = 2, .latent_dim = 32, .ff_size = 64, .num_layers = 2, .num_heads = 2, .dropout = 0};
 
 /// Sequence i goes left if i is even: x[frame] = -frame / frames, else to the right. One feature.
 template <ml::Backend T>
@@ -38,8 +41,7 @@ ml::TextFeatures<T> words() {
 int main() {
   ml::Philox rng{.seed = 3};
   const ml::GaussianDiffusion diffusion(ml::CosineSchedule{.steps = 50});
-  ml::MdmSmplDenoiser<A> model(
-      {.nfeats = 1, .tx_dim = 2, .latent_dim = 32, .ff_size = 64, .num_layers = 2, .num_heads = 2, .dropout = 0}, rng);
+  ml::MdmSmplDenoiser<A> model(config, rng);
   ml::AdamW<A> adam{{.lr = 3e-3}};
   const auto x0 = lines<A>();
   double first = 0, last = 0;  // mean loss of the first and of the last twenty steps
@@ -58,7 +60,10 @@ int main() {
   }
   std::printf("the loss fell to less than a tenth: %s\n", last < first / 10 ? "yes" : "no");
 
-  const auto trained = ml::to_inner(model);  // no tape any more
+  ml::save_module("lines.safetensors", model);
+  ml::NoInit no_numbers;                               // they come from the file
+  ml::MdmSmplDenoiser<B> trained(config, no_numbers);  // no tape any more
+  ml::load_module(trained, "lines.safetensors");
   const auto x = ml::Tensor<B, 2>::randn({sequences * frames, 1}, rng);
   const auto sample = ml::sample_ancestral(
       diffusion, x,

@@ -6,7 +6,7 @@
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/compose/timeline_text.hpp>
-#include <motionlang/systems/stmc.hpp>
+#include <motionlang/systems/stmc.ipp>
 
 namespace ml = motionlang;
 using B = ml::EigenBackend<float>;

@@ -50,9 +50,5 @@ inline std::filesystem::path default_model() {
 inline std::filesystem::path default_search_model() {
   return std::filesystem::path(MOTIONLANG_DEFAULT_MODEL).parent_path() / "tmr_free";
 }
-/// A model is a file, or a folder with one *.safetensors file in it.
-std::filesystem::path model_file(const std::filesystem::path& path);
-/// Where the model of a training is: train-tmr and its like put it into a folder `model` in theirs.
-std::filesystem::path model_folder(const std::filesystem::path& path);
 
 }  // namespace program

@@ -5,6 +5,7 @@
 #include <string>
 
 #include <motionlang/core/error.hpp>
+#include <motionlang/generate/generate_options.hpp>
 #include <motionlang/version.hpp>
 
 #include "commands.hpp"
@@ -76,6 +77,9 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? program::ok : program::usage;
   } catch (const program::usage_error& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return program::usage;
+  } catch (const motionlang::option_error& e) {  // the library's word for it
     std::fprintf(stderr, "%s\n", e.what());
     return program::usage;
   } catch (const motionlang::timeline_error& e) {

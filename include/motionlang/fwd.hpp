@@ -57,6 +57,7 @@ template <class S>
 struct Rigid;
 
 // kinematics
+class BodyPartition;
 struct BodyParts;
 struct Motion;
 struct Skeleton;

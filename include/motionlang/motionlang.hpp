@@ -22,6 +22,7 @@
 #include <motionlang/core/lane.hpp>
 #include <motionlang/core/lane_rows.hpp>
 #include <motionlang/core/large_memory.hpp>
+#include <motionlang/core/lifetime.hpp>
 #include <motionlang/core/mt19937.hpp>
 #include <motionlang/core/numpy_random.hpp>
 #include <motionlang/core/offsets.hpp>
@@ -31,6 +32,7 @@
 #include <motionlang/core/progress.hpp>
 #include <motionlang/core/python_random.hpp>
 #include <motionlang/core/quantile.hpp>
+#include <motionlang/core/require_value.hpp>
 #include <motionlang/core/rng.hpp>
 #include <motionlang/core/rounding.hpp>
 #include <motionlang/core/rows_together.hpp>
@@ -51,6 +53,7 @@
 #include <motionlang/tensor/module.hpp>
 #include <motionlang/tensor/normalize.hpp>
 #include <motionlang/tensor/ops.hpp>
+#include <motionlang/tensor/print.hpp>
 #include <motionlang/tensor/sequences.hpp>
 #include <motionlang/tensor/tensor.hpp>
 
@@ -75,8 +78,10 @@
 #include <motionlang/kinematics/body_joints.hpp>
 #include <motionlang/kinematics/body_model.hpp>
 #include <motionlang/kinematics/body_motion.hpp>
+#include <motionlang/kinematics/body_partition.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
 #include <motionlang/kinematics/chain_kinematics.hpp>
+#include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/kinematics/face_landmarks.hpp>
 #include <motionlang/kinematics/finger_names.hpp>
 #include <motionlang/kinematics/foot_contact.hpp>
@@ -89,10 +94,12 @@
 #include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/limb_ik.hpp>
 #include <motionlang/kinematics/loops.hpp>
+#include <motionlang/kinematics/match_motion.hpp>
 #include <motionlang/kinematics/mirror_joints.hpp>
 #include <motionlang/kinematics/motion.hpp>
 #include <motionlang/kinematics/motion_from_joints.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/kinematics/on_smpl.hpp>
 #include <motionlang/kinematics/overlay.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/kinematics/root_motion.hpp>
@@ -140,6 +147,7 @@
 #include <motionlang/loss/adversarial.hpp>
 #include <motionlang/loss/cross_entropy.hpp>
 #include <motionlang/loss/false_negatives.hpp>
+#include <motionlang/loss/foot_velocity.hpp>
 #include <motionlang/loss/info_nce.hpp>
 #include <motionlang/loss/kl.hpp>
 #include <motionlang/loss/loss_terms.hpp>
@@ -149,9 +157,11 @@
 #include <motionlang/optim/adamw.hpp>
 #include <motionlang/optim/ema.hpp>
 #include <motionlang/optim/lr_schedule.hpp>
+#include <motionlang/optim/optimiser_config.hpp>
 
 #include <motionlang/features/actor_points.hpp>
 #include <motionlang/features/amass_sequence.hpp>
+#include <motionlang/features/feature_rows.hpp>
 #include <motionlang/features/frame_sampling.hpp>
 #include <motionlang/features/guoh3d.hpp>
 #include <motionlang/features/guoh3d_extraction.hpp>
@@ -204,6 +214,7 @@
 #include <motionlang/text/clip_tokenizer.hpp>
 #include <motionlang/text/glove.hpp>
 #include <motionlang/text/joined_labels.hpp>
+#include <motionlang/text/known_words.hpp>
 #include <motionlang/text/mirror_caption.hpp>
 #include <motionlang/text/tagged_word.hpp>
 #include <motionlang/text/text_encoder.hpp>
@@ -251,15 +262,18 @@
 #include <motionlang/metrics/mtt.hpp>
 #include <motionlang/metrics/retrieval.hpp>
 #include <motionlang/metrics/rows.hpp>
+#include <motionlang/metrics/sampled_errors.hpp>
 #include <motionlang/metrics/stgcn.hpp>
 #include <motionlang/metrics/summary.hpp>
 #include <motionlang/metrics/temos_score.hpp>
 
 #include <motionlang/systems/actor.hpp>
 #include <motionlang/systems/sinc.hpp>
+#include <motionlang/systems/sinc_baseline.hpp>
 #include <motionlang/systems/stmc.hpp>
 #include <motionlang/systems/stmc_edit.hpp>
 #include <motionlang/systems/stmc_keep.hpp>
+#include <motionlang/systems/stmc_reuse.hpp>
 #include <motionlang/systems/teach.hpp>
 #include <motionlang/systems/temos.hpp>
 #include <motionlang/systems/tm2t.hpp>
@@ -268,5 +282,6 @@
 #include <motionlang/search/motion_index.hpp>
 #include <motionlang/search/motion_search.hpp>
 #include <motionlang/search/nearest.hpp>
+#include <motionlang/search/search_encoder.hpp>
 #include <motionlang/search/unit_rows.hpp>
 #include <motionlang/search/vector_scan.hpp>

@@ -6,22 +6,22 @@
 ///     const auto stmc = ml::load_stmc<B>("stmc_free.safetensors");
 ///     const auto timeline = ml::parse_timeline("walk forward # 0.0 # 6.0 # legs\n"
 ///                                              "raise both arms # 2.0 # 5.0 # left arm # right arm\n");
-///     const ml::Tensor<B, 2> features = stmc.generate(timeline, ml::Philox{.seed = 7});
-///     const ml::Motion motion = ml::stmc_motion(features);
+///     const ml::Motion motion = ml::generate_motion(stmc, timeline, {.seed = 7});
 ///
-/// Writers of BVH, GLB, NPZ and pages are in <motionlang/formats/...> and <motionlang/view/...>. Who calculates with
-/// the features (exp, sum, ...) includes <motionlang/backend/eigen.hpp> as well; without it the linker misses those
-/// functions.
+/// What the model itself makes, before it is smoothed and put on its feet: stmc.generate and stmc_motion. Writers of
+/// BVH, GLB, NPZ and pages are in <motionlang/formats/...> and <motionlang/view/...>. Who calculates with the features
+/// (exp, max, ...) includes <motionlang/backend/eigen.hpp> as well; the compiler says so.
 ///
 /// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library
-/// then, and this header only says what can be called. For other backends, and for `generate_from`, include
-/// <motionlang/weights/stmc_file.hpp> as well.
+/// then, and this header only says what can be called. For other backends (the compiler says so), and for
+/// `generate_from`, include <motionlang/generate/generate_motion.ipp> and <motionlang/weights/stmc_file.hpp> as well.
 #pragma once
 
 #include <motionlang/backend/detail/eigen_class.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/file/file_path.hpp>
-#include <motionlang/systems/detail/stmc_class.hpp>
+#include <motionlang/generate/generate_motion.hpp>
+#include <motionlang/systems/stmc.hpp>
 
 #ifdef MOTIONLANG_INSTANTIATED
 MOTIONLANG_NAMESPACE_BEGIN

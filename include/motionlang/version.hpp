@@ -2,6 +2,10 @@
 /// Version of the library and the inline namespace that carries it.
 #pragma once
 
+#if __cplusplus < 202002L
+#error "motionlang needs C++20: compile with -std=c++20 (GCC 12 or Clang 14 and later)"
+#endif
+
 #define MOTIONLANG_VERSION_MAJOR 0
 #define MOTIONLANG_VERSION_MINOR 1
 #define MOTIONLANG_VERSION_PATCH 0

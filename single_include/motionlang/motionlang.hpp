@@ -26,7 +26,7 @@
 /// The concepts on which everything rests. Each one states: idea, what a model must provide, the laws (run on every
 /// model in tests/laws), and the models.
 
-#include <concepts>     // same_as, convertible_to
+#include <concepts>     // same_as, semiregular
 #include <cstdint>      // uint64_t
 #include <span>         // views of values and rows
 #include <string_view>  // names of random streams
@@ -44,6 +44,10 @@
 #ifndef MOTIONLANG_HAS_VERSION_HPP  // <motionlang/version.hpp>
 #define MOTIONLANG_HAS_VERSION_HPP
 /// Version of the library and the inline namespace that carries it.
+
+#if __cplusplus < 202002L
+#error "motionlang needs C++20: compile with -std=c++20 (GCC 12 or Clang 14 and later)"
+#endif
 
 #define MOTIONLANG_VERSION_MAJOR 0
 #define MOTIONLANG_VERSION_MINOR 1
@@ -697,22 +701,38 @@ TextPart text_part(const T& value) {
 }
 std::string concat_parts(std::initializer_list<TextPart> parts);
 
+/// A module that is being evaluated. Its name is given, or known by the fields of the module around it.
+struct ModuleStep {
+  std::string name;
+  const void* module = nullptr;  // null: the name is given
+  const void* type = nullptr;    // tells a module from its first member, which lies in the same place
+  /// Path from `module` to one inside of it, "" if it has none such.
+  std::string (*path_to)(const void* module, const void* inner, const void* inner_type) = nullptr;
+};
+
+/// The step into a module (core/fields.hpp).
+template <class M>
+struct StepInto;
+
 /// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
 struct ModulePath {
-  static std::vector<std::string>& names() { return thread_object<std::vector<std::string>, ModulePath>(); }
+  using Steps = std::vector<ModuleStep>;
+  static Steps& steps() { return thread_object<Steps, ModulePath>(); }
+  /// "layers.3.linear1"
+  static std::string text();
   /// As long as it lives, the thread is inside the modules of another one, a part of whose work it does.
   class Continued {
    public:
 #ifdef MOTIONLANG_DIAGNOSTICS
-    explicit Continued(std::vector<std::string> other) : own_(std::exchange(names(), std::move(other))) {}
-    ~Continued() { names() = std::move(own_); }
+    explicit Continued(Steps other) : own_(std::exchange(steps(), std::move(other))) {}
+    ~Continued() { steps() = std::move(own_); }
     Continued(const Continued&) = delete;
     Continued& operator=(const Continued&) = delete;
 
    private:
-    std::vector<std::string> own_;
+    Steps own_;
 #else
-    explicit Continued(const std::vector<std::string>&) {}
+    explicit Continued(const Steps&) {}
     ~Continued() {}
 #endif
   };
@@ -752,14 +772,18 @@ std::string counted(N n, std::string_view one, std::string_view several = {}) {
   return out;
 }
 
-/// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
+/// Names the module that is evaluated as long as the object lives: ModuleScope scope(*this) in its functions, or the
+/// text of all arguments. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
 struct ModuleScope {
 #ifdef MOTIONLANG_DIAGNOSTICS
   template <class... T>
   explicit ModuleScope(const T&... name) {
-    detail::ModulePath::names().push_back(concat_text(name...));
+    detail::ModulePath::steps().push_back({.name = concat_text(name...)});
   }
-  ~ModuleScope() { detail::ModulePath::names().pop_back(); }
+  template <class M>
+  requires requires { M::fields(); }
+  explicit ModuleScope(const M& module) { detail::ModulePath::steps().push_back(detail::StepInto<M>::step(module)); }
+  ~ModuleScope() { detail::ModulePath::steps().pop_back(); }
 #else
   template <class... T>
   explicit ModuleScope(const T&...) {}
@@ -857,11 +881,26 @@ MOTIONLANG_BODY std::string concat_parts(std::initializer_list<TextPart> parts) 
   return out;
 }
 
+MOTIONLANG_BODY std::string ModulePath::text() {
+  std::string path;
+  const ModuleStep* around = nullptr;
+  for (const ModuleStep& step : steps()) {
+    std::string name = step.name;
+    if (step.module != nullptr) {
+      if (around != nullptr) name = around->path_to(around->module, step.module, step.type);
+      around = &step;
+    }
+    if (!path.empty() && !name.empty()) path += '.';
+    path += name;
+  }
+  return path;
+}
+
 MOTIONLANG_BODY std::string error_text(std::string_view family, int id, std::initializer_list<TextPart> parts) {
   std::string text = concat_text("[motionlang.", family, ".", id, "] ") + printable(concat_parts(parts), "\n");
 #ifdef MOTIONLANG_DIAGNOSTICS
-  const auto& path = ModulePath::names();
-  for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
+  const std::string path = ModulePath::text();
+  if (!path.empty()) text += "; at " + path;
 #endif
   return text;
 }
@@ -1012,15 +1051,21 @@ concept ScalarLike = std::copyable<S> && requires(const S& a, const S& b) {
 /// backend only computes. Everything else (softmax, attention, ...) has a default in these primitives; a backend may
 /// add its own version under the same name (see tensor/fused.hpp).
 ///
+/// tensor    can be made without anything, copied and moved. One that is made so is no tensor yet: its shape is (0) and
+///           to_span gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
+///           an operation of the backend sees it. A list of no values has the shape (0) too; `bool defined() const`,
+///           if the tensor has it, tells one from the other
 /// Minimum   data      full, from_span, to_span, shape
 ///           elements  add sub mul div maximum atan2 (broadcasting), exp log sqrt tanh erf sin cos, where_less
 ///           reduce    sum max (one axis, which disappears)
 ///           product   matmul(a, b, transpose_a, transpose_b), equal leading axes
 ///           movement  reshape permute broadcast slice concat gather scatter_add
-/// Laws      every operation equals the one of ReferenceBackend (tests/ops); operands are never changed visibly
+/// Left out  which device, threads, in-place operations, other scalars than float and double, views of memory of others
+/// Laws      every operation equals the one of ReferenceBackend (tests/ops); operands are never changed visibly; the
+///           algebra of tests/laws. examples/11_own_backend has a backend of one's own, and how to run the laws on it
 /// Models    ReferenceBackend<S>, EigenBackend<S>, XtensorBackend<S>, Autodiff<B>
 template <class B>
-concept Backend = Scalar<typename B::scalar> && std::copyable<typename B::tensor> &&
+concept Backend = Scalar<typename B::scalar> && std::semiregular<typename B::tensor> &&
     requires(const typename B::tensor a, const Shape s, int axis, Index n, std::span<const typename B::scalar> values,
              std::span<const Index> rows, std::span<const int> axes, std::span<const typename B::tensor> list) {
   { B::full(s, typename B::scalar{}) } -> std::same_as<typename B::tensor>;
@@ -1141,6 +1186,7 @@ template <class S>
 struct Rigid;
 
 // kinematics
+class BodyPartition;
 struct BodyParts;
 struct Motion;
 struct Skeleton;
@@ -1268,6 +1314,72 @@ MOTIONLANG_NAMESPACE_END
 #include <memory>       // owner of foreign memory
 #include <type_traits>  // is_trivially_copyable
 
+#ifndef MOTIONLANG_HAS_CORE_LIFETIME_HPP  // <motionlang/core/lifetime.hpp>
+#define MOTIONLANG_HAS_CORE_LIFETIME_HPP
+/// Help against memory that is used after its end: a mark for compilers, and marks of free memory for the address
+/// sanitizer.
+
+/// Behind the declaration of a member function or of a parameter: the result refers to it. Clang warns where it is a
+/// temporary, or a variable whose function returns the result. GCC has no such mark.
+#if defined(__has_cpp_attribute)
+#if __has_cpp_attribute(clang::lifetimebound)
+#define MOTIONLANG_LIFETIMEBOUND [[clang::lifetimebound]]
+#endif
+#endif
+#ifndef MOTIONLANG_LIFETIMEBOUND
+#define MOTIONLANG_LIFETIMEBOUND
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+/// Whether this unit is compiled for the address sanitizer (-fsanitize=address).
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool address_sanitizer = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+inline constexpr bool address_sanitizer = true;
+#else
+inline constexpr bool address_sanitizer = false;
+#endif
+#else
+inline constexpr bool address_sanitizer = false;
+#endif
+
+/// Memory that nobody may use until allow_access: the sanitizer reports whoever does. Nothing happens where the bodies
+/// of the library are compiled without the sanitizer.
+void forbid_access(const void* memory, std::size_t bytes);
+void allow_access(const void* memory, std::size_t bytes);
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_LIFETIME_IPP  // <motionlang/core/lifetime.ipp>
+#define MOTIONLANG_HAS_CORE_LIFETIME_IPP
+// Bodies of lifetime.hpp.
+
+// Functions of the sanitizer.
+extern "C" {
+void __asan_poison_memory_region(const volatile void* memory, std::size_t bytes);    // NOLINT
+void __asan_unpoison_memory_region(const volatile void* memory, std::size_t bytes);  // NOLINT
+}
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+MOTIONLANG_BODY void forbid_access([[maybe_unused]] const void* memory, [[maybe_unused]] std::size_t bytes) {
+  if constexpr (address_sanitizer) __asan_poison_memory_region(memory, bytes);
+}
+
+MOTIONLANG_BODY void allow_access([[maybe_unused]] const void* memory, [[maybe_unused]] std::size_t bytes) {
+  if constexpr (address_sanitizer) __asan_unpoison_memory_region(memory, bytes);
+}
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
@@ -1287,7 +1399,7 @@ struct alignas(64) Buffer {
 
 /// Free buffers of this thread, in buckets of four sizes per power of two. A pool keeps only what it made itself:
 /// buffers that one thread makes and another frees do not pile up. Once the pool of an ending thread is gone, memory
-/// comes from the system and returns to it.
+/// comes from the system and returns to it. Under the address sanitizer, who uses a free buffer is reported.
 class BufferPool {
  public:
   static BufferPool& local() { return thread_object<BufferPool>(); }
@@ -1300,6 +1412,7 @@ class BufferPool {
   static void give_back(detail::Buffer* b) {
     if (gone_ || b->pool != local().number_) return release(b);
     b->packed.reset();
+    if constexpr (detail::address_sanitizer) detail::forbid_access(b->data, bucket_bytes(b->bucket));
     b->next = std::exchange(local().free_[static_cast<std::size_t>(b->bucket)], b);
   }
 
@@ -1325,6 +1438,7 @@ class BufferPool {
     if (head != nullptr) {
       detail::Buffer* b = std::exchange(head, head->next);
       b->references.store(1, std::memory_order_relaxed);
+      if constexpr (detail::address_sanitizer) detail::allow_access(b->data, bucket_bytes(bucket));
       return b;
     }
     ++system_allocations_;
@@ -1363,7 +1477,7 @@ class BufferHandle {
     buffer_->data = const_cast<void*>(data);
     buffer_->owner = std::move(owner);
   }
-  BufferHandle(const BufferHandle& o) : buffer_(o.buffer_) {
+  BufferHandle(const BufferHandle& o) noexcept : buffer_(o.buffer_) {
     if (buffer_ != nullptr) buffer_->references.fetch_add(1, std::memory_order_relaxed);
   }
   BufferHandle(BufferHandle&& o) noexcept : buffer_(std::exchange(o.buffer_, nullptr)) {}
@@ -1379,7 +1493,7 @@ class BufferHandle {
       ::operator delete (destroyed(buffer_), std::align_val_t{64});
   }
 
-  void* data() const { return buffer_ == nullptr ? nullptr : buffer_->data; }
+  void* data() const MOTIONLANG_LIFETIMEBOUND { return buffer_ == nullptr ? nullptr : buffer_->data; }
   /// Nobody else sees this memory, and it may be written.
   bool unique() const {
     return buffer_ != nullptr && buffer_->bucket >= 0 && buffer_->references.load(std::memory_order_acquire) == 1;
@@ -1564,6 +1678,7 @@ MOTIONLANG_BODY void BufferPool::trim() {
 
 MOTIONLANG_BODY void BufferPool::release(detail::Buffer* b) {
   const int bucket = b->bucket;
+  if constexpr (detail::address_sanitizer) detail::allow_access(b->data, bucket_bytes(bucket));
   b->~Buffer();
   give_memory(b, sizeof(detail::Buffer) + bucket_bytes(bucket));
 }
@@ -1794,17 +1909,19 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_CORE_FIELDS_HPP
 /// Member lists: what a module is made of, and how to walk over it.
 ///
-///     struct Linear {
+///     struct Model {
 ///       Tensor<B, 2> weight;
 ///       Tensor<B, 1> bias;
-///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias);
-///       }
+///       static constexpr auto fields() { return motionlang::fields("weight", &Model::weight, "bias", &Model::bias); }
 ///     };
-///     visit(model, [](const std::string& path, auto& tensor) { ... });   // "layers.0.linear1.weight"
+///     Model model;
+///     visit(model, [](const std::string& path, auto& tensor) { use(path, tensor); });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
 /// may contain dots ("tx_embedding.0") where the official key has a level that is no module here, and be empty where
-/// the fields of a member have no level of their own (the statistics of a BatchNorm).
+/// the fields of a member have no level of their own (the statistics of a BatchNorm). Two members of one name are a
+/// compile error, unless both are optional. A member with nothing to save is an option: a number, an enumeration, a
+/// text, or a type that says so (is_option, tensor/module.hpp).
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -1839,6 +1956,41 @@ template <class T>
 inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
+
+/// Whether a list has a member of this name. One of two optional members may be there, under the same name.
+template <bool optional, class M, class T, class Rest>
+constexpr bool has_name(const FieldList<Field<M, T>, Rest>& list, std::string_view name);
+template <bool optional>
+constexpr bool has_name(const NoFields&, std::string_view) {
+  return false;
+}
+template <bool optional, class M, class T, class Rest>
+constexpr bool has_name(const FieldList<Field<M, T>, Rest>& list, std::string_view name) {
+  return (list.first.name == name && !(optional && is_optional<T>)) || has_name<optional>(list.rest, name);
+}
+/// The first name that is there twice, "" if there is none. (Several members may have no level of their own.)
+constexpr std::string_view repeated_name(const NoFields&) { return {}; }
+template <class M, class T, class Rest>
+constexpr std::string_view repeated_name(const FieldList<Field<M, T>, Rest>& list) {
+  const std::string_view name = list.first.name;
+  return !name.empty() && has_name<is_optional<T>>(list.rest, name) ? name : repeated_name(list.rest);
+}
+/// Whether the compiler can look at the names of a module.
+template <class M>
+concept ConstantFields = requires {
+  typename std::bool_constant<(static_cast<void>(M::fields()), true)>;
+};
+/// Two members of one name would share what is kept by name: a place in a file, the moments of an optimiser. A compile
+/// error where fields() is constexpr, else config_error 102.
+template <Module M>
+void check_names() {
+  if constexpr (ConstantFields<M>) {
+    static_assert(repeated_name(M::fields()).empty(),
+                  "motionlang: fields() of a module lists two members by the same name");
+  } else if (const std::string_view name = repeated_name(M::fields()); !name.empty()) {
+    raise<config_error>(102, "fields() of a module lists two members by the name '", name, "'");
+  }
+}
 
 inline std::string join_path(const std::string& prefix, std::string_view name) {
   std::string path = prefix;
@@ -1880,6 +2032,7 @@ struct Walk {
 };
 template <class Object>
 auto walk(Object& object) {
+  check_names<std::remove_const_t<Object>>();
   return Walk<decltype(Object::fields()), Object>{Object::fields(), object};
 }
 
@@ -1916,6 +2069,58 @@ void visit(M& module, F f) { detail::visit_fields("", f, module); }
 template <class M, class N, class F>
 requires Module<std::remove_const_t<M>> && Module<std::remove_const_t<N>>
 void zip(M& a, N& b, F f) { detail::visit_fields("", f, a, b); }
+
+namespace detail {
+
+/// A place that is another for every type.
+template <class M>
+inline constexpr char type_place = 0;
+
+/// Whether one module is inside another, and its path from there.
+template <Module M>
+bool find_module(const M& around, const void* module, const void* type, std::string& path);
+template <class T>
+bool find_module_in(const T& member, const std::string& name, const void* module, const void* type, std::string& path) {
+  if constexpr (Module<T>) {
+    if (&member == module && &type_place<T> == type) {
+      path = name;
+      return true;
+    }
+    if (!find_module(member, module, type, path)) return false;
+    path = join_path(name, path);
+    return true;
+  } else if constexpr (is_vector<T>) {
+    for (std::size_t i = 0; i < member.size(); ++i) {
+      if (find_module_in(member[i], join_path(name, std::to_string(i)), module, type, path)) return true;
+    }
+  } else if constexpr (is_optional<T>) {
+    return member && find_module_in(*member, name, module, type, path);
+  }
+  return false;
+}
+template <Module M>
+bool find_module(const M& around, const void* module, const void* type, std::string& path) {
+  bool found = false;
+  auto look = [&](const char* name, const auto& member) {
+    found = found || find_module_in(member, name, module, type, path);
+  };
+  each_field(look, walk(around));
+  return found;
+}
+
+template <class M>
+struct StepInto {
+  static ModuleStep step(const M& module) {
+    return {.name = {}, .module = &module, .type = &type_place<M>, .path_to = &path_to};
+  }
+  static std::string path_to(const void* around, const void* module, const void* type) {
+    std::string path;
+    find_module(*static_cast<const M*>(around), module, type, path);
+    return path;
+  }
+};
+
+}  // namespace detail
 
 /// Number of leaves.
 template <Module M>
@@ -2504,6 +2709,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sequence i has the rows offsets[i] ... offsets[i + 1] - 1. Cheap to copy; whoever keeps a copy keeps the list alive.
+/// To move is to copy: what was moved from keeps its list.
 class Offsets {
  public:
   Offsets() : Offsets(std::span<const Index>()) {}
@@ -2520,6 +2726,9 @@ class Offsets {
   }
   explicit Offsets(const std::vector<Index>& lengths) : Offsets(std::span<const Index>(lengths)) {}
   Offsets(std::initializer_list<Index> lengths) : Offsets(std::span<const Index>(lengths.begin(), lengths.size())) {}
+  Offsets(const Offsets&) = default;
+  Offsets& operator=(const Offsets&) = default;
+  ~Offsets() = default;
   /// `count` sequences of equal length. Throws shape_error 207 if either is negative.
   static Offsets equal(Index count, Index length);
 
@@ -2529,7 +2738,9 @@ class Offsets {
   Index end(Index i) const { return first()[i + 1]; }
   Index length(Index i) const { return end(i) - begin(i); }
   Index longest() const;
-  std::span<const Index> list() const { return {first(), static_cast<std::size_t>(count_) + 1}; }
+  std::span<const Index> list() const MOTIONLANG_LIFETIMEBOUND {
+    return {first(), static_cast<std::size_t>(count_) + 1};
+  }
   bool operator==(const Offsets& o) const {
     return count_ == o.count_ &&
            std::memcmp(first(), o.first(), (static_cast<std::size_t>(count_) + 1) * sizeof(Index)) == 0;
@@ -2566,7 +2777,18 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
 #define MOTIONLANG_HAS_CORE_PARALLEL_HPP
-/// A small pool of threads and `parallel_for`.
+/// Threads: a small pool of them and `parallel_for`, how many are used, and what threads of a program may share.
+///
+/// How many   processor_count() threads calculate (core/processors.hpp: what the process is given, in a container too),
+///            at most 256. set_thread_count(n) changes that for the whole process. The results are the same bits
+/// From several threads of a program at once
+///   may be shared    everything that is const: models, tensors, skeletons, indices, text encoders. Copying a handle of
+///                    the same tensor, and using it, too. One call calculates in the pool at a time, others wait for it
+///   may not          what is written: a tensor that is assigned to, a generator that draws, an AdamW that steps, a
+///                    KeptMotion that is filled. Give each thread its own, or a lock. A Context counts its masks: one
+///                    for each call
+///   Autodiff         variables may be shared; operations behind a loss belong to the thread that calls `backward`
+///   at rest          set_thread_count and set_product_precision (backend/precision.hpp): while no work is running
 ///
 /// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
 /// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
@@ -3171,6 +3393,34 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_CORE_REQUIRE_VALUE_HPP  // <motionlang/core/require_value.hpp>
+#define MOTIONLANG_HAS_CORE_REQUIRE_VALUE_HPP
+/// Values of a configuration that have to lie in a range.
+///
+///     require_value("lr", lr, lr >= 0, "0 or more");   // [motionlang.config.101] lr is -1, expected 0 or more
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Throws config_error 101 unless `good`: "lr is -1, expected 0 or more".
+template <class T>
+void require_value(const char* name, T value, bool good, const char* expected) {
+  if (!good) raise<config_error>(101, name, " is ", value, ", expected ", expected);
+}
+
+/// Checks the sizes that every transformer has: latent_dim, ff_size, num_heads, num_layers and dropout. Throws
+/// config_error 101.
+template <class Network>
+void require_sizes(const Network& n) {
+  for (const auto& [name, size] :
+       {std::pair("latent_dim", n.latent_dim), {"ff_size", n.ff_size}, {"num_heads", n.num_heads}})
+    require_value(name, size, size >= 1 && size <= 65'536, "1 to 65536");
+  require_value("num_layers", n.num_layers, n.num_layers >= 1 && n.num_layers <= 256, "1 to 256");
+  require_value("dropout", n.dropout, n.dropout >= 0 && n.dropout < 1, "0 or more, and less than 1");
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_CORE_ROUNDING_HPP  // <motionlang/core/rounding.hpp>
 #define MOTIONLANG_HAS_CORE_ROUNDING_HPP
 /// Decimal places as Python and NumPy round them: published tables are printed by one or the other.
@@ -3444,7 +3694,8 @@ class Tensor {
   using scalar = typename B::scalar;
   static constexpr int rank = Rank;
 
-  /// No tensor yet: its shape is (0) whatever the rank, it has no numbers, and operations refuse it.
+  /// No tensor yet: its shape is (0) whatever the rank, it has no numbers, and operations refuse it. A tensor that was
+  /// moved from is the same.
   Tensor() = default;
   /// Wraps a backend's tensor. Throws shape_error 206 if its rank is another.
   explicit Tensor(typename B::tensor data) : data_(std::move(data)) {
@@ -3480,17 +3731,23 @@ class Tensor {
                    [&](scalar* to) { rng.normal(std::span<scalar>(to, static_cast<std::size_t>(shape.count()))); });
   }
 
-  const typename B::tensor& data() const& { return data_; }
+  const typename B::tensor& data() const& MOTIONLANG_LIFETIMEBOUND { return data_; }
   typename B::tensor data() && { return std::move(data_); }
   /// For code that replaces the value in place (optimisers, loaders).
-  typename B::tensor& mutable_data() { return data_; }
+  typename B::tensor& mutable_data() MOTIONLANG_LIFETIMEBOUND { return data_; }
 
   Shape shape() const { return B::shape(data_); }
   Index size(int axis) const { return shape()[normalize_axis(axis, Rank, "Tensor::size")]; }
   Index count() const { return shape().count(); }
+  /// Whether there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
+  bool defined() const {
+    if constexpr (Rank == 1 && requires(const typename B::tensor& t) { t.defined(); }) return data_.defined();
+    return shape().rank() == Rank;
+  }
 
   /// The numbers, row-major; valid as long as this tensor lives and is not assigned to.
-  std::span<const scalar> span() const { return B::to_span(data_); }
+  std::span<const scalar> span() const& MOTIONLANG_LIFETIMEBOUND { return B::to_span(data_); }
+  std::span<const scalar> span() const&& = delete;  // values of a temporary end with it: name it, or to_vector()
   std::vector<scalar> to_vector() const {
     const auto s = span();
     return {s.begin(), s.end()};
@@ -3499,6 +3756,23 @@ class Tensor {
   scalar item() const {
     if (count() != 1) raise<shape_error>(205, "Tensor::item: shape ", shape(), " has ", count(), " elements");
     return span()[0];
+  }
+  /// The value at an index for each axis: t.at(0, 2). For many values take span(). Throws shape_error 203 for an index
+  /// outside its axis, 206 if there is no tensor.
+  template <std::integral... I>
+  requires(sizeof...(I) == Rank) scalar at(I... index)
+  const {
+    const Shape sizes = shape();
+    if (!defined()) raise<shape_error>(206, "Tensor::at: no tensor yet, or moved from; rank ", Rank, " expected");
+    const std::array<Index, static_cast<std::size_t>(Rank)> place{static_cast<Index>(index)...};
+    Index number = 0;
+    for (int axis = 0; axis < Rank; ++axis) {
+      const Index i = place[static_cast<std::size_t>(axis)];
+      if (i < 0 || i >= sizes[axis])
+        raise<shape_error>(203, "Tensor::at: index ", i, " of axis ", axis, " of shape ", sizes);
+      number = number * sizes[axis] + i;
+    }
+    return span()[static_cast<std::size_t>(number)];
   }
 
  private:
@@ -3516,10 +3790,10 @@ class Tensor {
 
 namespace detail {
 
-/// For operations whose result would not show it. Throws shape_error 206 for a tensor without numbers.
+/// Throws shape_error 206 for a tensor that is not made yet, or was moved from.
 template <Backend B, int R>
 void require_tensor(std::string_view op, const Tensor<B, R>& t) {
-  if (t.shape().rank() != R) raise<shape_error>(206, op, ": no tensor yet, rank ", R, " expected");
+  if (!t.defined()) raise<shape_error>(206, op, ": no tensor yet, or moved from; rank ", R, " expected");
 }
 
 }  // namespace detail
@@ -3575,6 +3849,8 @@ inline constexpr int larger(int a, int b) { return a > b ? a : b; }
 template <class B, int P, int Q, class F>
 auto binary(const char* name, Tensor<B, P>&& a, Tensor<B, Q>&& b, F f) {
   if (a.shape() != b.shape()) broadcast_shapes(a.shape(), b.shape(), name);
+  require_tensor(name, a);
+  require_tensor(name, b);
   return Tensor<B, larger(P, Q)>(f(std::move(a).data(), std::move(b).data()));
 }
 
@@ -3650,30 +3926,37 @@ Tensor<B, R> operator-(Tensor<B, R> a) {
 
 template <Backend B, int R>
 Tensor<B, R> exp(Tensor<B, R> a) {
+  detail::require_tensor("exp", a);
   return Tensor<B, R>(B::exp(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> log(Tensor<B, R> a) {
+  detail::require_tensor("log", a);
   return Tensor<B, R>(B::log(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> sqrt(Tensor<B, R> a) {
+  detail::require_tensor("sqrt", a);
   return Tensor<B, R>(B::sqrt(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> tanh(Tensor<B, R> a) {
+  detail::require_tensor("tanh", a);
   return Tensor<B, R>(B::tanh(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> erf(Tensor<B, R> a) {
+  detail::require_tensor("erf", a);
   return Tensor<B, R>(B::erf(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> sin(Tensor<B, R> a) {
+  detail::require_tensor("sin", a);
   return Tensor<B, R>(B::sin(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> cos(Tensor<B, R> a) {
+  detail::require_tensor("cos", a);
   return Tensor<B, R>(B::cos(std::move(a).data()));
 }
 template <Backend B, int R>
@@ -3692,6 +3975,7 @@ template <Backend B, int R>
 Tensor<B, R> where_less(const Tensor<B, R>& a, const Tensor<B, R>& b, const Tensor<B, R>& x, const Tensor<B, R>& y) {
   broadcast_shapes(broadcast_shapes(a.shape(), b.shape(), "where_less"),
                    broadcast_shapes(x.shape(), y.shape(), "where_less"), "where_less");
+  for (const auto* t : {&a, &b, &x, &y}) detail::require_tensor("where_less", *t);
   return Tensor<B, R>(B::where_less(a.data(), b.data(), x.data(), y.data()));
 }
 
@@ -3800,6 +4084,7 @@ template <int New, Backend B, int R>
 requires(New >= R) Tensor<B, New> broadcast_to(const Tensor<B, R>& a, const Shape& s) {
   if (broadcast_shapes(a.shape(), s, "broadcast_to") != s)
     raise<shape_error>(202, "broadcast_to: ", a.shape(), " does not become ", s);
+  detail::require_tensor("broadcast_to", a);
   return Tensor<B, New>(B::broadcast(a.data(), s));
 }
 
@@ -3826,6 +4111,7 @@ Tensor<B, R> concat(std::span<const Tensor<B, R>> list, int axis) {
     if (t.shape().without(axis) != list.front().shape().without(axis)) {
       raise<shape_error>(204, "concat along axis ", axis, ": shapes ", list.front().shape(), " and ", t.shape());
     }
+    detail::require_tensor("concat", t);
     data.push_back(t.data());
   }
   return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data), axis));
@@ -3833,11 +4119,13 @@ Tensor<B, R> concat(std::span<const Tensor<B, R>> list, int axis) {
 template <Backend B, int R, class... T>
 Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
   axis = normalize_axis(axis, R, "concat");
+  detail::require_tensor("concat", first);
   const Shape rest = first.shape().without(axis);
   auto check = [&](const Tensor<B, R>& t) {
     if (t.shape().without(axis) != rest) {
       raise<shape_error>(204, "concat along axis ", axis, ": shapes ", first.shape(), " and ", t.shape());
     }
+    detail::require_tensor("concat", t);
   };
   (check(more), ...);
   const std::array<typename B::tensor, 1 + sizeof...(T)> data{first.data(), more.data()...};
@@ -3851,12 +4139,14 @@ void check_rows(const char* op, std::span<const Index> rows, Index n);
 /// out[i] = a[rows[i]]: picks along the first axis; rows may repeat. Throws shape_error 203.
 template <Backend B, int R>
 requires(R > 0) Tensor<B, R> gather(const Tensor<B, R>& a, std::span<const Index> rows) {
+  detail::require_tensor("gather", a);
   detail::check_rows("gather", rows, a.size(0));
   return Tensor<B, R>(B::gather(a.data(), rows));
 }
 /// out[rows[i]] += a[i] into n rows of zeros. The adjoint of gather. Throws shape_error 203, 204.
 template <Backend B, int R>
 requires(R > 0) Tensor<B, R> scatter_add(const Tensor<B, R>& a, std::span<const Index> rows, Index n) {
+  detail::require_tensor("scatter_add", a);
   if (static_cast<Index>(rows.size()) != a.size(0)) {
     raise<shape_error>(204, "scatter_add: ", Index(rows.size()), " rows for shape ", a.shape());
   }
@@ -4156,6 +4446,7 @@ inline void check_dropout(const Dropout& d) {
 /// x times the mask of core/dropout.hpp; positions are row-major. Throws config_error 101 unless 0 <= p < 1.
 template <Backend B, int R>
 Tensor<B, R> dropout(const Tensor<B, R>& x, const Dropout& d) {
+  detail::require_tensor("dropout", x);
   detail::check_dropout(d);
   if (d.p == 0) return x;
   if constexpr (requires { B::dropout(x.data(), d); }) {
@@ -4170,6 +4461,7 @@ Tensor<B, R> dropout(const Tensor<B, R>& x, const Dropout& d) {
 /// Applies a nonlinearity element by element (core/activation.hpp has the formulas).
 template <Backend B, int R>
 Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
+  detail::require_tensor("activate", x);
   if constexpr (requires { B::activate(x.data(), act); }) {
     return Tensor<B, R>(B::activate(x.data(), act));
   } else {
@@ -4210,6 +4502,9 @@ void check_linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tenso
     raise<shape_error>(204, "linear: residual ", residual->shape(), " for input ", x.shape(), " and weight ",
                        weight.shape());
   }
+  require_tensor("linear", x);
+  require_tensor("linear", weight);
+  if (bias != nullptr) require_tensor("linear", *bias);
 }
 
 }  // namespace detail
@@ -4244,6 +4539,7 @@ Tensor<B, 2> layer_norm(const Tensor<B, 2>& x, const Tensor<B, 1>& weight, const
     raise<shape_error>(204, "layer_norm: weight ", weight.shape(), " and bias ", bias.shape(), " for input ",
                        x.shape());
   }
+  detail::require_tensor("layer_norm", x);
   if constexpr (requires { B::layer_norm(x.data(), weight.data(), bias.data(), eps); }) {
     return Tensor<B, 2>(B::layer_norm(x.data(), weight.data(), bias.data(), eps));
   } else {
@@ -4262,6 +4558,7 @@ Tensor<B, 2> add_layer_norm(const Tensor<B, 2>& x, const Tensor<B, 2>& residual,
       raise<shape_error>(204, "add_layer_norm: input ", x.shape(), ", residual ", residual.shape(), ", weight ",
                          weight.shape());
     }
+    detail::require_tensor("add_layer_norm", x);
     return Tensor<B, 2>(B::add_layer_norm(x.data(), residual.data(), weight.data(), bias.data(), eps));
   } else {
     return layer_norm(x + residual, weight, bias, eps);
@@ -4307,6 +4604,8 @@ void check_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<
       raise<shape_error>(207, "attention: sequence ", s, " has no keys");
     if (k_offsets.length(s) > 65536) raise<shape_error>(207, "attention: sequence ", s, " has more than 65536 keys");
   }
+  require_tensor("attention", q);
+  require_tensor("attention", k);
   if (relative_scores == nullptr) return;
   const Index farthest = std::max(q_offsets.longest(), k_offsets.longest()) - 1;
   if (relative_scores->size(0) != options.heads || relative_scores->size(1) % 2 != 1 ||
@@ -4398,6 +4697,7 @@ Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tenso
 template <Backend B>
 Tensor<B, 2> self_attention(const Tensor<B, 2>& qkv, const Offsets& offsets, const AttentionOptions& options) {
   if (qkv.size(1) % 3 != 0) raise<shape_error>(204, "self_attention: ", qkv.shape(), " is not three parts wide");
+  detail::require_tensor("self_attention", qkv);
   const Index d = qkv.size(1) / 3;
   if constexpr (requires { B::self_attention(qkv.data(), offsets, options); }) {
     if (options.heads < 1 || d % options.heads != 0) {
@@ -4618,6 +4918,17 @@ inline constexpr bool is_trainable = [] {
     return true;
 }();
 
+/// Whether a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and what says so
+/// itself (`static constexpr bool is_option = true`, or a specialisation of this variable): sizes, computed tables.
+/// Other types need fields() of their own. Without them their tensors would be passed over, hence a compile error.
+template <class T>
+inline constexpr bool is_option = [] {
+  if constexpr (requires { T::is_option; })
+    return static_cast<bool>(T::is_option);
+  else
+    return std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string>;
+}();
+
 /// A tensor of a module, whatever its rank: its path, and its data to read or replace. (In a const module it is const.)
 template <Backend B, class Data = typename B::tensor>
 struct ModuleTensor {
@@ -4625,6 +4936,7 @@ struct ModuleTensor {
   int rank = 0;
   void* tensor = nullptr;  // Tensor<B, rank>
   Data* data = nullptr;
+  bool trainable = true;  // is_trainable of the module that lists it
 
   Shape shape() const { return B::shape(*data); }
   /// The numbers, row-major.
@@ -4637,6 +4949,15 @@ namespace detail {
 /// for each.
 template <class T>
 struct TensorsBelow {
+  static_assert(is_option<T>,
+                "motionlang: fields() of a module lists a member whose type has no fields(). Write `static constexpr "
+                "auto fields()` in that type (core/fields.hpp), or `static constexpr bool is_option = true` if it has "
+                "nothing to save or train");
+  using backend = void;
+  static constexpr unsigned ranks = 0;
+};
+template <>
+struct TensorsBelow<NoFields> {
   using backend = void;
   static constexpr unsigned ranks = 0;
 };
@@ -4666,7 +4987,10 @@ class TensorLister {
  public:
   template <Module M>
   void list(M& module) {
+    check_names<M>();
+    const bool outer = std::exchange(trainable_, is_trainable<M>);
     list_fields(M::fields(), module);
+    trainable_ = outer;
   }
   std::vector<ModuleTensor<B>> tensors;
 
@@ -4700,9 +5024,12 @@ class TensorLister {
     path_ += name;
     return length;
   }
-  void add(int rank, void* tensor, typename B::tensor& data) { tensors.push_back({path_, rank, tensor, &data}); }
+  void add(int rank, void* tensor, typename B::tensor& data) {
+    tensors.push_back({path_, rank, tensor, &data, trainable_});
+  }
 
   std::string path_;
+  bool trainable_ = true;
 };
 
 /// f(path, tensor) with the tensor's rank as a type again.
@@ -4732,7 +5059,8 @@ template <Module M>
 auto tensors_of(const M& module) {
   using B = module_backend<M>;
   std::vector<ModuleTensor<B, const typename B::tensor>> out;
-  for (auto& t : tensors_of(const_cast<M&>(module))) out.push_back({std::move(t.path), t.rank, t.tensor, t.data});
+  for (auto& t : tensors_of(const_cast<M&>(module)))
+    out.push_back({std::move(t.path), t.rank, t.tensor, t.data, t.trainable});
   return out;
 }
 
@@ -4874,6 +5202,110 @@ Tensor<B, 2> cosine_similarity(const Tensor<B, 2>& x, const Tensor<B, 2>& y) {
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_TENSOR_PRINT_HPP  // <motionlang/tensor/print.hpp>
+#define MOTIONLANG_HAS_TENSOR_PRINT_HPP
+/// Tensors as text, for people: shape and numbers.
+///
+///     const auto x = Tensor<B, 2>::from({1, 2.5, -3, 4}, {2, 2});
+///     std::cout << x << "\n";
+///     const std::string text = to_string(x);
+
+#include <iosfwd>  // operator<<
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The text of numbers in row-major order; number(numbers, i) is that of number i.
+std::string array_text(const Shape& shape, const void* numbers, std::string (*number)(const void*, Index));
+
+}  // namespace detail
+
+/// Shape and numbers in brackets, the innermost axis in a line: "(2, 2) [[1, 2.5],\n        [-3, 4]]". Numbers have as
+/// many digits as read back the same. Of more than 1000 numbers, axes of more than six have their first and last three.
+/// A tensor that is not made yet, or was moved from, is "no tensor".
+template <Backend B, int R>
+std::string to_string(const Tensor<B, R>& t) {
+  if (!t.defined()) return "no tensor";
+  using S = typename B::scalar;
+  return detail::array_text(t.shape(), t.span().data(), [](const void* numbers, Index i) {
+    return concat_text(static_cast<const S*>(numbers)[i]);
+  });
+}
+
+/// For who includes <ostream>.
+template <Backend B, int R>
+std::ostream& operator<<(std::ostream& out, const Tensor<B, R>& t) {
+  return out << to_string(t);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TENSOR_PRINT_IPP  // <motionlang/tensor/print.ipp>
+#define MOTIONLANG_HAS_TENSOR_PRINT_IPP
+// Bodies of print.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+/// Writes numbers axis by axis.
+struct ArrayWriter {
+  const Shape& shape;
+  const void* numbers;
+  std::string (*number)(const void*, Index);
+  std::string indent;  // of the lines behind the first
+  bool all;            // nothing is left out
+  std::string out{};
+
+  /// The part of the axes axis, axis + 1, ... that begins with number `first`.
+  void write(int axis, Index first) {
+    if (axis == shape.rank()) {
+      out += number(numbers, first);
+      return;
+    }
+    constexpr Index at_ends = 3;
+    const Index n = shape[axis], each = shape.count(axis + 1, shape.rank());
+    const bool short_axis = all || n <= 2 * at_ends;
+    out += '[';
+    for (Index i = 0; i < n; ++i) {
+      if (i > 0) separate(axis);
+      if (!short_axis && i == at_ends) {
+        out += "...";
+        separate(axis);
+        i = n - at_ends;
+      }
+      write(axis + 1, first + i * each);
+    }
+    out += ']';
+  }
+  /// Between two parts of an axis: a blank in a line, else as many ends of lines as there are axes inside.
+  void separate(int axis) {
+    const int inside = shape.rank() - 1 - axis;
+    out += inside == 0 ? ", " : ",";
+    if (inside == 0) return;
+    out.append(static_cast<std::size_t>(inside), '\n');
+    out += indent;
+    out.append(static_cast<std::size_t>(axis) + 1, ' ');
+  }
+};
+
+MOTIONLANG_BODY std::string array_text(const Shape& shape, const void* numbers,
+                                       std::string (*number)(const void*, Index)) {
+  std::string out = to_string(shape) + " ";
+  ArrayWriter writer{.shape = shape,
+                     .numbers = numbers,
+                     .number = number,
+                     .indent = std::string(out.size(), ' '),
+                     .all = shape.count() <= 1000};
+  writer.write(0, 0);
+  return out + writer.out;
+}
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_AXIS_ANGLE_HPP  // <motionlang/geometry/axis_angle.hpp>
@@ -5270,7 +5702,7 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// They differ where the general functions are safer: `between` has no answer for opposite vectors, `slerp` takes the
 /// long way if the quaternions lie in different hemispheres. Use them to reproduce published numbers, not otherwise.
-/// Source  Guo et al. (CVPR 2022), common/quaternion.py; spec humanml3d-features.md 11b
+/// Source  Guo et al. (CVPR 2022), HumanML3D common/quaternion.py
 
 MOTIONLANG_NAMESPACE_BEGIN
 namespace guo {
@@ -5583,6 +6015,9 @@ struct Autodiff {
   struct tensor {
     Value value{};
     std::shared_ptr<Node> node{};  // none for constants
+
+    bool defined() const requires requires(const Value& v) { v.defined(); }
+    { return value.defined(); }
   };
 
   using GradientMap = std::unordered_map<const Node*, Value>;
@@ -5663,7 +6098,7 @@ struct Autodiff {
 
   static tensor full(const Shape& s, scalar v) { return {B::full(s, v), nullptr}; }
   static tensor from_span(std::span<const scalar> values, const Shape& s) { return {B::from_span(values, s), nullptr}; }
-  static auto to_span(const tensor& a) { return B::to_span(a.value); }
+  static auto to_span(const tensor& a MOTIONLANG_LIFETIMEBOUND) { return B::to_span(a.value); }
   static Shape shape(const tensor& a) { return B::shape(a.value); }
 
   // Elementwise, broadcasting.
@@ -6195,6 +6630,19 @@ class Dense {
   Dense(const S* values, const Shape& shape, std::shared_ptr<const void> owner)
       : buffer_(values, std::move(owner)), shape_(shape) {}
 
+  Dense(const Dense&) = default;
+  Dense& operator=(const Dense&) = default;
+  /// What was moved from is again nothing.
+  Dense(Dense&& o) noexcept
+      : buffer_(std::move(o.buffer_)), shape_(std::exchange(o.shape_, nothing)), offset_(std::exchange(o.offset_, 0)) {}
+  Dense& operator=(Dense&& o) noexcept {
+    buffer_ = std::move(o.buffer_);
+    shape_ = std::exchange(o.shape_, nothing);
+    offset_ = std::exchange(o.offset_, 0);
+    return *this;
+  }
+  ~Dense() = default;
+
   static Dense full(const Shape& shape, S value) {
     Dense d(shape);
     std::fill_n(d.data(), d.count(), value);
@@ -6206,12 +6654,13 @@ class Dense {
     return d;
   }
 
-  const Shape& shape() const { return shape_; }
+  const Shape& shape() const MOTIONLANG_LIFETIMEBOUND { return shape_; }
   Index count() const { return shape_.count(); }
-  const S* data() const { return static_cast<const S*>(buffer_.data()) + offset_; }
+  const S* data() const MOTIONLANG_LIFETIMEBOUND { return static_cast<const S*>(buffer_.data()) + offset_; }
   /// For writing: only right after construction or when `unique()`.
-  S* data() { return static_cast<S*>(buffer_.data()) + offset_; }
-  std::span<const S> span() const { return {data(), static_cast<std::size_t>(count())}; }
+  S* data() MOTIONLANG_LIFETIMEBOUND { return static_cast<S*>(buffer_.data()) + offset_; }
+  std::span<const S> span() const MOTIONLANG_LIFETIMEBOUND { return {data(), static_cast<std::size_t>(count())}; }
+  /// Whether there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
   bool defined() const { return static_cast<bool>(buffer_); }
 
   /// Nobody else can see the numbers, so an operation may overwrite them.
@@ -6236,8 +6685,10 @@ class Dense {
   const void* attached() const { return buffer_ && offset_ == 0 ? buffer_.packed().get() : nullptr; }
 
  private:
+  static constexpr Shape nothing{0};
+
   detail::BufferHandle buffer_;
-  Shape shape_{0};
+  Shape shape_ = nothing;
   Index offset_ = 0;
 };
 
@@ -6267,7 +6718,7 @@ struct DenseOps {
 
   static tensor full(const Shape& shape, S value) { return tensor::full(shape, value); }
   static tensor from_span(std::span<const S> values, const Shape& shape) { return tensor::from_span(values, shape); }
-  static std::span<const S> to_span(const tensor& a) { return a.span(); }
+  static std::span<const S> to_span(const tensor& a MOTIONLANG_LIFETIMEBOUND) { return a.span(); }
   static const Shape& shape(const tensor& a) { return a.shape(); }
 
   static tensor reshape(const tensor& a, const Shape& s) { return a.reshaped(s); }
@@ -7483,7 +7934,8 @@ MOTIONLANG_NAMESPACE_END
 /// serve as extra joints. Bodies come from the user's own files (formats/body_file.hpp) or from any skeleton
 /// (formats/figure_body.hpp).
 ///
-/// Source  spec body-models.md, sections 2, 4, 5
+/// Source  vchoutas/smplx smplx/body_models.py, joint_names.py and vertex_ids.py; TEMOS
+///         temos/transforms/rots2joints/smplh.py
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_MODEL_HPP  // <motionlang/kinematics/body_model.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_MODEL_HPP
@@ -7495,8 +7947,8 @@ MOTIONLANG_NAMESPACE_END
 /// are then packed once). On an Autodiff backend every number of the chain is a tensor over the poses, so that vertices
 /// and joints can be differentiated by shape, rotations and translation.
 ///
-/// Source    Loper et al. (2015), eq. 2-12; spec body-models.md 1. The model's arrays come from the user's own file
-///           (formats/body_file.hpp) or from a skeleton (formats/figure_body.hpp).
+/// Source    Loper et al. (2015), eq. 2-12; vchoutas/smplx smplx/lbs.py. The model's arrays come from the user's own
+///           file (formats/body_file.hpp) or from a skeleton (formats/figure_body.hpp).
 /// Notation  V vertices, J joints, K shape coefficients, N poses; beta -> betas, R_j -> rotations, tau -> translation
 /// Differs   from the smplx package: rest joints come from the regressor folded into template and shape directions,
 ///           which is the same sum in another order
@@ -7943,7 +8395,7 @@ MOTIONLANG_NAMESPACE_END
 /// Points on the surface of a body that move with it: face landmarks.
 ///
 ///     point = w_0 v_a + w_1 v_b + w_2 v_c      on the triangle (a, b, c)
-/// Source  spec weights.md 8.1 (lmk_faces_idx, lmk_bary_coords), body-models.md 1, step 8
+/// Source  vchoutas/smplx smplx/lbs.py vertices2landmarks; lmk_faces_idx and lmk_bary_coords of the model files
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -8787,7 +9239,7 @@ MOTIONLANG_NAMESPACE_END
 /// Rotations are taken as they are: SMPL's rest pose and the motion's are both a T-pose. Unless the motion has all
 /// joints of the body, fingers have the mean pose of the body's hands, or are stretched out; jaw and eyes are at rest.
 /// The path is scaled with the length of the legs.
-/// Source  spec body-models.md 2, 4
+/// Source  smplx body_models.py and joint_names.py: what SMPL, SMPL-H and SMPL-X call their joints
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -8886,24 +9338,54 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_BODY_PARTITION_HPP  // <motionlang/kinematics/body_partition.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_BODY_PARTITION_HPP
+/// The parts that a body is divided into: their names, and the part that carries the path over the floor. Timelines,
+/// plans and feature layouts hold one; the default is the human body of STMC (body_parts.hpp).
+///
+///     const BodyPartition dog({.names = {"front left", "front right", "hind left", "hind right", "trunk"},
+///                              .path = "trunk",
+///                              .synonyms = {{"tail", "trunk"}},
+///                              .words = {{"wag", {"trunk"}}, {"dig", {"front left", "front right"}}}});
+///     const auto timeline = parse_timeline("trot # 0 # 4\nshake hands # 1 # 2 # front left\n", {.body = dog});
+///
+/// Differs  from STMC (Petrovich et al. 2024), which knows the human body only. Its base texts are those with legs.
+///          Here they are those with the part that carries the path
+
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_PARTS_HPP  // <motionlang/kinematics/body_parts.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_PARTS_HPP
-/// Named body parts: the five of STMC, and the joints of each on a skeleton.
+/// Body parts: the five of STMC with their names, sets of parts, and the joints of each part on a skeleton. Parts of
+/// other bodies are named by a BodyPartition (body_partition.hpp).
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The five parts in the order that STMC uses everywhere.
+/// The number of a body part. The enumerators are the five human parts, in the order that STMC uses everywhere. Other
+/// bodies have BodyPart{0}, BodyPart{1}, ... in the order of their BodyPartition.
 /// Source  STMC (Petrovich et al., CVPR workshops 2024); the thesis says "torso" for `spine`; neck and head are `head`.
 enum class BodyPart : int { left_arm, right_arm, legs, head, spine };
 inline constexpr int body_part_count = 5;
 inline constexpr std::array<std::string_view, body_part_count> body_part_names{"left arm", "right arm", "legs", "head",
                                                                                "spine"};
+/// Other names of the human parts.
+inline constexpr std::array<std::pair<std::string_view, BodyPart>, 6> body_part_synonyms{{
+    {"torso", BodyPart::spine},
+    {"neck", BodyPart::head},
+    {"left hand", BodyPart::left_arm},
+    {"right hand", BodyPart::right_arm},
+    {"left leg", BodyPart::legs},
+    {"right leg", BodyPart::legs},
+}};
+/// A body has this many parts at most.
+inline constexpr int most_body_parts = 32;
 
-/// A set of body parts.
+/// A set of body parts, one bit for each.
 struct BodyParts {
   unsigned bits = 0;
 
+  /// The five human parts. BodyPartition::all() gives those of another body.
   static constexpr BodyParts all() { return {(1u << body_part_count) - 1}; }
+  /// All parts of any body, for callers that do not know the body.
+  static constexpr BodyParts every() { return {~0u}; }
   constexpr bool has(BodyPart p) const { return (bits >> static_cast<unsigned>(p) & 1u) != 0; }
   constexpr BodyParts with(BodyPart p) const { return {bits | 1u << static_cast<unsigned>(p)}; }
   constexpr int count() const {
@@ -8915,20 +9397,22 @@ struct BodyParts {
   constexpr bool operator==(const BodyParts&) const = default;
 };
 
-/// Part of a name as it stands in a timeline file; synonyms: torso = spine, neck = head, left hand = left arm, right
-/// hand = right arm, left leg = right leg = legs. Case-sensitive, as published. Nothing for an unknown name.
+/// The human part that a timeline file names, also by a synonym. Case-sensitive, as published. Nothing for an unknown
+/// name.
 constexpr std::optional<BodyPart> parse_body_part(std::string_view name) {
   for (int p = 0; p < body_part_count; ++p) {
     if (name == body_part_names[static_cast<std::size_t>(p)]) return static_cast<BodyPart>(p);
   }
-  if (name == "torso") return BodyPart::spine;
-  if (name == "neck") return BodyPart::head;
-  if (name == "left hand") return BodyPart::left_arm;
-  if (name == "right hand") return BodyPart::right_arm;
-  if (name == "left leg" || name == "right leg") return BodyPart::legs;
+  for (const auto& [synonym, part] : body_part_synonyms) {
+    if (name == synonym) return part;
+  }
   return std::nullopt;
 }
-inline std::string to_string(BodyPart part) { return std::string(body_part_names[static_cast<std::size_t>(part)]); }
+/// The name of a human part. Any other number gives "part 7"; BodyPartition::name knows the names of other bodies.
+inline std::string to_string(BodyPart part) {
+  const auto p = static_cast<std::size_t>(part);
+  return p < body_part_names.size() ? std::string(body_part_names[p]) : concat_text("part ", static_cast<int>(part));
+}
 
 /// Part of each SMPL joint (24; the first 22 are HumanML3D's). Collars belong to the arms, the pelvis to the legs.
 inline constexpr std::array<BodyPart, 24> smpl_part_of_joint = [] {
@@ -8952,6 +9436,183 @@ inline constexpr std::array<int, 24> smpl_mirror_joint{0,  2,  1,  3,  5,  4,  6
 MOTIONLANG_NAMESPACE_END
 #endif
 
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Another name of a part.
+struct PartSynonym {
+  std::string name, part;
+};
+
+/// A word that tells which parts a text moves: lower-case letters, the beginning of the word ("walk" for "walking").
+struct PartWord {
+  std::string stem;
+  std::vector<std::string> parts;
+};
+
+/// What a BodyPartition is made of.
+struct BodyPartNames {
+  std::vector<std::string> names;       // in the order of their numbers
+  std::string path;                     // the part that carries the others over the floor
+  std::vector<PartSynonym> synonyms{};  // for reading
+  std::vector<PartWord> words{};        // for guesses, see guess_body_parts
+};
+
+/// A value that copies share; it never changes.
+class BodyPartition {
+ public:
+  /// The human body: the five parts of STMC, whose legs carry the path.
+  BodyPartition() = default;
+  /// Throws config_error 101 without a part, for more than `most_body_parts`, for a name that a timeline file cannot
+  /// hold (it is empty, has '#', a line end or outer blanks, or is not UTF-8) and for a word of other characters than
+  /// a ... z; 102 for a name that is duplicated; 103 for a part that is not one of the names.
+  explicit BodyPartition(const BodyPartNames& names);
+
+  int size() const { return static_cast<int>(names().size()); }
+  const std::vector<std::string>& names() const { return state().names; }
+  /// Throws config_error 101 for a number that the body does not have.
+  const std::string& name(BodyPart part) const;
+  /// The part that carries the path: its texts are preferred as base texts, and features of the root belong to it.
+  BodyPart path() const { return state().path; }
+  /// The set of all parts.
+  BodyParts all() const { return {~0u >> (most_body_parts - size())}; }
+  /// The part of this name or synonym, case-sensitive. Nothing for an unknown name.
+  std::optional<BodyPart> find(std::string_view name) const;
+  /// The set of these parts, by name or synonym. Throws config_error 103 for an unknown name.
+  BodyParts parts(std::span<const std::string> names) const;
+  BodyParts parts(std::initializer_list<std::string> names) const {
+    return parts(std::span(names.begin(), names.size()));
+  }
+
+  struct Named {
+    std::string name;
+    BodyPart part;
+  };
+  struct Word {
+    std::string stem;
+    BodyParts parts;
+  };
+  const std::vector<Named>& synonyms() const { return state().synonyms; }
+  /// Empty for the human body, whose lexicon is in compose/body_part_lexicon.hpp.
+  const std::vector<Word>& words() const { return state().words; }
+
+  /// The same names in the same order, and the same part for the path. Synonyms and words do not count.
+  bool operator==(const BodyPartition& other) const;
+
+ private:
+  struct State {
+    std::vector<std::string> names;
+    BodyPart path{};
+    std::vector<Named> synonyms;
+    std::vector<Word> words;
+  };
+  static const State& human();
+  const State& state() const { return state_ ? *state_ : human(); }
+
+  std::shared_ptr<const State> state_;  // none: the human body
+};
+
+/// "front left, front right, hind left, hind right, trunk (with the path)"
+std::string to_string(const BodyPartition& body);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_BODY_PARTITION_IPP  // <motionlang/kinematics/body_partition.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_BODY_PARTITION_IPP
+// Bodies of body_partition.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Throws config_error 101 unless a line of a timeline can hold the name.
+inline void check_part_name(std::string_view name) {
+  if (name.empty() || name != trim(name) || name.find_first_of("#\r\n") != name.npos || !is_utf8(name))
+    raise<config_error>(101, "BodyPartition: '", name, "' cannot be the name of a body part in a timeline");
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY BodyPartition::BodyPartition(const BodyPartNames& names) {
+  if (names.names.empty() || names.names.size() > most_body_parts)
+    raise<config_error>(101, "BodyPartition: ", counted(names.names.size(), "part"), ", expected 1 to ",
+                        most_body_parts);
+  const auto made = std::make_shared<State>();
+  state_ = made;  // find and parts look at what is there so far
+  const auto check_new = [&](const std::string& name) {
+    detail::check_part_name(name);
+    if (find(name)) raise<config_error>(102, "BodyPartition: '", name, "' is the name of two body parts");
+  };
+  for (const std::string& name : names.names) {
+    check_new(name);
+    made->names.push_back(name);
+  }
+  const auto known = [&](std::string_view name) {
+    const auto part = find(name);
+    if (!part) raise<config_error>(103, "BodyPartition: '", name, "' is not one of ", join_text(made->names));
+    return *part;
+  };
+  made->path = known(names.path);
+  for (const PartSynonym& s : names.synonyms) {
+    check_new(s.name);
+    made->synonyms.push_back({s.name, known(s.part)});
+  }
+  for (const PartWord& w : names.words) {
+    if (w.stem.empty() || std::any_of(w.stem.begin(), w.stem.end(), [](char c) { return c < 'a' || c > 'z'; }))
+      raise<config_error>(101, "BodyPartition: the word '", w.stem, "' has other characters than a to z");
+    made->words.push_back({w.stem, parts(w.parts)});
+  }
+}
+
+MOTIONLANG_BODY const std::string& BodyPartition::name(BodyPart part) const {
+  const auto p = static_cast<std::size_t>(part);
+  if (p >= names().size())
+    raise<config_error>(101, "BodyPartition: part ", static_cast<int>(part), " of a body of ",
+                        counted(names().size(), "part"));
+  return names()[p];
+}
+
+MOTIONLANG_BODY std::optional<BodyPart> BodyPartition::find(std::string_view name) const {
+  const auto found = std::find(names().begin(), names().end(), name);
+  if (found != names().end()) return static_cast<BodyPart>(found - names().begin());
+  for (const Named& s : synonyms()) {
+    if (s.name == name) return s.part;
+  }
+  return std::nullopt;
+}
+
+MOTIONLANG_BODY BodyParts BodyPartition::parts(std::span<const std::string> names) const {
+  BodyParts out;
+  for (const std::string& name : names) {
+    const auto part = find(name);
+    if (!part) raise<config_error>(103, "BodyPartition: '", name, "' is not one of ", join_text(this->names()));
+    out = out.with(*part);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY bool BodyPartition::operator==(const BodyPartition& other) const {
+  return state_ == other.state_ || (path() == other.path() && names() == other.names());
+}
+
+MOTIONLANG_BODY const BodyPartition::State& BodyPartition::human() {
+  static const State human = [] {
+    State s{std::vector<std::string>(body_part_names.begin(), body_part_names.end()), BodyPart::legs, {}, {}};
+    for (const auto& [name, part] : body_part_synonyms) s.synonyms.push_back({std::string(name), part});
+    return s;
+  }();
+  return human;
+}
+
+MOTIONLANG_BODY std::string to_string(const BodyPartition& body) {
+  return join_text(body.names(), ", ", [&](const std::string& name) {
+    return name == body.name(body.path()) ? name + " (with the path)" : name;
+  });
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_KINEMATICS_CHAIN_KINEMATICS_HPP  // <motionlang/kinematics/chain_kinematics.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_CHAIN_KINEMATICS_HPP
 /// Rotations from joint positions and back, along chains of bones: the analytic inverse kinematics of HumanML3D.
@@ -8961,7 +9622,7 @@ MOTIONLANG_NAMESPACE_END
 ///
 ///     g_j = between(direction_j, p_j - p_parent(j)),   g_0 = root,   q_j = g_before(j)^-1 g_j
 ///     back:  g_j = g_before(j) q_j,   p_j = p_parent(j) + g_j offset_j
-/// Source  Guo et al. (CVPR 2022), common/skeleton.py; spec humanml3d-features.md 2, 3, 5
+/// Source  Guo et al. (CVPR 2022), HumanML3D common/skeleton.py inverse_kinematics_np, forward_kinematics
 /// Shapes  joints (frames, joints), joint fastest, any unit of length
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_GUO_CHAINS_HPP  // <motionlang/kinematics/guo_chains.hpp>
@@ -8969,8 +9630,8 @@ MOTIONLANG_NAMESPACE_END
 /// A body as chains of joints with one zero direction for every bone: what HumanML3D and KIT need to know of a
 /// skeleton.
 ///
-/// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), paramUtil.py;
-///         spec humanml3d-features.md 1
+/// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), HumanML3D
+///         paramUtil.py
 /// World   Y up, a body faces +Z with its left side at +X (KIT's coordinates are mirrored, see below)
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -9317,71 +9978,123 @@ std::vector<Vec3<S>> chain_forward_kinematics(const ChainSkeleton& skeleton, std
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_FACE_LANDMARKS_HPP  // <motionlang/kinematics/face_landmarks.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_FACE_LANDMARKS_HPP
-/// The landmarks of a face: those that stay on their triangles, and after them those of its contour, which wander over
-/// the cheek as the head turns away from the camera.
+#ifndef MOTIONLANG_HAS_KINEMATICS_EDIT_MOTION_HPP  // <motionlang/kinematics/edit_motion.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_EDIT_MOTION_HPP
+/// Several edits of a clip in the order in which they make sense. Each is a function of its own as well.
 ///
-///     const auto posed = body.model(betas, rotations, translation);
-///     const auto points = concat(1, posed.joints, posed.extra, face_landmarks(body, posed.vertices, rotations));   //
-///     SMPL-X: 144
+///     const Motion loop = edit_motion(motion, {.mirror = true, .in_place = true, .loop = 0.5});
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_ON_SMPL_HPP  // <motionlang/kinematics/on_smpl.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_ON_SMPL_HPP
+/// A motion on SMPL's 24 joints, whatever skeleton it is on. Models, AMASS files and joint arrays want it there.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP  // <motionlang/kinematics/retarget.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP
+/// Retargeting: the same movement on another skeleton, from and to every kind that skeleton_tables.hpp knows.
 ///
-/// Source  spec body-models.md 1, step 8, and 2; weights.md 8.1 (dynamic_lmk_faces_idx: a contour for each angle of the
-///         neck)
+///     G_t(f) = G_s(f) C_s^-1 C_t
+/// G_s, G_t: world rotations of a joint s of the source and of the joint t of the target that follows it. C_t: the
+/// world rotation of t while the target stands in its T-pose, facing +Z; C_s: that of s while the source stands as the
+/// target does then, its limbs along the target's limbs. A source in that pose so gives the target's T-pose, whatever
+/// the local axes and the rest poses (T, A, any quarter turn), and chains may have different numbers of joints. Joints
+/// that no table knows follow those of the same name, fingers those of the same finger. Bones keep the
+/// target's lengths; the path is scaled by the ratio of the legs.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Which contour a head shows that looks where R, the world rotation of the neck, turns it.
-///     angle = -atan2(-R_20, sqrt(R_00^2 + R_10^2))   in degrees, rounded: negative for a turn to the left
-///     row   = angle                for 0, 1, ..., h         h = (contours - 1) / 2, published 39; larger turns count
-///           as h
-///           = h + |angle|          for -1, -2, ..., -h
-template <class S>
-Index contour_row(const Matrix3<S>& r, Index contours) {
-  const double turn =
-      std::atan2(-static_cast<double>(r(2, 0)), std::hypot(static_cast<double>(r(0, 0)), static_cast<double>(r(1, 0))));
-  const Index half = (contours - 1) / 2, angle = static_cast<Index>(std::nearbyint(-turn / degree));
-  return angle >= 0 ? std::min(angle, half) : half + std::min(-angle, half);
+namespace detail {
+class StandingSkeleton;
 }
 
-/// vertices (N, V, 3) of the posed body, rotations (N, J, 9) that posed it -> (N, landmarks + points of a contour, 3);
-/// only the landmarks of bodies without contours. neck: its joint. Differentiable by the vertices.
-/// Throws  shape_error 204 unless both have N poses and the rotations are those of the body, config_error 101 for a
-///         neck that is no joint
-template <Backend B>
-Tensor<B, 3> face_landmarks(const Body<B>& body, const Tensor<B, 3>& vertices, const Tensor<B, 3>& rotations,
-                            Index neck = 12) {
-  using S = typename B::scalar;
-  const Index n = vertices.size(0), count = vertices.size(1), joints = body.model.joints();
-  if (body.contours.empty()) return surface_points(vertices, body.landmarks);
-  if (rotations.shape() != Shape{n, joints, 9})
-    raise<shape_error>(204, "face_landmarks: rotations ", rotations.shape(), " for ", n, " poses of ", joints,
-                       " joints");
-  if (neck < 0 || neck >= joints) raise<config_error>(101, "face_landmarks: the neck is joint ", neck, " of ", joints);
-  const auto local = rotations.span();
-  SurfacePoints points;  // on the vertices of all poses, one after the other
-  for (Index pose = 0; pose < n; ++pose) {
-    Matrix3<S> world = Matrix3<S>::identity();
-    for (Index j = neck; j >= 0; j = body.model.parents[static_cast<std::size_t>(j)]) {
-      Matrix3<S> own;
-      std::copy_n(local.begin() + 9 * (pose * joints + j), 9, own.m.begin());
-      world = own * world;
-    }
-    const Index row = contour_row(world, std::ssize(body.contours));
-    for (const SurfacePoints* some : {&body.landmarks, &body.contours[static_cast<std::size_t>(row)]}) {
-      for (std::array<Index, 3> corners : some->corners) {
-        for (Index& v : corners) v += pose * count;
-        points.corners.push_back(corners);
-      }
-      points.weights.insert(points.weights.end(), some->weights.begin(), some->weights.end());
-    }
+/// What a map did with the joints of both skeletons.
+struct RetargetReport {
+  std::string table, target_table;                          // the kinds of source and target
+  std::vector<std::pair<std::string, std::string>> mapped;  // joint of the target, joint (or "a + b") of the source
+  std::vector<std::string> unmapped;                        // joints of the target that stay at rest
+  std::vector<std::string> unused;                          // joints of the source that nothing follows
+  double leg_ratio = 1, arm_ratio = 1;  // target / source, 0 without arms; the path is scaled by leg_ratio
+};
+std::string to_string(const RetargetReport& r);
+
+/// How one skeleton follows another; made once, used for every clip.
+class SkeletonMap {
+ public:
+  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for
+  /// unknown axes, or hips that a skeleton lacks), and if a skeleton does not stand at rest by its table; 101 if the
+  /// legs of a skeleton have no length.
+  SkeletonMap(const Skeleton& source, const SkeletonTable& source_table, const Skeleton& target,
+              const SkeletonTable& target_table);
+  /// The target has SMPL's names.
+  SkeletonMap(const Skeleton& source, const Skeleton& target, const SkeletonTable& source_table)
+      : SkeletonMap(source, source_table, target, skeleton_table("SMPL")) {}
+  /// With the built-in tables that fit.
+  explicit SkeletonMap(const Skeleton& source, const Skeleton& target = smpl24_skeleton())
+      : SkeletonMap(source, detect_skeleton_table(source), target, detect_skeleton_table(target)) {}
+
+  const Skeleton& source() const { return source_; }
+  const Skeleton& target() const { return target_; }
+  const RetargetReport& report() const { return report_; }
+
+  /// One frame: world transforms of the source to root position and local rotations of the target.
+  void apply(const JointTransforms<double>& from, Vec3<double>& root, std::span<Quaternion<double>> local) const;
+
+ private:
+  struct Link {
+    int source = -1, second = -1;
+    Quaternion<double> undo{1, 0, 0, 0}, undo_second{1, 0, 0, 0};  // C_s^-1 C_t
+    Quaternion<double> at_rest{1, 0, 0, 0};                        // of a joint that follows none, seen from its parent
+    double share = 0;
+  };
+
+  static Quaternion<double> turned(const JointTransforms<double>& from, int joint, const Quaternion<double>& undo) {
+    return to_quaternion(from.rotation[static_cast<std::size_t>(joint)]) * undo;
   }
-  return reshape<3>(surface_points(reshape<3>(vertices, {1, n * count, 3}), points),
-                    {n, points.size() / std::max<Index>(n, 1), 3});
-}
+  static const Vec3<double>& position(const JointTransforms<double>& from, int joint) {
+    return from.position[static_cast<std::size_t>(joint)];
+  }
+  /// A joint of the target seen from its root.
+  Vec3<double> from_root(int joint, const std::vector<Quaternion<double>>& world) const;
+
+  /// Of joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
+  int namesake(const std::string& name) const;
+  void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
+
+  /// The rotation that brings a joint of the source from its T-pose to the pose in which it stands like the target.
+  /// Limbs are turned along, joint by joint; feet only roll with their shins, unless a table says that they stand
+  /// level, so that soles stay level; the trunk is taken as it stands.
+  static Quaternion<double> bone_turn(std::string_view role, const detail::StandingSkeleton& from,
+                                      const detail::StandingSkeleton& to, const Quaternion<double>& up);
+
+  /// Lengths of legs and arms, and where the hips are.
+  void measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
+
+  Skeleton source_, target_;
+  RetargetReport report_;
+  std::vector<Link> links_;  // of the target's joints
+  int left_hip_ = -1, right_hip_ = -1, target_left_hip_ = -1, target_right_hip_ = -1;
+};
+
+/// Moves a clip up or down so that its feet stand on y = 0 as they do in the rest pose: the lowest joint of a frame, in
+/// all but the lowest 5 % of the frames, is not below the lowest joint at rest. A rest pose that is below the floor
+/// tells nothing of it (the root of many BVH files has OFFSET 0); that joint then stands on y = 0 itself. Returns by
+/// how much the clip was moved.
+double place_on_floor(Motion& motion);
+
+struct RetargetOptions {
+  bool floor = true;  // place_on_floor
+};
+
+/// The clip on the target of the map. Throws config_error 106 if its skeleton is not the source of the map.
+Motion retarget(const Motion& motion, const SkeletonMap& map, const RetargetOptions& options = {});
+/// With the built-in tables that fit the clip and the target; on its own skeleton a motion stays as it is. Throws
+/// config_error 103 with the joint that is missing.
+Motion retarget(const Motion& motion, const Skeleton& target = smpl24_skeleton(), const RetargetOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
-#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_IPP  // <motionlang/kinematics/retarget.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_RETARGET_IPP
+// Bodies of retarget.hpp.
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP  // <motionlang/kinematics/finger_names.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP
@@ -9438,6 +10151,307 @@ MOTIONLANG_BODY std::string finger_of(std::string_view joint) {
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string to_string(const RetargetReport& r) {
+  auto list = [](const std::vector<std::string>& names) {
+    return names.empty() ? std::string("none") : join_text(names);
+  };
+  auto rounded = [](double x) { return std::round(x * 1000) / 1000; };
+  std::vector<std::string> pairs;
+  pairs.reserve(r.mapped.size());
+  for (const auto& [to, from] : r.mapped) pairs.push_back(from + " -> " + to);
+  return concat_text(r.table, " -> ", r.target_table, ": ", r.mapped.size(), " of ",
+                     r.mapped.size() + r.unmapped.size(), " joints follow, legs x ", rounded(r.leg_ratio), ", arms x ",
+                     rounded(r.arm_ratio), "\n  mapped: ", list(pairs), "\n  target joints at rest: ", list(r.unmapped),
+                     "\n  source joints not used: ", list(r.unused));
+}
+
+namespace detail {
+
+/// The limb joints whose bones are turned to the target's direction in the rest pose.
+inline constexpr std::array<LimbBone, 4> leg_bones{{{"left_hip", "left_knee"},
+                                                    {"left_knee", "left_ankle"},
+                                                    {"right_hip", "right_knee"},
+                                                    {"right_knee", "right_ankle"}}};
+
+inline constexpr std::array<LimbBone, 4> arm_bones{{{"left_shoulder", "left_elbow"},
+                                                    {"left_elbow", "left_wrist"},
+                                                    {"right_shoulder", "right_elbow"},
+                                                    {"right_elbow", "right_wrist"}}};
+
+inline constexpr std::array<LimbBone, 2> hand_bones{{{"left_wrist", "left_hand"}, {"right_wrist", "right_hand"}}};
+
+inline const LimbBone* find_limb_bone(std::string_view joint) {
+  for (const std::span<const LimbBone> bones : {std::span<const LimbBone>(leg_bones), {arm_bones}, {hand_bones}}) {
+    for (const LimbBone& bone : bones) {
+      if (bone.joint == joint) return &bone;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY SkeletonMap::SkeletonMap(const Skeleton& source, const SkeletonTable& source_table,
+                                         const Skeleton& target, const SkeletonTable& target_table)
+    : source_(source), target_(target) {
+  const std::string missing = source_table.missing(source);
+  if (!missing.empty()) raise<config_error>(103, "SkeletonMap: ", source_table.name, " needs a joint '", missing, "'");
+  report_.table = source_table.name;
+  report_.target_table = target_table.name;
+  const detail::StandingSkeleton from(source, source_table), to(target, target_table);
+  for (const detail::StandingSkeleton* s : {&from, &to}) {
+    const std::string lies = s->lies();
+    if (!lies.empty())
+      raise<config_error>(103, "SkeletonMap: a skeleton of ", s->skeleton.size(), " joints (root '",
+                          s->skeleton.name(0), "') does not stand as ", s->table.name, ": ", lies, "; ",
+                          detail::own_table_hint);
+  }
+  connect(from, to);
+  measure(from, to);
+}
+
+MOTIONLANG_BODY void SkeletonMap::apply(const JointTransforms<double>& from, Vec3<double>& root,
+                                        std::span<Quaternion<double>> local) const {
+  std::vector<Quaternion<double>> world(links_.size());
+  for (std::size_t t = 0; t < links_.size(); ++t) {
+    const Link& link = links_[t];
+    const int parent = target_.parents[t];
+    const auto up = parent < 0 ? Quaternion<double>::identity() : world[static_cast<std::size_t>(parent)];
+    world[t] = up * link.at_rest;
+    if (link.source >= 0) world[t] = turned(from, link.source, link.undo);
+    if (link.second >= 0) world[t] = slerp(world[t], turned(from, link.second, link.undo_second), link.share);
+    local[t] = inverse(up) * world[t];
+  }
+  const Vec3<double> middle = 0.5 * (position(from, left_hip_) + position(from, right_hip_));
+  root = report_.leg_ratio * middle - 0.5 * (from_root(target_left_hip_, world) + from_root(target_right_hip_, world));
+}
+
+MOTIONLANG_BODY Vec3<double> SkeletonMap::from_root(int joint, const std::vector<Quaternion<double>>& world) const {
+  Vec3<double> p{};
+  for (; target_.parent(joint) >= 0; joint = target_.parent(joint)) {
+    p = p + rotate(world[static_cast<std::size_t>(target_.parent(joint))], target_.offset(joint));
+  }
+  return p;
+}
+
+MOTIONLANG_BODY int SkeletonMap::namesake(const std::string& name) const {
+  int s = source_.find(name);
+  const std::string finger = finger_of(bare_joint_name(name));
+  for (int k = 0; k < source_.size() && s < 0 && !finger.empty(); ++k) {
+    if (finger_of(bare_joint_name(source_.name(k))) == finger) s = k;
+  }
+  return s;
+}
+
+MOTIONLANG_BODY void SkeletonMap::connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
+  links_.resize(static_cast<std::size_t>(target_.size()));
+  std::vector<bool> used(static_cast<std::size_t>(source_.size()), false);
+  // of the bones of the source, from its T-pose to the target's
+  std::vector<Quaternion<double>> turn(links_.size(), Quaternion<double>::identity());
+  for (std::size_t t = 0; t < links_.size(); ++t) {
+    Link& link = links_[t];
+    const int parent = target_.parents[t];
+    const auto up = parent < 0 ? Quaternion<double>::identity() : turn[static_cast<std::size_t>(parent)];
+    const std::string role = to.role(static_cast<int>(t));
+    turn[t] = bone_turn(role, from, to, up);
+    if (parent >= 0) link.at_rest = inverse(to.rotation[static_cast<std::size_t>(parent)]) * to.rotation[t];
+    auto follow = [&](int s) {
+      used[static_cast<std::size_t>(s)] = true;
+      return inverse(turn[t] * from.rotation[static_cast<std::size_t>(s)]) * to.rotation[t];
+    };
+    const MappedJoint* row = role.empty() ? nullptr : from.table.find(role);
+    link.source = row != nullptr ? find_joint(source_, row->source) : role.empty() ? namesake(target_.names[t]) : -1;
+    if (link.source < 0) {
+      report_.unmapped.push_back(target_.names[t]);
+      continue;
+    }
+    link.undo = follow(link.source);
+    std::string name = source_.name(link.source);
+    if (row != nullptr && !row->second.empty()) {
+      link.second = find_joint(source_, row->second);
+      link.undo_second = follow(link.second);
+      link.share = row->share;
+      name += " + " + source_.name(link.second);
+    }
+    report_.mapped.emplace_back(target_.names[t], std::move(name));
+  }
+  for (std::size_t s = 0; s < used.size(); ++s) {
+    if (!used[s]) report_.unused.push_back(source_.names[s]);
+  }
+}
+
+MOTIONLANG_BODY Quaternion<double> SkeletonMap::bone_turn(std::string_view role, const detail::StandingSkeleton& from,
+                                                          const detail::StandingSkeleton& to,
+                                                          const Quaternion<double>& up) {
+  if (const detail::LimbBone* limb = detail::find_limb_bone(role)) {
+    const Vec3<double> bone = from.bone(*limb), wanted = to.bone(*limb);
+    if (norm(bone) < 1e-9 || norm(wanted) < 1e-9) return up;
+    return rotation_between(rotate(up, bone), wanted) * up;
+  }
+  if (role == "left_ankle" || role == "right_ankle") {
+    const detail::LimbBone shin{role == "left_ankle" ? "left_knee" : "right_knee", role};
+    auto roll = [&](const detail::StandingSkeleton& s) {
+      const Vec3<double> bone = s.bone(shin);
+      return s.table.level_soles ? 0 : std::atan2(bone.x, -bone.y);
+    };
+    return from_axis_angle(Vec3<double>{0, 0, 1}, roll(to) - roll(from));
+  }
+  const bool follows = role.empty() || role.ends_with("_foot") || role.ends_with("_hand");
+  return follows ? up : Quaternion<double>::identity();
+}
+
+MOTIONLANG_BODY void SkeletonMap::measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
+  auto hip = [](const detail::StandingSkeleton& s, std::string_view role) {
+    const int j = s.joint(role);
+    if (j < 0) raise<config_error>(103, "SkeletonMap: ", s.table.name, " has no '", role, "'");
+    return j;
+  };
+  left_hip_ = hip(from, "left_hip");
+  right_hip_ = hip(from, "right_hip");
+  target_left_hip_ = hip(to, "left_hip");
+  target_right_hip_ = hip(to, "right_hip");
+  auto ratio = [&](std::span<const detail::LimbBone> bones) {  // over the bones that both skeletons have
+    double here = 0, there = 0;
+    for (const detail::LimbBone& bone : bones) {
+      const double length = from.length(bone), wanted = to.length(bone);
+      if (length > 0 && wanted > 0) here += wanted, there += length;
+    }
+    return there > 0 ? here / there : 0;
+  };
+  report_.leg_ratio = ratio(detail::leg_bones);
+  report_.arm_ratio = ratio(detail::arm_bones);
+  if (!(report_.leg_ratio > 0) || !std::isfinite(report_.leg_ratio)) {
+    raise<config_error>(101, "SkeletonMap: legs of no length (target / source = ", report_.leg_ratio, ")");
+  }
+}
+
+MOTIONLANG_BODY double place_on_floor(Motion& motion) {
+  if (motion.frames() == 0) return 0;
+  auto lowest = [](std::span<const Vec3<double>> joints) {
+    return std::min_element(joints.begin(), joints.end(), [](auto& a, auto& b) { return a.y < b.y; })->y;
+  };
+  const auto rest = motion.skeleton.rest_positions(), positions = motion.positions();
+  std::vector<double> heights;
+  for (std::size_t at = 0; at < positions.size(); at += rest.size()) {
+    heights.push_back(lowest(std::span(positions).subspan(at, rest.size())));
+  }
+  const std::size_t lowest_frames = heights.size() / 20;
+  const double shift = std::max(lowest(rest), 0.0) - nth_smallest(std::move(heights), lowest_frames);
+  for (Vec3<double>& r : motion.root) r.y += shift;
+  return shift;
+}
+
+MOTIONLANG_BODY Motion retarget(const Motion& motion, const SkeletonMap& map, const RetargetOptions& options) {
+  if (motion.skeleton.names != map.source().names || motion.skeleton.parents != map.source().parents) {
+    raise<config_error>(106, "retarget: '", motion.name, "' has another skeleton than the map was made for");
+  }
+  Motion out{map.target(), motion.fps, {}, {}, motion.name};
+  out.root.resize(motion.root.size());
+  out.local.resize(motion.root.size() * static_cast<std::size_t>(out.skeleton.size()));
+  JointTransforms<double> world;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    motion.world(f, world);
+    map.apply(world, out.root[static_cast<std::size_t>(f)], out.rotations(f));
+  }
+  if (options.floor) place_on_floor(out);
+  return out;
+}
+
+MOTIONLANG_BODY Motion retarget(const Motion& motion, const Skeleton& target, const RetargetOptions& options) {
+  if (motion.skeleton == target) {
+    Motion out = motion;
+    if (options.floor) place_on_floor(out);
+    return out;
+  }
+  return retarget(motion, SkeletonMap(motion.skeleton, target), options);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The motion on SMPL's 24 joints. If it has them already, in whatever order (a BVH file goes depth first), they are
+/// only put in SMPL's order and the bones keep their lengths. Otherwise it is retargeted.
+/// report  is set only if the motion is retargeted
+/// Throws  config_error 103 with the joint that is missing, as retarget does
+Motion on_smpl(const Motion& motion, RetargetReport* report = nullptr);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_ON_SMPL_IPP  // <motionlang/kinematics/on_smpl.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_ON_SMPL_IPP
+// Bodies of on_smpl.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Motion on_smpl(const Motion& motion, RetargetReport* report) {
+  const Skeleton &own = motion.skeleton, &smpl = smpl24_skeleton();
+  std::vector<std::size_t> from;  // our joint for each of SMPL's
+  for (int j = 0; j < smpl.size(); ++j) {
+    const int k = own.find(smpl.name(j));
+    const bool same = k >= 0 && own.size() == smpl.size() && (j == 0) == (own.parent(k) < 0) &&
+                      (j == 0 || own.name(own.parent(k)) == smpl.name(smpl.parent(j)));
+    if (!same) {
+      const SkeletonMap map(own);
+      if (report != nullptr) *report = map.report();
+      return retarget(motion, map);
+    }
+    from.push_back(static_cast<std::size_t>(k));
+  }
+  Motion out{smpl, motion.fps, motion.root, {}, motion.name};
+  for (std::size_t j = 0; j < from.size(); ++j) out.skeleton.offsets[j] = own.offsets[from[j]];
+  for (Index f = 0; f < motion.frames(); ++f) {
+    for (const std::size_t k : from) out.local.push_back(motion.rotations(f)[k]);
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// What is done to a clip's time, first of all.
+struct TimeEdits {
+  double from = 0, to = 0;  // seconds; to = 0: to the end
+  double speed = 1;         // how much faster
+  double fps = 0;           // 0: as it is
+};
+/// The frames [first, last) of a clip from a time to a time, seconds, each rounded; to = 0: to the end.
+std::pair<Index, Index> frames_between(const Motion& motion, double from, double to);
+/// Throws config_error 101 if nothing of the clip is between `from` and `to`, and what change_speed and resample throw.
+Motion edit_time(Motion motion, const TimeEdits& edits);
+
+/// In this order.
+struct MotionEdits {
+  bool smpl = false;      // on SMPL's 24 joints
+  bool mirror = false;    // left becomes right
+  bool smooth = false;    // without trembling
+  bool fix_feet = false;  // on the floor, and feet that stand do not slide; on SMPL's 24 joints
+  bool in_place = false;  // the root stays over the origin
+  double loop = 0;        // so many seconds at the end are blended into the start; 0: no loop
+};
+/// report  is set if the joints were others than SMPL's and became these. Throws what the single edits throw.
+Motion edit_motion(Motion motion, const MotionEdits& edits, RetargetReport* report = nullptr);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_EDIT_MOTION_IPP  // <motionlang/kinematics/edit_motion.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_EDIT_MOTION_IPP
+// Bodies of edit_motion.hpp.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP  // <motionlang/kinematics/foot_lock.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP
+/// Feet that stay where they stand. Y up, metres. Generated motions slide a little: the path of the root and the legs
+/// are predicted side by side and agree only nearly.
+///
+///     Motion steady = fix_feet(motion);      // path_from_feet, lock_feet, raise_swings
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP  // <motionlang/kinematics/foot_contact.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP
@@ -9516,13 +10530,6 @@ MOTIONLANG_BODY std::vector<std::uint8_t> foot_contacts(const Motion& motion, st
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP  // <motionlang/kinematics/foot_lock.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP
-/// Feet that stay where they stand. Y up, metres. Generated motions slide a little: the path of the root and the legs
-/// are predicted side by side and agree only nearly.
-///
-///     Motion steady = fix_feet(motion);      // path_from_feet, lock_feet, raise_swings
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_LIMB_IK_HPP  // <motionlang/kinematics/limb_ik.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_LIMB_IK_HPP
@@ -9868,6 +10875,203 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP  // <motionlang/kinematics/smooth_motion.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP
+/// A clip without its trembling. Slow movement, peaks and the ends of the clip stay where they are.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct SmoothOptions {
+  /// Seconds. At 20 frames per second and 0.04 s a movement of 2.5 Hz keeps 98 % of its size, one of 5 Hz 82 %, one of
+  /// 10 Hz 35 %. Heels and toes strike the floor at such rates: more makes feet slide.
+  double sigma = 0.04;
+};
+
+/// The clip with its root positions and local rotations smoothed along time by local parabolas. Rotations are averaged
+/// where they are: as rotation vectors seen from the frame itself.
+///     p'_f = sum_k c_k p_{f+k},   q'_f = q_f exp(sum_k c_k log(q_f^-1 q_{f+k})),   |k| <= floor(4 sigma fps + 1/2)
+/// With fewer than two neighbours on each side within reach nothing changes.
+/// Throws config_error 101 unless sigma >= 0.
+Motion smooth_motion(const Motion& motion, const SmoothOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_IPP  // <motionlang/kinematics/smooth_motion.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_IPP
+// Bodies of smooth_motion.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The weights c of x_{first} ... x_{last} (0 is the frame itself) in the value at 0 of the parabola that fits them
+/// best, errors weighted by exp(-k^2 / (2 sigma^2)). They sum to 1, and a parabola is its own fit: so peaks are not
+/// blunted and ends are not pulled. Fewer than three values: the frame itself.
+///     c_k = w_k (1 0 0) M^-1 (1, k, k^2)^T,   M_ab = sum_k w_k k^(a + b)
+/// Source  Savitzky and Golay (1964); with Gaussian weights local regression, Cleveland (1979)
+inline std::vector<double> parabola_weights(Index first, Index last, double sigma) {
+  std::vector<double> c;
+  std::array<double, 5> s{};
+  for (Index k = first; k <= last; ++k) {
+    const auto x = static_cast<double>(k);
+    c.push_back(std::exp(-0.5 * x * x / (sigma * sigma)));
+    double power = c.back();
+    for (double& sum : s) sum += power, power *= x;
+  }
+  const std::array<double, 3> row{s[2] * s[4] - s[3] * s[3], s[2] * s[3] - s[1] * s[4], s[1] * s[3] - s[2] * s[2]};
+  const double determinant = s[0] * row[0] + s[1] * row[1] + s[2] * row[2];
+  for (Index k = first; k <= last; ++k) {
+    const auto x = static_cast<double>(k);
+    double& weight = c[static_cast<std::size_t>(k - first)];
+    if (last - first < 2)
+      weight = k == 0 ? 1 : 0;
+    else
+      weight *= (row[0] + row[1] * x + row[2] * x * x) / determinant;
+  }
+  return c;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Motion smooth_motion(const Motion& motion, const SmoothOptions& options) {
+  const double sigma = options.sigma * motion.fps;  // frames
+  if (!(sigma >= 0) || !std::isfinite(sigma)) raise<config_error>(101, "smooth_motion: sigma ", options.sigma, " s");
+  const auto radius = static_cast<Index>(std::min(4 * sigma + 0.5, static_cast<double>(motion.frames())));
+  if (radius < 2) return motion;
+  const auto inner = detail::parabola_weights(-radius, radius, sigma);
+  Motion out = motion;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const Index first = std::max(-radius, -f), last = std::min(radius, motion.frames() - 1 - f);
+    const auto c = last - first == 2 * radius ? inner : detail::parabola_weights(first, last, sigma);
+    auto weight = [&](Index k) { return c[static_cast<std::size_t>(k - first)]; };
+    Vec3<double> root{};
+    for (Index k = first; k <= last; ++k) root = root + weight(k) * motion.root_at(f + k);
+    out.root[static_cast<std::size_t>(f)] = root;
+    const auto here = motion.rotations(f);
+    for (std::size_t j = 0; j < here.size(); ++j) {
+      const Quaternion<double> undo = inverse(here[j]);
+      Vec3<double> turn{};
+      for (Index k = first; k <= last; ++k) {
+        if (k != 0) turn = turn + weight(k) * log_so3(undo * motion.rotations(f + k)[j]);
+      }
+      out.rotations(f)[j] = normalized(here[j] * to_quaternion(AxisAngle<double>{turn}));
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::pair<Index, Index> frames_between(const Motion& motion, double from, double to) {
+  const auto frame = [&](double seconds) {
+    return static_cast<Index>(std::clamp(seconds * motion.fps + 0.5, 0.0, static_cast<double>(motion.frames())));
+  };
+  return {frame(from), frame(to > 0 ? to : motion.seconds())};
+}
+
+MOTIONLANG_BODY Motion edit_time(Motion m, const TimeEdits& edits) {
+  if (edits.from > 0 || edits.to > 0) {
+    const auto [first, last] = frames_between(m, edits.from, edits.to);
+    if (first >= last)
+      raise<config_error>(101, "'", m.name, "': nothing of its ", m.seconds(), " s is between ", edits.from, " and ",
+                          edits.to > 0 ? edits.to : m.seconds(), " s");
+    m = crop(m, first, last);
+  }
+  if (edits.speed != 1) m = change_speed(m, edits.speed);
+  if (edits.fps > 0) m = resample(m, edits.fps);
+  return m;
+}
+
+MOTIONLANG_BODY Motion edit_motion(Motion m, const MotionEdits& edits, RetargetReport* report) {
+  if (edits.smpl) m = on_smpl(m, report);
+  if (edits.mirror) m = mirror(m);
+  if (edits.smooth) m = smooth_motion(m);
+  if (edits.fix_feet) {
+    place_on_floor(m);
+    m = motionlang::fix_feet(m);
+  }
+  if (edits.in_place) m = motionlang::in_place(m);
+  if (edits.loop > 0) {
+    const double frames = std::min(edits.loop * m.fps, 1e9);
+    m = make_loop(m, std::max<Index>(1, std::lround(frames))).motion;
+  }
+  return m;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FACE_LANDMARKS_HPP  // <motionlang/kinematics/face_landmarks.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_FACE_LANDMARKS_HPP
+/// The landmarks of a face: those that stay on their triangles, and after them those of its contour, which wander over
+/// the cheek as the head turns away from the camera.
+///
+///     const auto posed = body.model(betas, rotations, translation);
+///     // SMPL-X: 144 points.
+///     const auto points = concat(1, posed.joints, posed.extra, face_landmarks(body, posed.vertices, rotations));
+///
+/// Source  vchoutas/smplx smplx/lbs.py find_dynamic_lmk_idx_and_bcoords; dynamic_lmk_faces_idx of the model files has a
+///         contour for each angle of the neck
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Which contour a head shows that looks where R, the world rotation of the neck, turns it.
+///     angle = -atan2(-R_20, sqrt(R_00^2 + R_10^2))   in degrees, rounded: negative for a turn to the left
+///     row   = angle                for 0, 1, ..., h         h = (contours - 1) / 2, published 39; larger turns count
+///           as h
+///           = h + |angle|          for -1, -2, ..., -h
+template <class S>
+Index contour_row(const Matrix3<S>& r, Index contours) {
+  const double turn =
+      std::atan2(-static_cast<double>(r(2, 0)), std::hypot(static_cast<double>(r(0, 0)), static_cast<double>(r(1, 0))));
+  const Index half = (contours - 1) / 2, angle = static_cast<Index>(std::nearbyint(-turn / degree));
+  return angle >= 0 ? std::min(angle, half) : half + std::min(-angle, half);
+}
+
+/// vertices (N, V, 3) of the posed body, rotations (N, J, 9) that posed it -> (N, landmarks + points of a contour, 3);
+/// only the landmarks of bodies without contours. neck: its joint. Differentiable by the vertices.
+/// Throws  shape_error 204 unless both have N poses and the rotations are those of the body, config_error 101 for a
+///         neck that is no joint
+template <Backend B>
+Tensor<B, 3> face_landmarks(const Body<B>& body, const Tensor<B, 3>& vertices, const Tensor<B, 3>& rotations,
+                            Index neck = 12) {
+  using S = typename B::scalar;
+  const Index n = vertices.size(0), count = vertices.size(1), joints = body.model.joints();
+  if (body.contours.empty()) return surface_points(vertices, body.landmarks);
+  if (rotations.shape() != Shape{n, joints, 9})
+    raise<shape_error>(204, "face_landmarks: rotations ", rotations.shape(), " for ", n, " poses of ", joints,
+                       " joints");
+  if (neck < 0 || neck >= joints) raise<config_error>(101, "face_landmarks: the neck is joint ", neck, " of ", joints);
+  const auto local = rotations.span();
+  SurfacePoints points;  // on the vertices of all poses, one after the other
+  for (Index pose = 0; pose < n; ++pose) {
+    Matrix3<S> world = Matrix3<S>::identity();
+    for (Index j = neck; j >= 0; j = body.model.parents[static_cast<std::size_t>(j)]) {
+      Matrix3<S> own;
+      std::copy_n(local.begin() + 9 * (pose * joints + j), 9, own.m.begin());
+      world = own * world;
+    }
+    const Index row = contour_row(world, std::ssize(body.contours));
+    for (const SurfacePoints* some : {&body.landmarks, &body.contours[static_cast<std::size_t>(row)]}) {
+      for (std::array<Index, 3> corners : some->corners) {
+        for (Index& v : corners) v += pose * count;
+        points.corners.push_back(corners);
+      }
+      points.weights.insert(points.weights.end(), some->weights.begin(), some->weights.end());
+    }
+  }
+  return reshape<3>(surface_points(reshape<3>(vertices, {1, n * count, 3}), points),
+                    {n, points.size() / std::max<Index>(n, 1), 3});
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_BATCH_HPP  // <motionlang/kinematics/forward_batch.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FORWARD_BATCH_HPP
 /// Forward kinematics of a whole batch: the function of forward.hpp over many poses at once.
@@ -10133,12 +11337,44 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_MATCH_MOTION_HPP  // <motionlang/kinematics/match_motion.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_MATCH_MOTION_HPP
+/// A clip made like another one, so that both can be joined or composed.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The motion on the skeleton and at the rate of another one. If it comes from another skeleton, it stands on the floor
+/// of the other motion. Throws what retarget and resample throw.
+Motion match_motion(Motion motion, const Motion& other);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MATCH_MOTION_IPP  // <motionlang/kinematics/match_motion.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_MATCH_MOTION_IPP
+// Bodies of match_motion.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Motion match_motion(Motion motion, const Motion& other) {
+  if (motion.skeleton != other.skeleton) {
+    motion = retarget(motion, other.skeleton);  // on y = 0
+    Motion standing = other;
+    const double up = place_on_floor(standing);
+    for (auto& root : motion.root) root.y -= up;
+  }
+  return motion.fps == other.fps ? motion : resample(motion, other.fps);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_KINEMATICS_MIRROR_JOINTS_HPP  // <motionlang/kinematics/mirror_joints.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_MIRROR_JOINTS_HPP
 /// Joint positions in a mirror that stands in the plane x = 0: how HumanML3D doubles its clips. Of whole motions, with
 /// rotations: motion_tools.hpp.
 ///
-/// Source  Guo et al. (CVPR 2022), raw_pose_processing.ipynb swap_left_right; spec humanml3d-features.md 8
+/// Source  Guo et al. (CVPR 2022), raw_pose_processing.ipynb swap_left_right
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -10373,7 +11609,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// `base` with the local rotations of `parts` taken from `other`, frame by frame, as long as both last. The path, the
 /// height and everything else are the base's. SMPL's joints only, or the first of them (HumanML3D). Throws config_error
 /// 103 for another skeleton, 102 for two frame rates.
-/// Source  the synthetic training data of SINC (Athanasiou et al. 2023), section 4.1, on rotations
+/// Source  the synthetic training data of SINC (thesis B.2.1), on rotations
 Motion overlay_parts(const Motion& base, const Motion& other, BodyParts parts);
 
 MOTIONLANG_NAMESPACE_END
@@ -10414,347 +11650,18 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP  // <motionlang/kinematics/retarget.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP
-/// Retargeting: the same movement on another skeleton, from and to every kind that skeleton_tables.hpp knows.
-///
-///     G_t(f) = G_s(f) C_s^-1 C_t
-/// G_s, G_t: world rotations of a joint s of the source and of the joint t of the target that follows it. C_t: the
-/// world rotation of t while the target stands in its T-pose, facing +Z; C_s: that of s while the source stands as the
-/// target does then, its limbs along the target's limbs. A source in that pose so gives the target's T-pose, whatever
-/// the local axes and the rest poses (T, A, any quarter turn), and chains may have different numbers of joints. Joints
-/// that no table knows follow those of the same name, fingers those of the same finger. Bones keep the
-/// target's lengths; the path is scaled by the ratio of the legs.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-class StandingSkeleton;
-}
-
-/// What a map did with the joints of both skeletons.
-struct RetargetReport {
-  std::string table, target_table;                          // the kinds of source and target
-  std::vector<std::pair<std::string, std::string>> mapped;  // joint of the target, joint (or "a + b") of the source
-  std::vector<std::string> unmapped;                        // joints of the target that stay at rest
-  std::vector<std::string> unused;                          // joints of the source that nothing follows
-  double leg_ratio = 1, arm_ratio = 1;  // target / source, 0 without arms; the path is scaled by leg_ratio
-};
-std::string to_string(const RetargetReport& r);
-
-/// How one skeleton follows another; made once, used for every clip.
-class SkeletonMap {
- public:
-  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for
-  /// unknown axes, or hips that a skeleton lacks), and if a skeleton does not stand at rest by its table; 101 if the
-  /// legs of a skeleton have no length.
-  SkeletonMap(const Skeleton& source, const SkeletonTable& source_table, const Skeleton& target,
-              const SkeletonTable& target_table);
-  /// The target has SMPL's names.
-  SkeletonMap(const Skeleton& source, const Skeleton& target, const SkeletonTable& source_table)
-      : SkeletonMap(source, source_table, target, skeleton_table("SMPL")) {}
-  /// With the built-in tables that fit.
-  explicit SkeletonMap(const Skeleton& source, const Skeleton& target = smpl24_skeleton())
-      : SkeletonMap(source, detect_skeleton_table(source), target, detect_skeleton_table(target)) {}
-
-  const Skeleton& source() const { return source_; }
-  const Skeleton& target() const { return target_; }
-  const RetargetReport& report() const { return report_; }
-
-  /// One frame: world transforms of the source to root position and local rotations of the target.
-  void apply(const JointTransforms<double>& from, Vec3<double>& root, std::span<Quaternion<double>> local) const;
-
- private:
-  struct Link {
-    int source = -1, second = -1;
-    Quaternion<double> undo{1, 0, 0, 0}, undo_second{1, 0, 0, 0};  // C_s^-1 C_t
-    Quaternion<double> at_rest{1, 0, 0, 0};                        // of a joint that follows none, seen from its parent
-    double share = 0;
-  };
-
-  static Quaternion<double> turned(const JointTransforms<double>& from, int joint, const Quaternion<double>& undo) {
-    return to_quaternion(from.rotation[static_cast<std::size_t>(joint)]) * undo;
-  }
-  static const Vec3<double>& position(const JointTransforms<double>& from, int joint) {
-    return from.position[static_cast<std::size_t>(joint)];
-  }
-  /// A joint of the target seen from its root.
-  Vec3<double> from_root(int joint, const std::vector<Quaternion<double>>& world) const;
-
-  /// Of joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
-  int namesake(const std::string& name) const;
-  void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
-
-  /// The rotation that brings a joint of the source from its T-pose to the pose in which it stands like the target.
-  /// Limbs are turned along, joint by joint; feet only roll with their shins, unless a table says that they stand
-  /// level, so that soles stay level; the trunk is taken as it stands.
-  static Quaternion<double> bone_turn(std::string_view role, const detail::StandingSkeleton& from,
-                                      const detail::StandingSkeleton& to, const Quaternion<double>& up);
-
-  /// Lengths of legs and arms, and where the hips are.
-  void measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
-
-  Skeleton source_, target_;
-  RetargetReport report_;
-  std::vector<Link> links_;  // of the target's joints
-  int left_hip_ = -1, right_hip_ = -1, target_left_hip_ = -1, target_right_hip_ = -1;
-};
-
-/// Moves a clip up or down so that its feet stand on y = 0 as they do in the rest pose: the lowest joint of a frame, in
-/// all but the lowest 5 % of the frames, is not below the lowest joint at rest. A rest pose that is below the floor
-/// tells nothing of it (the root of many BVH files has OFFSET 0); that joint then stands on y = 0 itself. Returns by
-/// how much the clip was moved.
-double place_on_floor(Motion& motion);
-
-struct RetargetOptions {
-  bool floor = true;  // place_on_floor
-};
-
-/// The clip on the target of the map. Throws config_error 106 if its skeleton is not the source of the map.
-Motion retarget(const Motion& motion, const SkeletonMap& map, const RetargetOptions& options = {});
-/// With the built-in tables that fit the clip and the target; on its own skeleton a motion stays as it is. Throws
-/// config_error 103 with the joint that is missing.
-Motion retarget(const Motion& motion, const Skeleton& target = smpl24_skeleton(), const RetargetOptions& options = {});
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_IPP  // <motionlang/kinematics/retarget.ipp>
-#define MOTIONLANG_HAS_KINEMATICS_RETARGET_IPP
-// Bodies of retarget.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY std::string to_string(const RetargetReport& r) {
-  auto list = [](const std::vector<std::string>& names) {
-    return names.empty() ? std::string("none") : join_text(names);
-  };
-  auto rounded = [](double x) { return std::round(x * 1000) / 1000; };
-  std::vector<std::string> pairs;
-  pairs.reserve(r.mapped.size());
-  for (const auto& [to, from] : r.mapped) pairs.push_back(from + " -> " + to);
-  return concat_text(r.table, " -> ", r.target_table, ": ", r.mapped.size(), " of ",
-                     r.mapped.size() + r.unmapped.size(), " joints follow, legs x ", rounded(r.leg_ratio), ", arms x ",
-                     rounded(r.arm_ratio), "\n  mapped: ", list(pairs), "\n  target joints at rest: ", list(r.unmapped),
-                     "\n  source joints not used: ", list(r.unused));
-}
-
-namespace detail {
-
-/// The limb joints whose bones are turned to the target's direction in the rest pose.
-inline constexpr std::array<LimbBone, 4> leg_bones{{{"left_hip", "left_knee"},
-                                                    {"left_knee", "left_ankle"},
-                                                    {"right_hip", "right_knee"},
-                                                    {"right_knee", "right_ankle"}}};
-
-inline constexpr std::array<LimbBone, 4> arm_bones{{{"left_shoulder", "left_elbow"},
-                                                    {"left_elbow", "left_wrist"},
-                                                    {"right_shoulder", "right_elbow"},
-                                                    {"right_elbow", "right_wrist"}}};
-
-inline constexpr std::array<LimbBone, 2> hand_bones{{{"left_wrist", "left_hand"}, {"right_wrist", "right_hand"}}};
-
-inline const LimbBone* find_limb_bone(std::string_view joint) {
-  for (const std::span<const LimbBone> bones : {std::span<const LimbBone>(leg_bones), {arm_bones}, {hand_bones}}) {
-    for (const LimbBone& bone : bones) {
-      if (bone.joint == joint) return &bone;
-    }
-  }
-  return nullptr;
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY SkeletonMap::SkeletonMap(const Skeleton& source, const SkeletonTable& source_table,
-                                         const Skeleton& target, const SkeletonTable& target_table)
-    : source_(source), target_(target) {
-  const std::string missing = source_table.missing(source);
-  if (!missing.empty()) raise<config_error>(103, "SkeletonMap: ", source_table.name, " needs a joint '", missing, "'");
-  report_.table = source_table.name;
-  report_.target_table = target_table.name;
-  const detail::StandingSkeleton from(source, source_table), to(target, target_table);
-  for (const detail::StandingSkeleton* s : {&from, &to}) {
-    const std::string lies = s->lies();
-    if (!lies.empty())
-      raise<config_error>(103, "SkeletonMap: a skeleton of ", s->skeleton.size(), " joints (root '",
-                          s->skeleton.name(0), "') does not stand as ", s->table.name, ": ", lies, "; ",
-                          detail::own_table_hint);
-  }
-  connect(from, to);
-  measure(from, to);
-}
-
-MOTIONLANG_BODY void SkeletonMap::apply(const JointTransforms<double>& from, Vec3<double>& root,
-                                        std::span<Quaternion<double>> local) const {
-  std::vector<Quaternion<double>> world(links_.size());
-  for (std::size_t t = 0; t < links_.size(); ++t) {
-    const Link& link = links_[t];
-    const int parent = target_.parents[t];
-    const auto up = parent < 0 ? Quaternion<double>::identity() : world[static_cast<std::size_t>(parent)];
-    world[t] = up * link.at_rest;
-    if (link.source >= 0) world[t] = turned(from, link.source, link.undo);
-    if (link.second >= 0) world[t] = slerp(world[t], turned(from, link.second, link.undo_second), link.share);
-    local[t] = inverse(up) * world[t];
-  }
-  const Vec3<double> middle = 0.5 * (position(from, left_hip_) + position(from, right_hip_));
-  root = report_.leg_ratio * middle - 0.5 * (from_root(target_left_hip_, world) + from_root(target_right_hip_, world));
-}
-
-MOTIONLANG_BODY Vec3<double> SkeletonMap::from_root(int joint, const std::vector<Quaternion<double>>& world) const {
-  Vec3<double> p{};
-  for (; target_.parent(joint) >= 0; joint = target_.parent(joint)) {
-    p = p + rotate(world[static_cast<std::size_t>(target_.parent(joint))], target_.offset(joint));
-  }
-  return p;
-}
-
-MOTIONLANG_BODY int SkeletonMap::namesake(const std::string& name) const {
-  int s = source_.find(name);
-  const std::string finger = finger_of(bare_joint_name(name));
-  for (int k = 0; k < source_.size() && s < 0 && !finger.empty(); ++k) {
-    if (finger_of(bare_joint_name(source_.name(k))) == finger) s = k;
-  }
-  return s;
-}
-
-MOTIONLANG_BODY void SkeletonMap::connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
-  links_.resize(static_cast<std::size_t>(target_.size()));
-  std::vector<bool> used(static_cast<std::size_t>(source_.size()), false);
-  // of the bones of the source, from its T-pose to the target's
-  std::vector<Quaternion<double>> turn(links_.size(), Quaternion<double>::identity());
-  for (std::size_t t = 0; t < links_.size(); ++t) {
-    Link& link = links_[t];
-    const int parent = target_.parents[t];
-    const auto up = parent < 0 ? Quaternion<double>::identity() : turn[static_cast<std::size_t>(parent)];
-    const std::string role = to.role(static_cast<int>(t));
-    turn[t] = bone_turn(role, from, to, up);
-    if (parent >= 0) link.at_rest = inverse(to.rotation[static_cast<std::size_t>(parent)]) * to.rotation[t];
-    auto follow = [&](int s) {
-      used[static_cast<std::size_t>(s)] = true;
-      return inverse(turn[t] * from.rotation[static_cast<std::size_t>(s)]) * to.rotation[t];
-    };
-    const MappedJoint* row = role.empty() ? nullptr : from.table.find(role);
-    link.source = row != nullptr ? find_joint(source_, row->source) : role.empty() ? namesake(target_.names[t]) : -1;
-    if (link.source < 0) {
-      report_.unmapped.push_back(target_.names[t]);
-      continue;
-    }
-    link.undo = follow(link.source);
-    std::string name = source_.name(link.source);
-    if (row != nullptr && !row->second.empty()) {
-      link.second = find_joint(source_, row->second);
-      link.undo_second = follow(link.second);
-      link.share = row->share;
-      name += " + " + source_.name(link.second);
-    }
-    report_.mapped.emplace_back(target_.names[t], std::move(name));
-  }
-  for (std::size_t s = 0; s < used.size(); ++s) {
-    if (!used[s]) report_.unused.push_back(source_.names[s]);
-  }
-}
-
-MOTIONLANG_BODY Quaternion<double> SkeletonMap::bone_turn(std::string_view role, const detail::StandingSkeleton& from,
-                                                          const detail::StandingSkeleton& to,
-                                                          const Quaternion<double>& up) {
-  if (const detail::LimbBone* limb = detail::find_limb_bone(role)) {
-    const Vec3<double> bone = from.bone(*limb), wanted = to.bone(*limb);
-    if (norm(bone) < 1e-9 || norm(wanted) < 1e-9) return up;
-    return rotation_between(rotate(up, bone), wanted) * up;
-  }
-  if (role == "left_ankle" || role == "right_ankle") {
-    const detail::LimbBone shin{role == "left_ankle" ? "left_knee" : "right_knee", role};
-    auto roll = [&](const detail::StandingSkeleton& s) {
-      const Vec3<double> bone = s.bone(shin);
-      return s.table.level_soles ? 0 : std::atan2(bone.x, -bone.y);
-    };
-    return from_axis_angle(Vec3<double>{0, 0, 1}, roll(to) - roll(from));
-  }
-  const bool follows = role.empty() || role.ends_with("_foot") || role.ends_with("_hand");
-  return follows ? up : Quaternion<double>::identity();
-}
-
-MOTIONLANG_BODY void SkeletonMap::measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
-  auto hip = [](const detail::StandingSkeleton& s, std::string_view role) {
-    const int j = s.joint(role);
-    if (j < 0) raise<config_error>(103, "SkeletonMap: ", s.table.name, " has no '", role, "'");
-    return j;
-  };
-  left_hip_ = hip(from, "left_hip");
-  right_hip_ = hip(from, "right_hip");
-  target_left_hip_ = hip(to, "left_hip");
-  target_right_hip_ = hip(to, "right_hip");
-  auto ratio = [&](std::span<const detail::LimbBone> bones) {  // over the bones that both skeletons have
-    double here = 0, there = 0;
-    for (const detail::LimbBone& bone : bones) {
-      const double length = from.length(bone), wanted = to.length(bone);
-      if (length > 0 && wanted > 0) here += wanted, there += length;
-    }
-    return there > 0 ? here / there : 0;
-  };
-  report_.leg_ratio = ratio(detail::leg_bones);
-  report_.arm_ratio = ratio(detail::arm_bones);
-  if (!(report_.leg_ratio > 0) || !std::isfinite(report_.leg_ratio)) {
-    raise<config_error>(101, "SkeletonMap: legs of no length (target / source = ", report_.leg_ratio, ")");
-  }
-}
-
-MOTIONLANG_BODY double place_on_floor(Motion& motion) {
-  if (motion.frames() == 0) return 0;
-  auto lowest = [](std::span<const Vec3<double>> joints) {
-    return std::min_element(joints.begin(), joints.end(), [](auto& a, auto& b) { return a.y < b.y; })->y;
-  };
-  const auto rest = motion.skeleton.rest_positions(), positions = motion.positions();
-  std::vector<double> heights;
-  for (std::size_t at = 0; at < positions.size(); at += rest.size()) {
-    heights.push_back(lowest(std::span(positions).subspan(at, rest.size())));
-  }
-  const std::size_t lowest_frames = heights.size() / 20;
-  const double shift = std::max(lowest(rest), 0.0) - nth_smallest(std::move(heights), lowest_frames);
-  for (Vec3<double>& r : motion.root) r.y += shift;
-  return shift;
-}
-
-MOTIONLANG_BODY Motion retarget(const Motion& motion, const SkeletonMap& map, const RetargetOptions& options) {
-  if (motion.skeleton.names != map.source().names || motion.skeleton.parents != map.source().parents) {
-    raise<config_error>(106, "retarget: '", motion.name, "' has another skeleton than the map was made for");
-  }
-  Motion out{map.target(), motion.fps, {}, {}, motion.name};
-  out.root.resize(motion.root.size());
-  out.local.resize(motion.root.size() * static_cast<std::size_t>(out.skeleton.size()));
-  JointTransforms<double> world;
-  for (Index f = 0; f < motion.frames(); ++f) {
-    motion.world(f, world);
-    map.apply(world, out.root[static_cast<std::size_t>(f)], out.rotations(f));
-  }
-  if (options.floor) place_on_floor(out);
-  return out;
-}
-
-MOTIONLANG_BODY Motion retarget(const Motion& motion, const Skeleton& target, const RetargetOptions& options) {
-  if (motion.skeleton == target) {
-    Motion out = motion;
-    if (options.floor) place_on_floor(out);
-    return out;
-  }
-  return retarget(motion, SkeletonMap(motion.skeleton, target), options);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
 #ifndef MOTIONLANG_HAS_KINEMATICS_SINC_PART_MOTION_HPP  // <motionlang/kinematics/sinc_part_motion.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SINC_PART_MOTION_HPP
 /// Which parts of the body a recording moves, measured instead of read from its text: SINC's baseline.
 ///
-/// Source  SINC (Athanasiou et al., ICCV 2023), compute_heuristic; spec sinc.md 6.5
+/// Source  thesis B.2.1, "Could we extract body part labels without GPT-3?"; SINC sinc/data/babel.py compute_heuristic
 /// Differs from the paper, which standardises: the six speeds are brought to 0 ... 1, as the code does
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SINC_PARTS_HPP  // <motionlang/kinematics/sinc_parts.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SINC_PARTS_HPP
 /// The six body parts of SINC and their joints. STMC's five are in body_parts.hpp.
 ///
-/// Source  SINC (Athanasiou et al., ICCV 2023); spec sinc.md 6
+/// Source  thesis B.2.1; SINC (Athanasiou et al., ICCV 2023) sinc/info/joints.py get_compat_matrix
 
 #include <bitset>       // sets of parts
 
@@ -10838,95 +11745,6 @@ SincParts moving_sinc_parts(const std::array<S, sinc_part_count>& speeds, double
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP  // <motionlang/kinematics/smooth_motion.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP
-/// A clip without its trembling. Slow movement, peaks and the ends of the clip stay where they are.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-struct SmoothOptions {
-  /// Seconds. At 20 frames per second and 0.04 s a movement of 2.5 Hz keeps 98 % of its size, one of 5 Hz 82 %, one of
-  /// 10 Hz 35 %. Heels and toes strike the floor at such rates: more makes feet slide.
-  double sigma = 0.04;
-};
-
-/// The clip with its root positions and local rotations smoothed along time by local parabolas. Rotations are averaged
-/// where they are: as rotation vectors seen from the frame itself.
-///     p'_f = sum_k c_k p_{f+k},   q'_f = q_f exp(sum_k c_k log(q_f^-1 q_{f+k})),   |k| <= floor(4 sigma fps + 1/2)
-/// With fewer than two neighbours on each side within reach nothing changes.
-/// Throws config_error 101 unless sigma >= 0.
-Motion smooth_motion(const Motion& motion, const SmoothOptions& options = {});
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_IPP  // <motionlang/kinematics/smooth_motion.ipp>
-#define MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_IPP
-// Bodies of smooth_motion.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-/// The weights c of x_{first} ... x_{last} (0 is the frame itself) in the value at 0 of the parabola that fits them
-/// best, errors weighted by exp(-k^2 / (2 sigma^2)). They sum to 1, and a parabola is its own fit: so peaks are not
-/// blunted and ends are not pulled. Fewer than three values: the frame itself.
-///     c_k = w_k (1 0 0) M^-1 (1, k, k^2)^T,   M_ab = sum_k w_k k^(a + b)
-/// Source  Savitzky and Golay (1964); with Gaussian weights local regression, Cleveland (1979)
-inline std::vector<double> parabola_weights(Index first, Index last, double sigma) {
-  std::vector<double> c;
-  std::array<double, 5> s{};
-  for (Index k = first; k <= last; ++k) {
-    const auto x = static_cast<double>(k);
-    c.push_back(std::exp(-0.5 * x * x / (sigma * sigma)));
-    double power = c.back();
-    for (double& sum : s) sum += power, power *= x;
-  }
-  const std::array<double, 3> row{s[2] * s[4] - s[3] * s[3], s[2] * s[3] - s[1] * s[4], s[1] * s[3] - s[2] * s[2]};
-  const double determinant = s[0] * row[0] + s[1] * row[1] + s[2] * row[2];
-  for (Index k = first; k <= last; ++k) {
-    const auto x = static_cast<double>(k);
-    double& weight = c[static_cast<std::size_t>(k - first)];
-    if (last - first < 2)
-      weight = k == 0 ? 1 : 0;
-    else
-      weight *= (row[0] + row[1] * x + row[2] * x * x) / determinant;
-  }
-  return c;
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY Motion smooth_motion(const Motion& motion, const SmoothOptions& options) {
-  const double sigma = options.sigma * motion.fps;  // frames
-  if (!(sigma >= 0) || !std::isfinite(sigma)) raise<config_error>(101, "smooth_motion: sigma ", options.sigma, " s");
-  const auto radius = static_cast<Index>(std::min(4 * sigma + 0.5, static_cast<double>(motion.frames())));
-  if (radius < 2) return motion;
-  const auto inner = detail::parabola_weights(-radius, radius, sigma);
-  Motion out = motion;
-  for (Index f = 0; f < motion.frames(); ++f) {
-    const Index first = std::max(-radius, -f), last = std::min(radius, motion.frames() - 1 - f);
-    const auto c = last - first == 2 * radius ? inner : detail::parabola_weights(first, last, sigma);
-    auto weight = [&](Index k) { return c[static_cast<std::size_t>(k - first)]; };
-    Vec3<double> root{};
-    for (Index k = first; k <= last; ++k) root = root + weight(k) * motion.root_at(f + k);
-    out.root[static_cast<std::size_t>(f)] = root;
-    const auto here = motion.rotations(f);
-    for (std::size_t j = 0; j < here.size(); ++j) {
-      const Quaternion<double> undo = inverse(here[j]);
-      Vec3<double> turn{};
-      for (Index k = first; k <= last; ++k) {
-        if (k != 0) turn = turn + weight(k) * log_so3(undo * motion.rotations(f + k)[j]);
-      }
-      out.rotations(f)[j] = normalized(here[j] * to_quaternion(AxisAngle<double>{turn}));
-    }
-  }
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
 #ifndef MOTIONLANG_HAS_KINEMATICS_UNIFORM_SKELETON_HPP  // <motionlang/kinematics/uniform_skeleton.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_UNIFORM_SKELETON_HPP
 /// Joint positions of anybody on a skeleton of given bone lengths: every bone keeps its direction, the path of the root
@@ -10935,7 +11753,7 @@ MOTIONLANG_NAMESPACE_END
 ///     scale = (thigh + shank of the target) / (thigh + shank of frame 0)
 ///     X_0 = scale p_0,   X_j = X_parent(j) + length_j (p_j - p_parent(j)) / |p_j - p_parent(j)|
 ///
-/// Source  Guo et al. (CVPR 2022), motion_representation.ipynb uniform_skeleton; spec humanml3d-features.md 3. The
+/// Source  Guo et al. (CVPR 2022), HumanML3D motion_representation.ipynb uniform_skeleton. The
 ///         published code goes there and back through rotations, which cancel; its NaN for a bone opposite to its zero
 ///         direction is not reproduced here.
 
@@ -11171,12 +11989,14 @@ struct BatchNorm {
 
   /// (rows, channels)
   Tensor<B, 2> operator()(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
     check(x);
     const auto scale = weight / sqrt(statistics.running_var + eps);
     return x * scale + (bias - statistics.running_mean * scale);
   }
   /// The same by the statistics of these rows, which are remembered. Throws shape_error 205 for fewer than two rows.
   Tensor<B, 2> train(const Tensor<B, 2>& x) {
+    const ModuleScope scope(*this);
     check(x);
     const auto n = static_cast<double>(x.size(0));
     if (n < 2) raise<shape_error>(205, "BatchNorm: ", x.shape(), " has no variance to train with");
@@ -11246,15 +12066,18 @@ struct Linear {
   /// x (rows, in) -> dropout(act(x W^T + b)) + residual, (rows, out)
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, Activation act = Activation::none,
                           const Tensor<B, 2>* residual = nullptr, const Dropout& drop = {}) const {
+    const ModuleScope scope(*this);
     return linear(x, weight, &bias, act, residual, drop);
   }
   Sequences<B> operator()(const Sequences<B>& x, Activation act = Activation::none) const {
+    const ModuleScope scope(*this);
     return x.with((*this)(x.rows, act));
   }
   /// Any leading axes: (..., in) -> (..., out)
   template <int R>
   requires(R == 1 || R > 2) Tensor<B, R>
   operator()(const Tensor<B, R>& x, Activation act = Activation::none) const {
+    const ModuleScope scope(*this);
     const Shape s = x.shape();
     Shape to = s;
     to[R - 1] = out();
@@ -11275,7 +12098,10 @@ struct LinearMap {
   LinearMap(Index in, Index out, Rng auto& rng)
       : weight(uniform_init<B, 2>({out, in}, 1 / std::sqrt(static_cast<double>(in)), rng)) {}
 
-  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const { return linear<B>(x, weight, nullptr); }
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
+    return linear<B>(x, weight, nullptr);
+  }
 };
 
 MOTIONLANG_NAMESPACE_END
@@ -11346,6 +12172,7 @@ struct GruLayer {
   /// x: one (rows, in) per time step; h0 (rows, hidden) -> one (rows, hidden) per step. Steps may have fewer rows than
   /// the ones before: the last sequences have ended.
   std::vector<Tensor<B, 2>> operator()(const std::vector<Tensor<B, 2>>& x, const Tensor<B, 2>& h0) const {
+    const ModuleScope scope(*this);
     const Index n = hidden();
     Tensor<B, 2> h = h0;
     std::vector<Tensor<B, 2>> out;
@@ -11363,8 +12190,10 @@ struct GruLayer {
   /// Each sequence by itself, from its first row to the last or `backwards`; h0 (sequences, hidden). A row of the
   /// result for every row. Throws shape_error 204.
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 2>& h0, bool backwards = false) const {
+    const ModuleScope scope(*this);
     if (h0.shape() != Shape{x.count(), hidden()})
-      raise<shape_error>(204, "GruLayer: h0 ", h0.shape(), " for ", hidden(), " units and ", x.count(), " sequences");
+      raise<shape_error>(204, "GruLayer: h0 ", h0.shape(), " for ", counted(hidden(), "unit"), " and ",
+                         counted(x.count(), "sequence"));
     const detail::TimeSteps<B> time(x, backwards);
     if (time.steps.empty()) return x.with(Tensor<B, 2>::zeros({0, hidden()}));
     return x.with(time.packed((*this)(time.steps, gather(h0, time.order))));
@@ -11402,6 +12231,7 @@ struct Gru {
     for (Index i = 0; i < count; ++i) layers.emplace_back(i == 0 ? in : hidden, hidden, rng);
   }
   std::vector<Tensor<B, 2>> operator()(std::vector<Tensor<B, 2>> x) const {
+    const ModuleScope scope(*this);
     for (const auto& layer : layers) {
       if (!x.empty()) x = layer(x, Tensor<B, 2>::zeros({x.front().size(0), layer.hidden()}));
     }
@@ -11410,6 +12240,7 @@ struct Gru {
   /// Each sequence by itself; a row of the result for every row. h0 (layers, sequences, hidden), null for zeros. Throws
   /// shape_error 204.
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 3>* h0 = nullptr) const {
+    const ModuleScope scope(*this);
     const Index n = x.count(), hidden = layers.empty() ? 0 : layers.front().hidden();
     if (h0 != nullptr && h0->shape() != Shape{std::ssize(layers), n, hidden}) {
       raise<shape_error>(204, "Gru: h0 ", h0->shape(), " for ", layers.size(), " layers of ", hidden, " and ", n,
@@ -11592,6 +12423,7 @@ struct BiGru {
 
   /// h0 (2, sequences, hidden): of both directions. Throws shape_error 204, 205.
   BiGruStates<B> operator()(const Sequences<B>& x, const Tensor<B, 3>& h0) const {
+    const ModuleScope scope(*this);
     GruLayer<B> a, b;
     a.weight_ih = weight_ih_l0, a.weight_hh = weight_hh_l0, a.bias_ih = bias_ih_l0, a.bias_hh = bias_hh_l0;
     b.weight_ih = weight_ih_l0_reverse, b.weight_hh = weight_hh_l0_reverse;
@@ -11604,7 +12436,7 @@ struct BiGru {
 };
 
 /// Rows are projected, then read from both ends, from a learned state on.
-/// Source  spec evaluation-guo.md 2.2, 2.3; tm2t.md 5
+/// Source  text-to-motion networks/modules.py TextEncoderBiGRUCo and MotionEncoderBiGRUCo; TM2T networks/modules.py
 template <Backend B>
 struct BiGruEncoder {
   Tensor<B, 3> hidden;  // (2, 1, hidden)
@@ -11623,6 +12455,7 @@ struct BiGruEncoder {
   }
 
   BiGruStates<B> operator()(const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
     return gru(input_emb(x), broadcast_to<3>(hidden, {2, x.count(), gru.hidden()}));
   }
 };
@@ -11637,6 +12470,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct Conv1dOptions {
+  static constexpr bool is_option = true;  // holds no tensors
   Index stride = 1, padding = 0, dilation = 1;
   bool operator==(const Conv1dOptions&) const = default;
 };
@@ -11705,6 +12539,7 @@ struct Conv1d {
   }
 
   Sequences<B> operator()(const Sequences<B>& x, Activation act = Activation::none) const {
+    const ModuleScope scope(*this);
     return conv1d(x, weight, &bias, options, act);
   }
 };
@@ -11739,8 +12574,8 @@ MOTIONLANG_NAMESPACE_END
 /// A stack of convolutions over time with what stands between them, numbered like PyTorch's Sequential.
 ///
 ///     ConvStack<B> main;
-///     main.conv(259, 512, 4, {.stride = 2, .padding = 1}, rng).dropout(0.2).leaky_relu();       // main.0, main.1,
-///     main.2
+///     // main.0, main.1, main.2
+///     main.conv(259, 512, 4, {.stride = 2, .padding = 1}, rng).dropout(0.2).leaky_relu();
 ///
 /// The networks of Guo et al. are such stacks: the movement encoder and decoder of their evaluator (CVPR 2022), TM2T's
 /// tokenizer and discriminator (ECCV 2022). Weights of convolutions begin as xavier_normal, biases as 0.
@@ -11802,7 +12637,10 @@ struct ConvTranspose1d {
     bias = uniform_init<B, 1>({out}, bound, rng);
   }
 
-  Sequences<B> operator()(const Sequences<B>& x) const { return conv_transpose1d(x, weight, bias, stride, padding); }
+  Sequences<B> operator()(const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
+    return conv_transpose1d(x, weight, bias, stride, padding);
+  }
 };
 
 MOTIONLANG_NAMESPACE_END
@@ -11871,7 +12709,7 @@ Conv1d<B> xavier_conv(Index in, Index out, Index kernel, const Conv1dOptions& o,
 }  // namespace detail
 
 ///     x + W2 * leaky_relu(W1 * x),   W: convolutions of kernel 3 that keep the length
-/// Source  spec tm2t.md 2. No nonlinearity around it.
+/// Source  TM2T networks/modules.py VQEncoderV3. No nonlinearity around it.
 template <Backend B>
 struct ConvResidual {
   Conv1d<B> first, second;
@@ -11885,6 +12723,7 @@ struct ConvResidual {
         second(detail::xavier_conv<B>(channels, channels, 3, {.padding = 1}, rng)) {}
 
   Sequences<B> operator()(const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
     auto inner = first(x);
     inner.rows = leaky_relu(inner.rows);
     return x.with(x.rows + second(inner).rows);
@@ -11958,8 +12797,8 @@ class ConvStack {
   }
   template <class Self>
   static Sequences<B> run(Self& self, Sequences<B> x, const Context& context) {
+    const ModuleScope scope(self);
     for (std::size_t i = 0; i < self.layers_.size(); ++i) {
-      const ModuleScope scope("", i);
       auto& layer = self.layers_[i];
       switch (layer.step) {
         case ConvStep::conv:
@@ -12000,11 +12839,11 @@ MOTIONLANG_NAMESPACE_END
 /// one, or the best of several beams. The model is any function from the beginnings written so far to logits of the
 /// next symbol:
 ///
-///     auto next = [&](const IdSequences& written) { return m.next_logits(written, memory); };      // Tensor<B, 2>
-///     (rows, symbols) const auto words = beam_search(next, {.begin = 0, .end = 1, .pad = 4199});
+///     // Tensor<B, 2> (rows, symbols)
+///     auto next = [&](const IdSequences& written) { return m.next_logits(written, memory); };
+///     const auto words = beam_search(next, {.begin = 0, .end = 1, .pad = 4199});
 ///
-/// Source  TM2T (Guo et al., ECCV 2022), networks/transformer.py sample and sample_batch, networks/translator.py; spec
-///         tm2t.md 4.3, 5.2
+/// Source  TM2T (Guo et al., ECCV 2022), networks/transformer.py sample and sample_batch, networks/translator.py
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -12171,7 +13010,7 @@ void order_beams(BeamSearch& found, const BeamOptions& o);
 /// Each beam is continued by the symbols that are most probable after it, and the best of all continuations go on;
 /// until all have ended. Beams that have ended are continued, too, and go on losing score, as published.
 /// next    takes 1 or `beams` beginnings of one length
-/// Source  spec tm2t.md 4.3; the length penalty of Wu et al. (2016) without its constants
+/// Source  TM2T networks/translator.py translate_sentence; the length penalty of Wu et al. (2016) without its constants
 /// Throws  config_error 101 for options that mean nothing
 template <class Next>
 BeamSearch beam_search(Next&& next, const BeamOptions& o) {
@@ -12304,7 +13143,10 @@ struct Embedding {
       : weight(normal_init<B, 2>({symbols, width}, std, rng)) {}
 
   /// ids -> (ids, width). Throws shape_error 203 for an unknown symbol.
-  Tensor<B, 2> operator()(std::span<const Index> ids) const { return gather(weight, ids); }
+  Tensor<B, 2> operator()(std::span<const Index> ids) const {
+    const ModuleScope scope(*this);
+    return gather(weight, ids);
+  }
 };
 
 /// A row for each label with 1 in its column, (labels, classes). Throws shape_error 203 for a label that is no class.
@@ -12358,9 +13200,13 @@ struct LayerNorm {
   LayerNorm() = default;
   explicit LayerNorm(Index width) : weight(constant_init<B, 1>({width}, 1)), bias(constant_init<B, 1>({width}, 0)) {}
 
-  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const { return layer_norm(x, weight, bias, eps); }
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
+    return layer_norm(x, weight, bias, eps);
+  }
   /// The norm of x + residual.
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Tensor<B, 2>& residual) const {
+    const ModuleScope scope(*this);
     return add_layer_norm(x, residual, weight, bias, eps);
   }
 };
@@ -12447,10 +13293,14 @@ struct MultiheadAttention {
     return attend(project(x), offsets, context, residual, causal, drop);
   }
   /// Queries, keys and values of each row, (rows, 3 width).
-  Tensor<B, 2> project(const Tensor<B, 2>& x) const { return linear(x, in_proj_weight, &in_proj_bias); }
+  Tensor<B, 2> project(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
+    return linear(x, in_proj_weight, &in_proj_bias);
+  }
   /// `self` behind `project`.
   Tensor<B, 2> attend(Tensor<B, 2> qkv, const Offsets& offsets, const Context& context,
                       const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
+    const ModuleScope scope(*this);
     const auto read = self_attention(std::move(qkv), offsets,
                                      {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
     return out_proj(read, Activation::none, residual, next_dropout(drop, context));
@@ -12459,6 +13309,7 @@ struct MultiheadAttention {
   /// value.
   Tensor<B, 2> cross(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
                      const Context& context) const {
+    const ModuleScope scope(*this);
     const Index d = x.size(1);
     auto project = [&](const Tensor<B, 2>& t, Index first, Index last) {
       const auto bias = slice(in_proj_bias, 0, first * d, last * d);
@@ -12507,6 +13358,7 @@ Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
 template <Backend B>
 class PositionTable {
  public:
+  static constexpr bool is_option = true;  // computed, not saved
   PositionTable() = default;
   PositionTable(Index rows, Index width) : rows_(sinusoidal_positions<B>(rows, width)) {}
   template <Backend C>
@@ -12613,15 +13465,15 @@ MOTIONLANG_NAMESPACE_END
 /// them writes motion tokens one after the other.
 ///
 ///     auto state = m.start(words.encode<B>(texts).tokens);
-///     const auto logits = m.step(previous, state).logits;               // (texts, symbols), and so on with what was
-///     chosen
+///     const auto logits = m.step(previous, state).logits;  // (texts, symbols), and so on with what was chosen
 ///
-/// Source  Guo et al. (ECCV 2022), section 3.2; TM2T networks/modules.py Seq2SeqText2MotModel; spec tm2t.md 5
+/// Source  TM2T (Guo et al., ECCV 2022), section 3.3; TM2T networks/modules.py Seq2SeqText2MotModel
 /// Differs from the paper: no positions and no mu network, as published
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     a = softmax(W_q h . W_k w / sqrt(width)) W_v w
+/// Source  TM2T eq. 5 (queries, keys, values) and TM2T eq. 6
 /// Words are a padded tensor and nothing is masked: what stands behind a short text has logit 0 and the bias of W_v as
 /// value. A text is attended to a little differently beside longer ones, as published.
 template <Backend B>
@@ -12643,16 +13495,18 @@ struct WordAttention {
   };
   Memory memory(const Tensor<B, 3>& words) const {
     const auto rows = reshape<2>(words, {words.size(0) * words.size(1), words.size(2)});
+    // keys and values of TM2T eq. 5
     return {reshape<3>(W_k(rows), {words.size(0), words.size(1), W_k.weight.size(0)}), W_v(words)};
   }
   struct Result {
     Tensor<B, 2> weights, attended;  // (texts, words), (texts, width)
   };
   Result operator()(const Tensor<B, 2>& h, const Memory& m) const {
+    const ModuleScope scope(*this);
     const Index n = m.keys.size(0), words = m.keys.size(1), width = m.keys.size(2);
     const auto q = reshape<3>(W_q(h), {n, 1, width});
     const auto scores = matmul(q, m.keys, {.transpose_b = true}) * (1 / std::sqrt(static_cast<double>(width)));
-    const auto weights = softmax(reshape<2>(scores, {n, words}));
+    const auto weights = softmax(reshape<2>(scores, {n, words}));  // TM2T eq. 6
     return {weights, reshape<2>(matmul(reshape<3>(weights, {n, 1, words}), m.values), {n, width})};
   }
 };
@@ -12837,8 +13691,8 @@ Tensor<B, 2> gumbel_noise(Index rows, Index symbols, Philox& rng) {
 /// The next token is the arg max, and no gradient goes through that choice. Marks of beginning and end are never
 /// written; a sequence ends where the end is the most probable symbol, and goes on until the last one has ended.
 /// noise(step)  (sequences, symbols), see gumbel_noise
-/// Source       Jang, Gu, Poole, "Categorical reparameterization with Gumbel-softmax" (ICLR 2017), section 2.2; spec
-///              tm2t.md 5.1
+/// Source       Jang, Gu, Poole, "Categorical reparameterization with Gumbel-softmax" (ICLR 2017), section 2.2;
+///              TM2T networks/modules.py gumbel_sample
 /// Differs      from TM2T, whose code fails where all sequences end at once: here each is the mark of the beginning
 ///              only
 template <Backend B, class Noise>
@@ -12876,13 +13730,11 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_NN_SEQ2SEQ_TRANSFORMER_HPP
 /// The transformer from sequence to sequence, as TM2T has it: motion tokens to words, words to motion tokens.
 ///
-///     const auto memory = m.encode(tokens);                                          // IdSequences, word vectors, or
-///     shares of symbols
-///     const auto logits = m.logits(words.without_ends(0, 1), memory);                // (rows, words): what comes next
-///     after each word
+///     // From IdSequences, word vectors, or shares of symbols; then what comes next after each word, (rows, words).
+///     const auto memory = m.encode(tokens);
+///     const auto logits = m.logits(words.without_ends(0, 1), memory);
 ///
-/// Source  Vaswani et al., "Attention is all you need" (NIPS 2017); TM2T networks/transformer.py (TransformerV1 to V3);
-///         spec tm2t.md 4
+/// Source  Vaswani et al., "Attention is all you need" (NIPS 2017); TM2T networks/transformer.py (TransformerV1 to V3)
 /// Differs from nn/transformer_decoder.hpp in the names and number of the projections, and in the eps of the norms
 
 #ifndef MOTIONLANG_HAS_NN_TRANSFORMER_ENCODER_HPP  // <motionlang/nn/transformer_encoder.hpp>
@@ -12913,7 +13765,7 @@ std::span<const Index> first_group(const Offsets& offsets, std::span<const Index
 template <class F>
 void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads,
                 Index rows, const F& put) {
-  const auto modules = ModulePath::names();  // a copy: this thread goes into modules itself
+  const auto modules = ModulePath::steps();  // a copy: this thread goes into modules itself
   parallel_for(threads, [&](Index thread) {
     const ModulePath::Continued path(modules);
     PoolVector<Index> mine;
@@ -13085,13 +13937,18 @@ struct TransformerEncoderLayer {
 
   /// x (rows, width) -> (rows, width)
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return behind_project(x, project(x), offsets, context);
   }
   /// Queries, keys and values of each row, (rows, 3 width).
-  Tensor<B, 2> project(const Tensor<B, 2>& x) const { return self_attn.project(norm_first ? norm1(x) : x); }
+  Tensor<B, 2> project(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
+    return self_attn.project(norm_first ? norm1(x) : x);
+  }
   /// The layer behind `project`.
   Tensor<B, 2> behind_project(const Tensor<B, 2>& x, Tensor<B, 2> qkv, const Offsets& offsets,
                               const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const auto attended = self_attn.attend(std::move(qkv), offsets, context, &x, causal, dropout_p);
     if (norm_first) return feed(norm2(attended), attended, context);
     const auto y = norm1(attended);
@@ -13117,11 +13974,10 @@ struct TransformerEncoder {
   }
 
   Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return x.with(detail::in_groups(x, x.offsets, context, [&](Sequences<B> some) {
-      for (std::size_t i = 0; i < layers.size(); ++i) {
-        const ModuleScope scope("layers.", i);
+      for (std::size_t i = 0; i < layers.size(); ++i)
         some.rows = run_layer(layers[i], some.rows, some.offsets, context);
-      }
       return some.rows;
     }));
   }
@@ -13129,6 +13985,7 @@ struct TransformerEncoder {
   /// < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail is computed once.
   /// No dropout. Throws shape_error 204 for other numbers of heads or tails.
   Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
+    const ModuleScope scope(*this);
     const Offsets repeated = repeat_lengths(tails.offsets, uses);
     if (heads.count() != repeated.count())
       raise<shape_error>(204, "with_tails: ", heads.count(), " heads for ", repeated.count(), " uses of ",
@@ -13138,11 +13995,7 @@ struct TransformerEncoder {
     const Offsets offsets{std::span<const Index>(lengths)};
     const PoolVector<Index> tail_of = sequence_of_row(uses);
     const auto distinct = concat(0, heads.rows, tails.rows);
-    const auto project = [&] {
-      const ModuleScope scope("layers.", 0);
-      return layers.front().project(distinct);
-    };
-    const auto projected = layers.empty() ? distinct : project();
+    const auto projected = layers.empty() ? distinct : layers.front().project(distinct);
     const auto encode = [&](std::span<const Index> which) {
       PoolVector<Index> pick;
       for (Index j : which) {
@@ -13152,16 +14005,15 @@ struct TransformerEncoder {
       }
       const Offsets some = detail::some_sequences(offsets, which);
       auto rows = gather(distinct, pick);
-      for (std::size_t i = 0; i < layers.size(); ++i) {
-        const ModuleScope scope("layers.", i);
+      for (std::size_t i = 0; i < layers.size(); ++i)
         rows = i == 0 ? layers[i].behind_project(rows, gather(projected, pick), some) : layers[i](rows, some);
-      }
       return rows;
     };
     return {detail::in_groups<B>(offsets, offsets, heads.width(), {}, encode), offsets};
   }
   /// (batch, time, width), all of one length.
   Tensor<B, 3> operator()(const Tensor<B, 3>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return reshape<3>((*this)(from_equal(x), context).rows, {x.size(0), x.size(1), x.size(2)});
   }
 };
@@ -13242,6 +14094,7 @@ struct Seq2SeqAttention {
   /// causal: row i reads the memory up to row i.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>& memory, bool causal,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return read(x, memory.with(w_ks(memory.rows)), w_vs(memory.rows), causal, context);
   }
   /// The same with keys and values that are known.
@@ -13282,6 +14135,7 @@ struct Seq2SeqFeedForward {
         dropout_p(c.dropout) {}
 
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return layer_norm(w_2(w_1(x, Activation::relu), Activation::none, &x, next_dropout(dropout_p, context)));
   }
 };
@@ -13300,6 +14154,7 @@ struct Seq2SeqEncoderLayer {
 
   /// Rows of x read those of `visible`, which are x itself in use.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>& visible, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return pos_ffn(slf_attn(x, visible, false, context), context);
   }
 };
@@ -13319,6 +14174,7 @@ struct Seq2SeqDecoderLayer {
   /// Rows of x read those of `visible` before them, which are x itself in use, and all of the memory.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>& visible, const Sequences<B>& memory,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const auto own = slf_attn(x, visible, true, context);
     return pos_ffn(enc_attn(x.with(own), memory, false, context), context);
   }
@@ -13365,11 +14221,9 @@ struct Seq2SeqEncoder {
 
   /// From embedded rows. Throws shape_error 203 for a sequence longer than the positions.
   Sequences<B> operator()(const Sequences<B>& embedded, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     auto x = detail::seq2seq_input(embedded, position_enc);
-    for (std::size_t i = 0; i < layer_stack.size(); ++i) {
-      const ModuleScope scope("layer_stack.", i);
-      x.rows = layer_stack[i](x, x, context);
-    }
+    for (const auto& layer : layer_stack) x.rows = layer(x, x, context);
     return x;
   }
 };
@@ -13388,11 +14242,9 @@ struct Seq2SeqDecoder {
   }
 
   Sequences<B> operator()(const Sequences<B>& embedded, const Sequences<B>& memory, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     auto x = detail::seq2seq_input(embedded, position_enc);
-    for (std::size_t i = 0; i < layer_stack.size(); ++i) {
-      const ModuleScope scope("layer_stack.", i);
-      x.rows = layer_stack[i](x, x, memory, context);
-    }
+    for (const auto& layer : layer_stack) x.rows = layer(x, x, memory, context);
     return x;
   }
 };
@@ -13493,8 +14345,8 @@ MOTIONLANG_NAMESPACE_END
 /// more.
 ///
 ///     Seq2SeqWriter writer(m, memory);
-///     const auto found = beam_search(writer, options);          // memory of one source
-///     const auto all = decode_batch(writer, memory.count(), options);
+///     const auto found = beam_search(writer, BeamOptions{.beams = 3});    // memory of one source
+///     const auto all = decode_batch(writer, memory.count(), DecodingOptions{.top_k = 10});
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -13590,7 +14442,8 @@ MOTIONLANG_NAMESPACE_END
 ///     encoder   learned tokens before the frames, positions, transformer; what becomes of the tokens is the
 ///               distribution
 ///     decoder   positions are the queries, the latent is the memory; all frames are written at once
-/// Source  Petrovich, Black, Varol: ACTOR (ICCV 2021), section 3.1; TEMOS (ECCV 2022), 3.2; TMR (ICCV 2023), 3.1
+/// Source  Petrovich, Black, Varol: ACTOR (thesis 3.2.1), TEMOS (thesis 4.2.2; paper 3.2), TMR (thesis 5.2.2; paper
+///         3.2)
 
 #ifndef MOTIONLANG_HAS_NN_TRANSFORMER_DECODER_HPP  // <motionlang/nn/transformer_decoder.hpp>
 #define MOTIONLANG_HAS_NN_TRANSFORMER_DECODER_HPP
@@ -13669,21 +14522,25 @@ struct TransformerDecoderLayer {
 
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return behind_self(attend_self(x, offsets, context), offsets, memory, context);
   }
   /// The layer without its first third, whose result is x.
   Tensor<B, 2> behind_self(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
                            const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const auto z = attend_memory(x, offsets, memory, context);
     return norm3(feed_forward(linear1, linear2, activation, z, z, dropout_p, context));
   }
   /// The first third of the layer, LN1(x + SA(x)).
   Tensor<B, 2> attend_self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return norm1(self_attn.self(x, offsets, context, &x, false, dropout_p));
   }
   /// The second third, LN2(x + CA(x, memory)).
   Tensor<B, 2> attend_memory(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
                              const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const bool single = memory.offsets == Offsets::equal(offsets.count(), 1);
     const auto read = single ? detail::attend_one_row(multihead_attn, memory.rows, offsets, context)
                              : multihead_attn.cross(x, offsets, memory, context);
@@ -13703,15 +14560,14 @@ struct TransformerDecoder {
   }
   /// x: queries; memory: as many sequences, else shape_error 207.
   Sequences<B> operator()(const Sequences<B>& x, const Sequences<B>& memory, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     if (memory.count() != x.count())
       raise<shape_error>(207, "TransformerDecoder: ", memory.count(), " memories for ", x.count(), " sequences");
     return x.with(detail::in_groups<B>(x.offsets, x.offsets, x.width(), context, [&](std::span<const Index> which) {
       auto some = detail::some_sequences(x, which);
       const auto read = detail::some_sequences(memory, which);
-      for (std::size_t i = 0; i < layers.size(); ++i) {
-        const ModuleScope scope("layers.", i);
+      for (std::size_t i = 0; i < layers.size(); ++i)
         some.rows = run_layer(layers[i], some.rows, some.offsets, read, context);
-      }
       return some.rows;
     }));
   }
@@ -13793,6 +14649,7 @@ namespace detail {
 template <Backend B>
 Sequences<B> layer_of_readers(const TransformerEncoderLayer<B>& layer, const Sequences<B>& readers,
                               const Sequences<B>& x, const Context& context) {
+  const ModuleScope scope(layer);
   if (layer.norm_first || layer.causal) raise<config_error>(101, "encoder: layers have to be post-norm, not causal");
   const auto read = layer.self_attn.cross(readers.rows, readers.offsets, x, context);
   const auto y = layer.norm1(dropout(read, layer.dropout_p, context), readers.rows);
@@ -13807,6 +14664,7 @@ Sequences<B> layer_of_readers(const TransformerEncoderLayer<B>& layer, const Seq
 template <Backend B>
 Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences<B>& sequence, Index n,
                            double dropout_p, const Context& context = {}) {
+  const ModuleScope scope(encoder);
   for (Index s = 0; s < sequence.count(); ++s) {
     if (n > sequence.offsets.length(s))
       raise<shape_error>(207, "encode_tokens: ", n, " of ", sequence.offsets.length(s), " rows of sequence ", s);
@@ -13814,7 +14672,6 @@ Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences
   auto encode = [&](Sequences<B> x) {
     x.rows = dropout(x.rows, dropout_p, context);
     for (std::size_t i = 0; i < encoder.layers.size(); ++i) {
-      const ModuleScope scope("layers.", i);
       if (i + 1 == encoder.layers.size())
         return detail::layer_of_readers(encoder.layers[i], first_rows(x, n), x, context).rows;
       x.rows = run_layer(encoder.layers[i], x.rows, x.offsets, context);
@@ -13869,7 +14726,7 @@ Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B
   }
   auto each = queries(Offsets(std::span<const Index>(distinct)));
   {
-    const ModuleScope scope("layers.", 0);
+    const ModuleScope scope(decoder);
     each.rows = layers.front().attend_self(each.rows, each.offsets);
   }
   auto decode = [&](std::span<const Index> which) {
@@ -13878,7 +14735,7 @@ Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B
     auto [rows, offsets] = detail::some_sequences(each, kinds);
     const auto read = detail::some_sequences(memory, which);
     for (std::size_t i = 0; i < layers.size(); ++i) {
-      const ModuleScope scope("layers.", i);
+      const ModuleScope scope(decoder);
       rows = i == 0 ? layers[i].behind_self(rows, offsets, read) : run_layer(layers[i], rows, offsets, read, context);
     }
     return final_layer(rows);
@@ -13908,11 +14765,13 @@ struct SequenceDecoder {
 
   /// One or several rows of memory for each sequence; `lengths` says how many frames each gets.
   Sequences<B> operator()(const Sequences<B>& memory, const Offsets& lengths, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     auto queries = [&](const Offsets& of) { return position_queries(positions.rows(), of); };
     return decode_lengths(seqTransDecoder, final_layer, queries, memory, lengths, dropout_p, context);
   }
   /// z (sequences, width)
   Sequences<B> operator()(const Tensor<B, 2>& z, const Offsets& lengths, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return (*this)(Sequences<B>(z, Offsets::equal(z.size(0), 1)), lengths, context);
   }
 };
@@ -13941,6 +14800,7 @@ struct TimestepEmbedding {
 
   /// t: one step per sequence -> (sequences, width)
   Tensor<B, 2> operator()(const Tensor<B, 2>& table, std::span<const Index> t) const {
+    const ModuleScope scope(*this);
     return out(in(gather(table, t), Activation::silu));
   }
 };
@@ -13987,12 +14847,14 @@ struct VectorQuantizer {
 
   Index size() const { return embedding.weight.size(0); }
 
-  /// The nearest codes of (rows, width). |z|^2 is the same for all codes and left out. Throws shape_error 201.
+  /// The nearest codes of (rows, width): TM2T eq. 1. |z|^2 is the same for all codes and left out. Throws
+  /// shape_error 201.
   std::vector<Index> codes(const Tensor<B, 2>& z) const {
     const auto e = stop_gradient(embedding.weight);
     return arg_max(matmul(stop_gradient(z), e, {.transpose_b = true}) * 2.0 - sum(square(e), 1));
   }
   Quantized<B> operator()(const Tensor<B, 2>& z) const {
+    const ModuleScope scope(*this);
     Quantized<B> out;
     out.codes = codes(z);
     out.rows = embedding(out.codes);
@@ -14085,8 +14947,8 @@ Tensor<B, 0> cross_entropy(const Tensor<B, 2>& logits, std::span<const Index> la
   return mean(cross_entropies(logits, labels, smoothing));
 }
 
-/// The sum over all symbols of -log p, as TM2T has it not their mean. `logits`: of what comes after each symbol but the
-/// last one.
+/// The sum over all symbols of -log p (TM2T eq. 4, and the first sum of TM2T eq. 7), not their mean. `logits`: of what
+/// comes after each symbol but the last one.
 template <Backend B>
 Tensor<B, 0> next_symbol_loss(const Tensor<B, 2>& logits, const IdSequences& written, double smoothing = 0) {
   return sum(cross_entropies(logits, written.without_ends(1, 0).ids, smoothing));
@@ -14102,18 +14964,27 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     filtered_ij = i != j and <t_i, t_j> > 2 threshold - 1
-/// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2; the threshold is given in [0, 1] and mapped to [-1,
+/// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.3; the threshold is given in [0, 1] and mapped to [-1,
 ///          1], as the published code does
-/// sentences  (batch, width), rows of length 1. threshold 0: nothing is filtered
+/// sentences  (batch, width), rows of length 1; one of zeros (no words) has similarity 0 to all
+/// threshold  0: nothing is filtered
 /// result   (batch, batch), row by row, 1 = filtered; empty for threshold 0. The diagonal never is, whatever the
 ///          threshold: the published code filters it below 0.5, and its loss is NaN
-/// Throws   config_error 101 unless 0 <= threshold <= 1
+/// Throws   config_error 101 unless 0 <= threshold <= 1, numeric_error 302 for a row whose length is not 1 within 0.01
+///          (normalize_rows makes it so)
 template <Backend B>
 std::vector<unsigned char> false_negatives(const Tensor<B, 2>& sentences, double threshold) {
   if (!(threshold >= 0 && threshold <= 1)) raise<config_error>(101, "false_negatives: threshold ", threshold);
   if (threshold == 0) return {};
   const auto n = static_cast<std::size_t>(sentences.size(0)), width = static_cast<std::size_t>(sentences.size(1));
   const auto t = sentences.span();
+  for (std::size_t i = 0; i < n; ++i) {
+    double squared = 0;
+    for (std::size_t k = 0; k < width; ++k)
+      squared += static_cast<double>(t[i * width + k]) * static_cast<double>(t[i * width + k]);
+    if (squared != 0 && !(std::abs(std::sqrt(squared) - 1) <= 0.01))
+      raise<numeric_error>(302, "false_negatives: sentence ", i, " has length ", std::sqrt(squared), ", not 1");
+  }
   std::vector<unsigned char> filtered(n * n);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -14129,1684 +15000,11 @@ std::vector<unsigned char> false_negatives(const Tensor<B, 2>& sentences, double
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_LOSS_INFO_NCE_HPP  // <motionlang/loss/info_nce.hpp>
-#define MOTIONLANG_HAS_LOSS_INFO_NCE_HPP
-/// Contrastive loss with filtered negatives (InfoNCE), for any two modalities.
+#ifndef MOTIONLANG_HAS_LOSS_FOOT_VELOCITY_HPP  // <motionlang/loss/foot_velocity.hpp>
+#define MOTIONLANG_HAS_LOSS_FOOT_VELOCITY_HPP
+/// A loss on the velocity of the feet: it keeps them from sliding under the figure.
 ///
-///     info_nce(z_text, z_motion, 0.1, false_negatives(sentences, 0.8))
-///     info_nce(z_text, z_motion, exp(log_temperature))                    // the temperature is learned
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-/// The loss for 1 / tau.
-template <Backend B>
-Tensor<B, 0> scaled_info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const Tensor<B, 0>& scale,
-                             std::span<const unsigned char> filtered) {
-  const Index n = x.size(0);
-  if (y.size(0) != n) raise<shape_error>(204, "info_nce: batches of ", x.shape(), ", ", y.shape());
-  if (!filtered.empty() && static_cast<Index>(filtered.size()) != n * n)
-    raise<shape_error>(205, "info_nce: a filter of ", filtered.size(), " pairs for a batch of ", n);
-  auto s = cosine_similarity(x, y) * scale;
-  if (!filtered.empty()) {
-    std::vector<typename B::scalar> infinity(filtered.size());
-    for (std::size_t k = 0; k < filtered.size(); ++k) {
-      const bool pair = k % static_cast<std::size_t>(n + 1) == 0;
-      if (filtered[k] != 0 && !pair) infinity[k] = static_cast<typename B::scalar>(-1e30);
-    }
-    s = s + Tensor<B, 2>::from(infinity, {n, n});
-  }
-  PoolVector<Index> own;
-  for (Index i = 0; i < n; ++i) own.push_back(i);
-  return (cross_entropy(s, own) + cross_entropy(transpose(s), own)) * 0.5;
-}
-
-}  // namespace detail
-
-///     S_ij = cos(x_i, y_j) / tau,   S_ij = -inf where i != j and filtered_ij
-///     loss = (CE(S) + CE(S^T)) / 2,   CE(S) = mean_i (log sum_j exp(S_ij) - S_ii)
-/// Source    van den Oord et al. (2018); TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2; a learned temperature:
-///           CLIP (Radford et al., ICML 2021), section 2.3
-/// Notation  motion -> x, text -> y, temperature -> tau
-/// Shapes    x, y (batch, latent); filtered (batch, batch), see false_negatives, empty: none -> ()
-/// Throws    shape_error 204 if the sizes of the batches differ, 205 for a filter of another size, config_error 101
-///           unless temperature > 0
-template <Backend B>
-Tensor<B, 0> info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double temperature,
-                      std::span<const unsigned char> filtered = {}) {
-  if (!(temperature > 0)) raise<config_error>(101, "info_nce: temperature ", temperature);
-  return detail::scaled_info_nce(x, y, Tensor<B, 0>(1 / temperature), filtered);
-}
-template <Backend B>
-Tensor<B, 0> info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const Tensor<B, 0>& temperature,
-                      std::span<const unsigned char> filtered = {}) {
-  if (!(temperature.item() > 0)) raise<config_error>(101, "info_nce: temperature ", temperature.item());
-  return detail::scaled_info_nce(x, y, 1.0 / temperature, filtered);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_LOSS_KL_HPP  // <motionlang/loss/kl.hpp>
-#define MOTIONLANG_HAS_LOSS_KL_HPP
-/// Divergences between diagonal Gaussians, averaged over all coordinates of all rows, or of each row.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-/// Twice the divergence of each coordinate.
-template <Backend B>
-Tensor<B, 2> twice_kl(const Tensor<B, 2>& mu, const Tensor<B, 2>& logvar) {
-  return square(mu) + exp(logvar) - 1.0 - logvar;
-}
-template <Backend B>
-Tensor<B, 2> twice_kl(const Tensor<B, 2>& mu_q, const Tensor<B, 2>& logvar_q, const Tensor<B, 2>& mu_p,
-                      const Tensor<B, 2>& logvar_p) {
-  const auto log_ratio = logvar_q - logvar_p;
-  return exp(log_ratio) + square(mu_q - mu_p) * exp(-logvar_p) - 1.0 - log_ratio;
-}
-
-}  // namespace detail
-
-/// KL(N(mu, exp(logvar)) || N(0, 1)), averaged over all elements.
-///     (mu^2 + exp(logvar) - 1 - logvar) / 2
-/// Source  Kingma and Welling (2014), appendix B.
-template <Backend B>
-Tensor<B, 0> kl_to_standard_normal(const Tensor<B, 2>& mu, const Tensor<B, 2>& logvar) {
-  return mean(detail::twice_kl(mu, logvar)) * 0.5;
-}
-/// The same averaged over the coordinates only, (rows).
-template <Backend B>
-Tensor<B, 1> kl_to_standard_normal_of_rows(const Tensor<B, 2>& mu, const Tensor<B, 2>& logvar) {
-  return mean(detail::twice_kl(mu, logvar), 1) * 0.5;
-}
-
-/// KL(N(mu_q, exp(logvar_q)) || N(mu_p, exp(logvar_p))), averaged over all elements.
-///     (exp(logvar_q - logvar_p) + (mu_q - mu_p)^2 exp(-logvar_p) - 1 - (logvar_q - logvar_p)) / 2
-/// Source  spec temos.md 6.1, tmr.md 6.1. A mean where the textbook has a sum over the coordinates, as published.
-template <Backend B>
-Tensor<B, 0> kl_divergence(const Tensor<B, 2>& mu_q, const Tensor<B, 2>& logvar_q, const Tensor<B, 2>& mu_p,
-                           const Tensor<B, 2>& logvar_p) {
-  return mean(detail::twice_kl(mu_q, logvar_q, mu_p, logvar_p)) * 0.5;
-}
-/// The same averaged over the coordinates only, (rows).
-template <Backend B>
-Tensor<B, 1> kl_divergence_of_rows(const Tensor<B, 2>& mu_q, const Tensor<B, 2>& logvar_q, const Tensor<B, 2>& mu_p,
-                                   const Tensor<B, 2>& logvar_p) {
-  return mean(detail::twice_kl(mu_q, logvar_q, mu_p, logvar_p), 1) * 0.5;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_LOSS_LOSS_TERMS_HPP  // <motionlang/loss/loss_terms.hpp>
-#define MOTIONLANG_HAS_LOSS_LOSS_TERMS_HPP
-/// A loss of several named and weighted terms.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-template <Backend B>
-struct LossTerms {
-  struct Term {
-    std::string name;
-    double weight = 1;
-    Tensor<B, 0> value;  // without the weight
-  };
-  std::vector<Term> terms;
-
-  void add(std::string name, double weight, Tensor<B, 0> value) {
-    terms.push_back({std::move(name), weight, std::move(value)});
-  }
-  /// The terms of another loss, with something behind their names.
-  void append(LossTerms other, const std::string& suffix = "") {
-    for (Term& t : other.terms) add(t.name + suffix, t.weight, std::move(t.value));
-  }
-  ///     sum of weight value
-  Tensor<B, 0> total() const {
-    Tensor<B, 0> sum(0.0);
-    for (const Term& t : terms) sum = sum + t.value * t.weight;
-    return sum;
-  }
-  /// The terms whose names begin so, without their weights.
-  Tensor<B, 0> sum_of(std::string_view beginning) const {
-    Tensor<B, 0> sum(0.0);
-    for (const Term& t : terms) {
-      if (t.name.starts_with(beginning)) sum = sum + t.value;
-    }
-    return sum;
-  }
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_LOSS_MARGIN_HPP  // <motionlang/loss/margin.hpp>
-#define MOTIONLANG_HAS_LOSS_MARGIN_HPP
-/// Contrastive losses with a Euclidean margin: of all pairs of a batch, what InfoNCE is compared with; of one other
-/// partner for each.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-/// max(0, margin - d) for squared distances. Two equal points have no direction to be pushed in: their root gets slope
-/// 0.
-template <Backend B, int R>
-Tensor<B, R> short_of_margin(const Tensor<B, R>& squared, double margin) {
-  return maximum(Tensor<B, R>(margin) - sqrt(maximum(squared, Tensor<B, R>(1e-24))), Tensor<B, R>(0.0));
-}
-
-}  // namespace detail
-
-///     d_ij = |x_i - y_j + 1e-6|,   loss = mean_i d_ii^2 + mean_{i != j, not filtered} max(0, margin - d_ij)^2
-/// Source   Hadsell, Chopra, LeCun (CVPR 2006), eq. 4; distance and margin of Guo et al. (CVPR 2022). The ablation of
-///          TMR, thesis table 5.3: all pairs of the batch, with the same filter as InfoNCE
-/// Differs  from Guo et al., who have one negative for each pair
-/// Shapes   x, y (batch, latent); filtered (batch, batch), see false_negatives, empty: none -> ()
-/// Throws   shape_error 204 if the shapes differ, 205 for a filter of another size, config_error 101 unless margin > 0
-template <Backend B>
-Tensor<B, 0> margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double margin = 10,
-                         std::span<const unsigned char> filtered = {}) {
-  const Index n = x.size(0), width = x.size(1);
-  if (y.shape() != x.shape()) raise<shape_error>(204, "margin_loss: batches of ", x.shape(), ", ", y.shape());
-  if (!filtered.empty() && static_cast<Index>(filtered.size()) != n * n)
-    raise<shape_error>(205, "margin_loss: a filter of ", filtered.size(), " pairs for a batch of ", n);
-  if (!(margin > 0)) raise<config_error>(101, "margin_loss: margin ", margin);
-  using S = typename B::scalar;
-  std::vector<S> positive(static_cast<std::size_t>(n * n)), negative(positive.size());
-  Index negatives = 0;
-  for (std::size_t k = 0; k < positive.size(); ++k) {
-    const bool pair = k % static_cast<std::size_t>(n + 1) == 0, kept = !pair && (filtered.empty() || filtered[k] == 0);
-    positive[k] = pair ? S(1) : S(0);
-    negative[k] = kept ? S(1) : S(0);
-    negatives += kept ? 1 : 0;
-  }
-  auto mean_over = [&](const Tensor<B, 2>& values, const std::vector<S>& which, Index count) {
-    return sum(values * Tensor<B, 2>::from(which, {n, n})) * (1.0 / static_cast<double>(std::max<Index>(1, count)));
-  };
-  const auto difference = reshape<3>(x, {n, 1, width}) - reshape<3>(y, {1, n, width}) + 1e-6;
-  const auto squared = sum(square(difference), 2);
-  const auto short_of = detail::short_of_margin(squared, margin);
-  return mean_over(squared, positive, n) + mean_over(square(short_of), negative, negatives);
-}
-
-///     d(a, b) = |a - b + 1e-6|,   positive = mean_i d(x_i, y_i)^2,   negative = mean_i max(0, margin - d(x_i, y_(i +
-///     shift) mod n))^2
-/// Source   Guo et al. (CVPR 2022), the training of their evaluator; spec evaluation-guo.md 3. There the shift is drawn
-///          from 0 ... n - 2, so that now and then, at 0, the right partner is pushed away
-/// Shapes   x, y (batch, latent) -> the two terms, of weight 1
-/// Throws   shape_error 204 if the shapes differ, config_error 101 unless margin > 0 and 0 <= shift
-template <Backend B>
-LossTerms<B> shifted_margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, Index shift, double margin = 10) {
-  const Index n = x.size(0);
-  if (y.shape() != x.shape()) raise<shape_error>(204, "shifted_margin_loss: batches of ", x.shape(), ", ", y.shape());
-  if (!(margin > 0) || shift < 0) raise<config_error>(101, "shifted_margin_loss: margin ", margin, ", shift ", shift);
-  PoolVector<Index> other;
-  for (Index i = 0; i < n; ++i) other.push_back((i + shift) % n);
-  auto squared = [&](const Tensor<B, 2>& partner) { return sum(square(x - partner + 1e-6), 1); };
-  LossTerms<B> out;
-  out.add("positive", 1, mean(squared(y)));
-  out.add("negative", 1, mean(square(detail::short_of_margin(squared(gather(y, other)), margin))));
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_LOSS_RECONSTRUCTION_HPP  // <motionlang/loss/reconstruction.hpp>
-#define MOTIONLANG_HAS_LOSS_RECONSTRUCTION_HPP
-/// Losses that compare numbers with numbers.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// mean((a - b)^2) over all elements.
-template <Backend B, int R>
-Tensor<B, 0> mse(const Tensor<B, R>& a, const Tensor<B, R>& b) {
-  return mean(square(a - b));
-}
-
-/// mean |a - b| over all elements.
-template <Backend B, int R>
-Tensor<B, 0> l1(const Tensor<B, R>& a, const Tensor<B, R>& b) {
-  return mean(abs(a - b));
-}
-
-namespace detail {
-/// d^2 / 2 where |d| < 1, else |d| - 1/2.
-template <Backend B, int R>
-Tensor<B, R> huber(const Tensor<B, R>& difference) {
-  const auto d = abs(difference);
-  return where_less(d, Tensor<B, R>(1.0), square(d) * 0.5, d - 0.5);
-}
-}  // namespace detail
-
-/// Huber's loss with threshold 1, averaged: d^2 / 2 where |d| < 1, else |d| - 1/2.
-template <Backend B, int R>
-Tensor<B, 0> smooth_l1(const Tensor<B, R>& a, const Tensor<B, R>& b) {
-  return mean(detail::huber(a - b));
-}
-
-namespace detail {
-/// Numbers of a batch that is padded to so many frames, or to the longest sequence.
-template <Backend B>
-double padded_count(const Sequences<B>& a, Index frames) {
-  return static_cast<double>(a.count() * std::max(frames, a.offsets.longest()) * a.width());
-}
-}  // namespace detail
-
-/// Sum of squares over the rows, divided by what a padded batch would have divided by:
-///     loss = sum (a - b)^2 / (count * frames * width)
-/// frames  that the batch is padded to, if more than the longest sequence has
-/// Source  STMC training (spec diffusion.md, section 9): padding adds nothing to the sum but counts in the mean.
-template <Backend B>
-Tensor<B, 0> padded_mse(const Sequences<B>& a, const Tensor<B, 2>& b, Index frames = 0) {
-  return sum(square(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
-}
-
-/// smooth_l1 with the same mean over a padded batch. Source  spec temos.md 6.1, tmr.md 6.1
-template <Backend B>
-Tensor<B, 0> padded_smooth_l1(const Sequences<B>& a, const Tensor<B, 2>& b, Index frames = 0) {
-  return sum(detail::huber(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
-}
-
-/// The mean over the sequences of smooth_l1 of each: a short sequence weighs as much as a long one. Source  spec
-/// teach.md 3
-template <Backend B>
-Tensor<B, 0> smooth_l1_of_sequences(const Sequences<B>& a, const Tensor<B, 2>& b) {
-  std::vector<typename B::scalar> share;  // of each row
-  for (Index s : sequence_of_row(a.offsets))
-    share.push_back(
-        static_cast<typename B::scalar>(1.0 / static_cast<double>(a.count() * a.offsets.length(s) * a.width())));
-  return sum(detail::huber(a.rows - b) * Tensor<B, 2>::from(share, {a.offsets.rows(), 1}));
-}
-
-/// The differences from each frame to the next, of every sequence: (rows - sequences, width).
-template <Backend B>
-Tensor<B, 2> frame_steps(const Sequences<B>& x) {
-  PoolVector<Index> from, to;
-  for (Index s = 0; s < x.count(); ++s) {
-    for (Index r = x.offsets.begin(s); r + 1 < x.offsets.end(s); ++r) from.push_back(r), to.push_back(r + 1);
-  }
-  return gather(x.rows, to) - gather(x.rows, from);
-}
-
-/// mse of the steps from frame to frame. Throws shape_error 204 unless both have the same frames.
-template <Backend B>
-Tensor<B, 0> velocity_mse(const Sequences<B>& a, const Sequences<B>& b) {
-  if (!(a.offsets == b.offsets))
-    raise<shape_error>(204, "velocity_mse: sequences of other lengths: ", a.rows.shape(), ", ", b.rows.shape());
-  return mse(frame_steps(a), frame_steps(b));
-}
-
-/// MDM's masked loss, (sequences): for each the sum of squares over its frames and features / (frames * width + 1e-8).
-template <Backend B>
-Tensor<B, 1> mse_per_sequence(const Sequences<B>& a, const Tensor<B, 2>& b) {
-  const auto squares = sum(square(a.rows - b), 1);  // (rows)
-  std::vector<Index> owner;
-  std::vector<typename B::scalar> weight;
-  for (Index s = 0; s < a.count(); ++s) {
-    const Index n = a.offsets.length(s);
-    owner.insert(owner.end(), static_cast<std::size_t>(n), s);
-    weight.push_back(static_cast<typename B::scalar>(1.0 / (static_cast<double>(n * a.width()) + 1e-8)));
-  }
-  return scatter_add(squares, owner, a.count()) * Tensor<B, 1>::from(weight, {a.count()});
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_OPTIM_ADAMW_HPP  // <motionlang/optim/adamw.hpp>
-#define MOTIONLANG_HAS_OPTIM_ADAMW_HPP
-/// AdamW, and the norm of all gradients.
-
-#include <map>      // state by parameter
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-struct AdamWConfig {
-  double lr = 1e-4;
-  double beta1 = 0.9, beta2 = 0.999;
-  double eps = 1e-8;
-  double weight_decay = 0.01;
-};
-
-namespace detail {
-
-/// In double, as eight sums side by side: one after the other they would wait for each other.
-template <Scalar S>
-double sum_of_squares(std::span<const S> values) {
-  std::array<double, 8> sums{};
-  std::size_t i = 0;
-  for (; i + sums.size() <= values.size(); i += sums.size()) {
-    for (std::size_t lane = 0; lane < sums.size(); ++lane) {
-      const auto x = static_cast<double>(values[i + lane]);
-      sums[lane] += x * x;
-    }
-  }
-  for (; i < values.size(); ++i) sums[0] += static_cast<double>(values[i]) * static_cast<double>(values[i]);
-  return std::accumulate(sums.begin(), sums.end(), 0.0);
-}
-
-}  // namespace detail
-
-/// Square root of the sum of squares of all gradients, in double and in the order of the fields.
-template <AutodiffBackend A, Module M>
-double gradient_norm(const M& model, const Gradients<A>& gradients) {
-  double total = 0;
-  for (const auto& t : tensors_of(model)) {
-    if (const auto* g = gradients.find(*t.data))
-      total += detail::sum_of_squares<typename A::scalar>(A::inner::to_span(*g));
-  }
-  return std::sqrt(total);
-}
-/// The factor that brings a norm down to `max_norm`: min(1, max_norm / (norm + 1e-6)), as PyTorch clips.
-inline double clip_scale(double norm, double max_norm) { return std::min(1.0, max_norm / (norm + 1e-6)); }
-
-/// Decoupled weight decay (Loshchilov and Hutter 2019, algorithm 2) with PyTorch's order of operations:
-///     p = p (1 - lr wd);   m = b1 m + (1 - b1) g;   v = b2 v + (1 - b2) g^2
-///     p = p - lr / (1 - b1^k) m / (sqrt(v / (1 - b2^k)) + eps)
-/// All parameters decay, biases and norms too. Parameters that the loss does not reach stay as they are.
-/// With weight_decay = 0 this is Adam.
-template <AutodiffBackend A>
-class AdamW {
- public:
-  using B = typename A::inner;
-  struct Moments {
-    typename B::tensor m, v;
-  };
-
-  explicit AdamW(AdamWConfig c = {}) : config(c) {}
-
-  AdamWConfig config;
-
-  /// One update; gradients are multiplied by `scale` first (clip_scale). The model keeps its variables. Throws
-  /// shape_error 204 if restored moments are those of another model.
-  template <Module M>
-  void step(M& model, const Gradients<A>& gradients, double scale = 1) {
-    ++steps_;
-    for (const auto& t : tensors_of(model)) update(t, gradients, scale);
-  }
-
-  /// Updates made so far, and the moments by path: what a checkpoint has to keep.
-  Index steps() const { return steps_; }
-  const std::map<std::string, Moments>& state() const { return state_; }
-  void restore(Index steps, std::map<std::string, Moments> state) {
-    steps_ = steps;
-    state_ = std::move(state);
-  }
-
- private:
-  void update(const ModuleTensor<A>& t, const Gradients<A>& gradients, double scale) {
-    const auto* g = gradients.find(*t.data);
-    if (g == nullptr) return;
-    auto found = state_.find(t.path);
-    if (found == state_.end()) {
-      const auto zero = B::full(B::shape(*g), 0);
-      found = state_.emplace(t.path, Moments{zero, zero}).first;
-    }
-    Moments& s = found->second;
-    for (const auto* moment : {&s.m, &s.v}) {
-      if (B::shape(*moment) != t.shape())
-        raise<shape_error>(204, "AdamW: '", t.path, "' is ", t.shape(), ", its restored moments are ",
-                           B::shape(*moment));
-    }
-    const AdamwUpdate u{.lr = config.lr,
-                        .beta1 = config.beta1,
-                        .beta2 = config.beta2,
-                        .eps = config.eps,
-                        .weight_decay = config.weight_decay,
-                        .gradient_scale = scale,
-                        .step = steps_};
-    adamw_update<B>(A::mutable_value(*t.data), s.m, s.v, *g, u);
-  }
-
-  Index steps_ = 0;
-  std::map<std::string, Moments> state_;
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_OPTIM_EMA_HPP  // <motionlang/optim/ema.hpp>
-#define MOTIONLANG_HAS_OPTIM_EMA_HPP
-/// Exponential moving average of the parameters: the model that is saved and sampled from.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-///     e = rate e + (1 - rate) p
-/// `rate` grows from 0.1 as min(rate, (1 + k) / (10 + k)), so that the first updates are not held back by the initial
-/// values. Source  Polyak and Juditsky (1992); the warm-up is the one of common diffusion code.
-/// Throws shape_error 204 if the two are not of the same structure.
-template <Module Average, Module Model>
-void update_ema(Average& average, const Model& model, double rate, Index step) {
-  using B = module_backend<Average>;
-  using S = typename B::scalar;
-  const double k = static_cast<double>(step), r = std::min(rate, (1 + k) / (10 + k));
-  zip_tensors(average, model, [&](const auto& e, const auto& p) {
-    if (e.shape() != p.shape())
-      raise<shape_error>(204, "update_ema: '", e.path, "' is ", e.shape(), ", the model has ", p.shape());
-    const auto before = e.span();
-    std::vector<S> values(before.begin(), before.end());
-    const auto now = p.span();
-    for (std::size_t i = 0; i < values.size(); ++i)
-      values[i] = static_cast<S>(r * static_cast<double>(values[i]) + (1 - r) * static_cast<double>(now[i]));
-    *e.data = B::from_span(values, e.shape());
-  });
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_OPTIM_LR_SCHEDULE_HPP  // <motionlang/optim/lr_schedule.hpp>
-#define MOTIONLANG_HAS_OPTIM_LR_SCHEDULE_HPP
-/// Learning rates over the steps of a training.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Linear rise over `warmup` steps, then half a cosine from `peak` down to `floor` at step `total` (Loshchilov, Hutter
-/// 2017).
-struct WarmupCosine {
-  double peak = 1e-4;
-  double floor = 0;
-  Index warmup = 0;
-  Index total = 1;
-
-  double operator()(Index step) const {
-    if (step < warmup) return peak * static_cast<double>(step + 1) / static_cast<double>(warmup);
-    const double progress =
-        std::min(1.0, static_cast<double>(step - warmup) / static_cast<double>(std::max<Index>(1, total - warmup)));
-    return floor + (peak - floor) * 0.5 * (1 + std::cos(std::numbers::pi * progress));
-  }
-};
-
-/// The rate divided by `factor` once every `every` steps.
-struct StepDecay {
-  double rate = 1e-4;
-  double factor = 10;
-  Index every = 1;
-
-  double operator()(Index step) const {
-    const Index times = step / std::max<Index>(1, every);
-    return rate / std::pow(factor, static_cast<double>(times));
-  }
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_ACTOR_POINTS_HPP  // <motionlang/features/actor_points.hpp>
-#define MOTIONLANG_HAS_FEATURES_ACTOR_POINTS_HPP
-/// ACTOR's motions on an SMPL body: from rotations to points. What its loss compares and its metrics read.
-///
-///     vertices  the surface, where SMPL puts it      a2m    18 joints of Action2Motion    vibe  49 joints of VIBE
-///     smpl      24 joints                            a2mpl  28: both together
-/// Source  ACTOR, src/models/rotation2xyz.py and smpl.py; spec actor.md 4.3, 5.1, 5.3
-
-#ifndef MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP  // <motionlang/features/pose_representation.hpp>
-#define MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP
-/// Rotations as numbers of a feature vector, the way ACTOR, TEMOS, TEACH and SINC write them, and ACTOR's motions made
-/// of them.
-///
-///     rotvec   3   rotation vector, radians
-///     rotquat  4   quaternion, w first
-///     rotmat   9   matrix, row by row
-///     rot6d    6   first two rows of the matrix; what all published models use
-///
-/// Source  ACTOR (Petrovich et al., ICCV 2021), src/datasets/dataset.py; conversions: geometry/pytorch3d.hpp;
-///         spec actor.md 4.1, 4.2
-
-#ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_HPP  // <motionlang/features/layout.hpp>
-#define MOTIONLANG_HAS_FEATURES_LAYOUT_HPP
-/// Which numbers of a feature vector belong to which body part, and what they mean. Composition needs nothing but the
-/// former from a representation.
-///
-/// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity; what
-///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule.
-///         Meanings and units: specs humanml3d-features.md 6 and 10, mdm.md 6, temos.md 4.1, tmr.md 4.1
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Half-open range of positions.
-struct IndexRange {
-  Index begin = 0, end = 0;
-  constexpr Index size() const { return end - begin; }
-  bool operator==(const IndexRange&) const = default;
-};
-
-/// What numbers of a feature vector mean. A table of these covers the vector without gap or overlap.
-struct FeatureRange {
-  IndexRange numbers;
-  std::string_view meaning;  // with `joints`: of each of them
-  std::string_view unit;     // "1": none; frames are those of the features
-  IndexRange joints{};       // they follow one another, each with as many numbers; empty: the root's numbers, contacts
-};
-
-/// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
-/// and their ranges, or `from_owner`:
-///
-///     auto layout = FeatureLayout::from_owner("my features", 64, [](Index i) { return i < 40 ? legs : head; });
-struct FeatureLayout {
-  std::string name;
-  Index size = 0;                                              // numbers of one frame
-  std::array<std::vector<IndexRange>, body_part_count> parts;  // ascending and separate, in the order of BodyPart
-
-  /// From a function position -> BodyPart.
-  template <class F>
-  static FeatureLayout from_owner(std::string name, Index size, F owner) {
-    FeatureLayout layout{std::move(name), size, {}};
-    for (Index i = 0; i < size; ++i) {
-      auto& ranges = layout.parts[static_cast<std::size_t>(owner(i))];
-      if (ranges.empty() || ranges.back().end != i) ranges.push_back({i, i});
-      ranges.back().end = i + 1;
-    }
-    return layout;
-  }
-
-  const std::vector<IndexRange>& ranges(BodyPart part) const { return parts[static_cast<std::size_t>(part)]; }
-
-  /// All positions of a part, ascending.
-  std::vector<Index> indices(BodyPart part) const;
-
-  /// Throws config_error 102 unless the ranges cover 0 ... size-1, each position once.
-  void validate() const;
-  bool operator==(const FeatureLayout&) const = default;
-};
-
-/// smplrifke: 4 root numbers, 6D rotations of `rotations` joints, positions of joints 1 ... J-1: 4 + 6 * 22 + 3 * 23 =
-/// 205 for SMPL.
-FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint, Index rotations = 22);
-
-/// What the numbers of `smplrifke_layout` mean. World: Z up.
-inline constexpr std::array<FeatureRange, 6> smplrifke_ranges{{
-    {{0, 1}, "height of the pelvis above the lowest joint of the clip", "m"},
-    {{1, 3}, "velocity of the pelvis to the next frame, seen from the body: x, y", "m/frame"},
-    {{3, 4}, "turn of the heading to the next frame", "rad/frame"},
-    {{4, 10}, "rotation in the world without the heading: the first two rows of the matrix", "1", {0, 1}},
-    {{10, 136}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 22}},
-    {{136, 205}, "position relative to the pelvis, seen from the body: x, y, z", "m", {1, 24}},
-}};
-
-/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
-///
-///     0              turn of the heading to the next frame: half the angle, radians
-///     1:3            velocity of the root along x and z, seen from the body of the next frame
-///     3              height of the root
-///     positions      joints 1 ... J-1 seen from the body, heights above the floor: 3 each
-///     rotations      joints 1 ... J-1: two columns of the matrix, 6 each
-///     velocities     joints 0 ... J-1 to the next frame, seen from the body: 3 each
-///     contacts       left ankle, left toes, right ankle, right toes: 1 if they stand, else 0
-struct Guoh3dSlots {
-  Index joints = 22;
-
-  constexpr IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
-  constexpr IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
-  constexpr IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
-  constexpr IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
-  constexpr Index size() const { return contacts().end; }
-  /// The seven groups whose deviations are published as one number each.
-  constexpr std::array<IndexRange, 7> groups() const {
-    return {{{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()}};
-  }
-};
-
-/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs.
-FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>());
-
-namespace detail {
-
-constexpr std::array<FeatureRange, 7> guoh3dfeats_ranges_of(const Guoh3dSlots& slots, std::string_view length,
-                                                            std::string_view speed, std::string_view contacts) {
-  const auto [turn, velocity, height, positions, rotations, velocities, feet] = slots.groups();
-  return {{
-      {turn, "half the turn of the heading to the next frame", "rad/frame"},
-      {velocity, "velocity of the root to the next frame, seen from the body of the next frame: x, z", speed},
-      {height, "height of the root above the floor", length},
-      {positions, "position from the floor below the root, seen from the body: x, y, z", length, {1, slots.joints}},
-      {rotations,
-       "rotation of the bone that ends here relative to the one before it in its chain, of the first to the root: "
-       "the first two columns of the matrix",
-       "1",
-       {1, slots.joints}},
-      {velocities, "velocity to the next frame, seen from the body: x, y, z", speed, {0, slots.joints}},
-      {feet, contacts, "1"},
-  }};
-}
-
-}  // namespace detail
-
-/// What the numbers of `guoh3dfeats_layout` mean: of HumanML3D, and of KIT with MMM's joints. World: Y up.
-inline constexpr auto guoh3dfeats_ranges = detail::guoh3dfeats_ranges_of(
-    {22}, "m", "m/frame", "left ankle, left foot, right ankle, right foot: 1 if it stands, else 0");
-inline constexpr auto kit_ranges =
-    detail::guoh3dfeats_ranges_of({21}, "m/640", "m/640/frame", "RMrot, RF, LMrot, LF: 1 if it stands, else 0");
-
-/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67
-/// for SMPL's 22 joints and with `kit_part_of_joint` TEMOS's 64.
-FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>());
-
-/// What the numbers of `rifke_layout` mean: of TMR, Z up, and of TEMOS on KIT, Y up.
-inline constexpr std::array<FeatureRange, 4> rifke_ranges{{
-    {{0, 1}, "height of the root", "m"},
-    {{1, 64}, "position from the ground below the root, seen from the body: x, y, z", "m", {1, 22}},
-    {{64, 65}, "turn of the heading to the next frame", "rad/frame"},
-    {{65, 67}, "velocity of the root to the next frame, seen from the body: x, y", "m/frame"},
-}};
-inline constexpr std::array<FeatureRange, 4> rifke64_ranges{{
-    {{0, 1}, "height of the root above the floor", "m/640"},
-    {{1, 61}, "position from the floor below the root, seen from the body: x, y, z", "m/640", {1, 21}},
-    {{61, 62}, "turn of the heading since the frame before", "rad/frame"},
-    {{62, 64}, "velocity of the root since the frame before, seen from the body: x, z", "m/640/frame"},
-}};
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_IPP  // <motionlang/features/layout.ipp>
-#define MOTIONLANG_HAS_FEATURES_LAYOUT_IPP
-// Bodies of layout.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY std::vector<Index> FeatureLayout::indices(BodyPart part) const {
-  std::vector<Index> out;
-  for (const IndexRange& r : ranges(part)) {
-    for (Index i = r.begin; i < r.end; ++i) out.push_back(i);
-  }
-  return out;
-}
-
-MOTIONLANG_BODY void FeatureLayout::validate() const {
-  std::vector<int> owners(static_cast<std::size_t>(size), 0);
-  for (int p = 0; p < body_part_count; ++p) {
-    for (const IndexRange& r : ranges(static_cast<BodyPart>(p))) {
-      if (r.begin < 0 || r.end < r.begin || r.end > size) {
-        raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " of ",
-                            static_cast<BodyPart>(p), " is not inside 0:", size);
-      }
-      for (Index i = r.begin; i < r.end; ++i) ++owners[static_cast<std::size_t>(i)];
-    }
-  }
-  for (std::size_t i = 0; i < owners.size(); ++i) {
-    if (owners[i] != 1) {
-      raise<config_error>(102, "FeatureLayout '", name, "': number ", i, " belongs to ", owners[i], " body parts");
-    }
-  }
-}
-
-MOTIONLANG_BODY FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint, Index rotations) {
-  const Index joints = std::ssize(part_of_joint), first_position = 4 + 6 * rotations;
-  if (joints < 1 || rotations < 0 || rotations > joints) {
-    raise<config_error>(101, "smplrifke_layout: ", rotations, " rotations of ", joints, " joints");
-  }
-  return FeatureLayout::from_owner("smplrifke", first_position + 3 * (joints - 1), [=](Index i) {
-    if (i < 4) return BodyPart::legs;
-    const Index joint = i < first_position ? (i - 4) / 6 : 1 + (i - first_position) / 3;
-    return part_of_joint[static_cast<std::size_t>(joint)];
-  });
-}
-
-MOTIONLANG_BODY FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint) {
-  const Guoh3dSlots slots{std::ssize(part_of_joint)};
-  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
-  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), [=](Index i) {
-    if (i < slots.positions().begin || i >= slots.contacts().begin) return BodyPart::legs;
-    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
-                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
-                                                    : (i - slots.velocities().begin) / 3;
-    return part_of_joint[static_cast<std::size_t>(joint)];
-  });
-}
-
-MOTIONLANG_BODY FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint) {
-  const Index joints = std::ssize(part_of_joint);
-  if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
-  return FeatureLayout::from_owner("rifke", 3 * joints + 1, [=](Index i) {
-    if (i < 1 || i >= 3 * joints - 2) return BodyPart::legs;
-    return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
-  });
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-enum class PoseRepresentation : int { rotvec, rotquat, rotmat, rot6d };
-inline constexpr std::array<std::string_view, 4> pose_representation_names{"rotvec", "rotquat", "rotmat", "rot6d"};
-
-/// Numbers of one rotation.
-constexpr Index size(PoseRepresentation r) {
-  constexpr Index sizes[] = {3, 4, 9, 6};
-  return sizes[static_cast<int>(r)];
-}
-/// Throws config_error 103.
-PoseRepresentation parse_pose_representation(std::string_view name);
-
-namespace detail {
-
-template <Scalar S>
-void append_vector(std::vector<S>& out, const Vec3<S>& v) {
-  out.insert(out.end(), {v.x, v.y, v.z});
-}
-template <Scalar S>
-void append_quaternion(std::vector<S>& out, const Quaternion<S>& q) {
-  out.insert(out.end(), {q.w, q.x, q.y, q.z});
-}
-
-}  // namespace detail
-
-/// Appends the numbers of a matrix.
-template <Scalar S>
-void append_rotation(std::vector<S>& out, PoseRepresentation r, const Matrix3<S>& m) {
-  switch (r) {
-    case PoseRepresentation::rotvec:
-      return detail::append_vector(out, pytorch3d::matrix_to_axis_angle(m));
-    case PoseRepresentation::rotquat:
-      return detail::append_quaternion(out, pytorch3d::matrix_to_quaternion(m));
-    default:
-      out.insert(out.end(), m.m.begin(), m.m.begin() + size(r));  // rows
-  }
-}
-/// Appends the numbers of a rotation vector, which rotvec keeps as it is.
-template <Scalar S>
-void append_rotation(std::vector<S>& out, PoseRepresentation r, const AxisAngle<S>& v) {
-  if (r == PoseRepresentation::rotvec) return detail::append_vector(out, v.v);
-  if (r == PoseRepresentation::rotquat) return detail::append_quaternion(out, to_quaternion(v));
-  append_rotation(out, r, to_matrix(v));
-}
-/// The matrix of the numbers, which may be whole tensors. Throws shape_error 205.
-template <ScalarLike S>
-Matrix3<S> rotation_from(PoseRepresentation r, std::span<const S> n) {
-  if (std::ssize(n) != size(r)) {
-    raise<shape_error>(205, "rotation_from: ", n.size(), " numbers for '",
-                       pose_representation_names[static_cast<std::size_t>(r)], "' of ", size(r));
-  }
-  switch (r) {
-    case PoseRepresentation::rotvec:
-      return to_matrix(AxisAngle<S>{{n[0], n[1], n[2]}});
-    case PoseRepresentation::rotquat:
-      return to_matrix(Quaternion<S>{n[0], n[1], n[2], n[3]});
-    case PoseRepresentation::rotmat:
-      return {{n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8]}};
-    default:
-      return to_matrix(Rotation6dRows<S>{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
-  }
-}
-
-struct ActorFeatureOptions {
-  PoseRepresentation rotations = PoseRepresentation::rot6d;
-  bool translation = true;  // one more row: the root's way since frame 0, filled up with zeros
-  bool global = true;       // false: without joint 0
-
-  /// Rows of a frame of so many joints.
-  Index rows(Index joints) const { return joints - (global ? 0 : 1) + (translation ? 1 : 0); }
-};
-/// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
-inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
-
-/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the
-/// legs: 150.
-FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
-                           const ActorFeatureOptions& options = {});
-
-/// What the numbers of `actor_layout` mean. World: that of a camera, in which figures stand on their heads.
-inline constexpr std::array<FeatureRange, 4> actor_ranges{{
-    {{0, 6}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
-    {{6, 144}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 24}},
-    {{144, 147}, "way of the root since frame 0: x, y, z", "m"},
-    {{147, 150}, "0: the root's row is as long as the others", "1"},
-}};
-
-/// What ACTOR's networks read, frame by frame.
-/// poses    (frames, joints): rotation vectors or matrices
-/// root     (frames), the pelvis; read if `translation` is on
-/// result   (frames, rows numbers): a row for each joint, then the root's
-/// Throws   shape_error 205 if the sizes do not fit
-template <class R, Scalar S>
-std::vector<S> actor_frame_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
-                                    const ActorFeatureOptions& options = {}) {
-  const Index frames = joints > 0 ? std::ssize(poses) / joints : 0;
-  if (joints < 1 || std::ssize(poses) != frames * joints || (options.translation && std::ssize(root) != frames)) {
-    raise<shape_error>(205, "actor_frame_features: ", poses.size(), " rotations of ", joints, " joints, ", root.size(),
-                       " root positions");
-  }
-  std::vector<S> out;
-  for (Index t = 0; t < frames; ++t) {
-    for (Index j = options.global ? 0 : 1; j < joints; ++j) {
-      append_rotation(out, options.rotations, poses[static_cast<std::size_t>(t * joints + j)]);
-    }
-    if (!options.translation) continue;
-    detail::append_vector(out, root[static_cast<std::size_t>(t)] - root[0]);
-    out.resize(out.size() + static_cast<std::size_t>(size(options.rotations) - 3));
-  }
-  return out;
-}
-/// The same with time last, as its repository has it: (rows, numbers, frames).
-template <class R, Scalar S>
-std::vector<S> actor_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
-                              const ActorFeatureOptions& options = {}) {
-  const std::vector<S> by_frame = actor_frame_features(poses, root, joints, options);
-  const auto width = static_cast<std::size_t>(options.rows(joints) * size(options.rotations));
-  std::vector<S> out(by_frame.size());
-  if (width == 0) return out;
-  const std::size_t frames = out.size() / width;
-  for (std::size_t i = 0; i < out.size(); ++i) out[i % width * frames + i / width] = by_frame[i];
-  return out;
-}
-
-template <Scalar S>
-struct ActorMotion {
-  std::vector<Matrix3<S>> rotations;  // (frames, joints)
-  std::vector<Vec3<S>> root;          // (frames), since frame 0
-};
-
-/// features  (frames, rows numbers), as `actor_frame_features` gives them and networks have them
-/// Joint 0 is `actor_global_rotation` where the features have none; the root stays where it is without a translation.
-/// Throws    shape_error 205 if the features are not whole frames, config_error 101 for no joints
-template <Scalar S>
-ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, const ActorFeatureOptions& options = {}) {
-  if (joints < 1) raise<config_error>(101, "actor_inverse: ", joints, " joints");
-  const auto numbers = static_cast<std::size_t>(size(options.rotations));
-  const auto width = static_cast<std::size_t>(options.rows(joints)) * numbers;
-  if (width == 0 || features.size() % width != 0)
-    raise<shape_error>(205, "actor_inverse: ", features.size(), " values are no frames of ", width);
-  ActorMotion<S> out;
-  for (std::size_t at = 0; at < features.size(); at += width) {
-    std::size_t from = at;
-    if (!options.global) out.rotations.push_back(to_matrix(AxisAngle<S>{vec_cast<S>(actor_global_rotation)}));
-    for (Index j = options.global ? 0 : 1; j < joints; ++j, from += numbers)
-      out.rotations.push_back(rotation_from(options.rotations, features.subspan(from, numbers)));
-    out.root.push_back(options.translation ? Vec3<S>{features[from], features[from + 1], features[from + 2]}
-                                           : Vec3<S>{});
-  }
-  return out;
-}
-
-/// The same of positions (its representation "xyz"), with the root of frame 0 at the origin.
-/// joints (frames, joints) -> (joints, 3, frames). Throws shape_error 205.
-template <Scalar S>
-std::vector<S> actor_joint_features(std::span<const Vec3<S>> positions, Index joints) {
-  if (joints < 1 || std::ssize(positions) % joints != 0) {
-    raise<shape_error>(205, "actor_joint_features: ", positions.size(), " positions for frames of ", joints);
-  }
-  const std::size_t n = static_cast<std::size_t>(joints), frames = positions.size() / n;
-  std::vector<S> out(3 * positions.size());
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const Vec3<S> p = positions[i] - positions[0];
-    S* to = &out[3 * (i % n) * frames + i / n];
-    to[0] = p.x, to[frames] = p.y, to[2 * frames] = p.z;
-  }
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_IPP  // <motionlang/features/pose_representation.ipp>
-#define MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_IPP
-// Bodies of pose_representation.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY PoseRepresentation parse_pose_representation(std::string_view name) {
-  for (std::size_t i = 0; i < pose_representation_names.size(); ++i) {
-    if (name == pose_representation_names[i]) return static_cast<PoseRepresentation>(i);
-  }
-  raise<config_error>(103, "parse_pose_representation: '", name, "' is not rotvec, rotquat, rotmat or rot6d");
-}
-
-MOTIONLANG_BODY FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint,
-                                           const ActorFeatureOptions& options) {
-  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
-  if (joints < 1) raise<config_error>(101, "actor_layout: no joints");
-  return FeatureLayout::from_owner("actor", options.rows(joints) * numbers, [=](Index i) {
-    const Index joint = i / numbers + (options.global ? 0 : 1);
-    return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : BodyPart::legs;
-  });
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-enum class ActorPoints : int { vertices, smpl, a2m, a2mpl, vibe };
-inline constexpr std::array<std::string_view, 5> actor_point_names{"vertices", "smpl", "a2m", "a2mpl", "vibe"};
-
-/// Throws config_error 103.
-ActorPoints parse_actor_points(std::string_view name);
-
-/// Numbers of the points among 54: 24 joints of SMPL, the 21 vertices of `body_points`, 9 that a regressor takes from
-/// the surface. None for vertices.
-std::span<const Index> actor_point_numbers(ActorPoints points);
-
-struct ActorPointOptions {
-  ActorFeatureOptions features{};  // what the motions are made of
-  bool translate = true;           // "vertstrans": moved by the way since the first frame, if the features have one
-  Vec3<double> global_rotation = actor_global_rotation;  // of joint 0 where the features have none: a rotation vector
-  double second_beta = 0;                                // the second coefficient of the shape; the others are 0
-};
-
-namespace detail {
-
-/// All 54 points, (frames, 54, 3).
-template <Backend B>
-Tensor<B, 3> actor_54_points(const PosedBody<B>& posed, const Tensor<B, 2>* J_regressor_extra) {
-  const Index frames = posed.vertices.size(0), v = posed.vertices.size(1);
-  if (J_regressor_extra == nullptr || J_regressor_extra->shape() != Shape{9, v} || posed.extra.count() != 63 * frames ||
-      posed.joints.size(1) != 24) {
-    raise<shape_error>(204, "actor_points: a body of ", posed.joints.size(1), " joints and ", v,
-                       " vertices needs 24 joints, 21 picked vertices and a regressor (9, ", v, ")");
-  }
-  const auto surface = reshape<2>(permute(posed.vertices, {1, 0, 2}), {v, 3 * frames});
-  const auto regressed = permute(reshape<3>(matmul(*J_regressor_extra, surface), {9, frames, 3}), {1, 0, 2});
-  return concat(1, posed.joints, posed.extra, regressed);
-}
-
-}  // namespace detail
-
-/// x: frames of `actor_frame_features`, (frames, rows numbers) -> (frames, 3 points). All points but vertices are
-/// relative to the root of their frame. J_regressor_extra (9, vertices) may be null for vertices and smpl.
-/// Differentiable.
-/// Throws  shape_error 204 if motion, body and point set do not fit, config_error 101 for a second coefficient that the
-///         body lacks
-template <Backend B>
-Sequences<B> actor_points(const Sequences<B>& x, const BodyModel<B>& body, const Tensor<B, 2>* J_regressor_extra,
-                          ActorPoints points, const ActorPointOptions& o = {}) {
-  using S = typename B::scalar;
-  const PoseRepresentation form = o.features.rotations;
-  const Index frames = x.offsets.rows(), joints = body.joints(), numbers = size(form);
-  const Index own = o.features.global ? joints : joints - 1, first_of_way = own * numbers;
-  if (x.width() != first_of_way + (o.features.translation ? numbers : 0)) {
-    raise<shape_error>(204, "actor_points: frames of ", x.width(), " numbers for ", own, " rotations of ", numbers,
-                       o.features.translation ? " and a translation" : "");
-  }
-  auto rotations = rotation_rows(reshape<3>(slice(x.rows, 1, 0, first_of_way), {frames, own, numbers}),
-                                 [form](const auto& n) { return rotation_from(form, n); });
-  if (!o.features.global) {
-    const auto m = matrix_cast<S>(to_matrix(AxisAngle{o.global_rotation})).m;
-    const auto global = Tensor<B, 3>::from(std::vector<S>(m.begin(), m.end()), {1, 1, 9});
-    rotations = concat(1, broadcast_to<3>(global, {frames, 1, 9}), rotations);
-  }
-  std::vector<S> shape(static_cast<std::size_t>(body.shapedirs.size(1)));
-  if (shape.size() > 1)
-    shape[1] = static_cast<S>(o.second_beta);
-  else if (o.second_beta != 0)
-    raise<config_error>(101, "actor_points: a body of ", shape.size(), " shape coefficients has no second one");
-  const Index coefficients = std::ssize(shape);
-  const auto betas = broadcast_to<2>(Tensor<B, 2>::from(shape, {1, coefficients}), {frames, coefficients});
-  const auto nowhere = Tensor<B, 2>::zeros({frames, 3});
-  Tensor<B, 3> out;
-  if (points == ActorPoints::smpl) {
-    out = body.posed_joints(betas, rotations, nowhere);
-  } else {
-    const auto posed = body(betas, rotations, nowhere);
-    out = points == ActorPoints::vertices
-              ? posed.vertices
-              : permute(gather(permute(detail::actor_54_points(posed, J_regressor_extra), {1, 0, 2}),
-                               actor_point_numbers(points)),
-                        {1, 0, 2});
-  }
-  if (points != ActorPoints::vertices) {
-    const Index root = points == ActorPoints::vibe ? 8 : 0;
-    out = out - slice(out, 1, root, root + 1);
-  }
-  if (o.features.translation && o.translate) {
-    PoolVector<Index> first;
-    for (Index s : sequence_of_row(x.offsets)) first.push_back(x.offsets.begin(s));
-    const auto way = slice(x.rows, 1, first_of_way, first_of_way + 3);
-    out = out + reshape<3>(way - gather(way, first), {frames, 1, 3});
-  }
-  return x.with(reshape<2>(out, {frames, 3 * out.size(1)}));
-}
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FEATURES_ACTOR_POINTS_IPP  // <motionlang/features/actor_points.ipp>
-#define MOTIONLANG_HAS_FEATURES_ACTOR_POINTS_IPP
-// Bodies of actor_points.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY ActorPoints parse_actor_points(std::string_view name) {
-  for (std::size_t i = 0; i < actor_point_names.size(); ++i) {
-    if (name == actor_point_names[i]) return static_cast<ActorPoints>(i);
-  }
-  raise<config_error>(103, "parse_actor_points: '", name, "' is not vertices, smpl, a2m, a2mpl or vibe");
-}
-
-MOTIONLANG_BODY std::span<const Index> actor_point_numbers(ActorPoints points) {
-  static constexpr Index smpl[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11,
-                                   12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
-  static constexpr Index a2m[] = {0, 12, 17, 19, 21, 16, 18, 20, 24, 2, 5, 8, 1, 4, 7, 31, 34, 48};
-  static constexpr Index a2mpl[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
-                                    14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 31, 34, 48};
-  static constexpr Index vibe[] = {24, 12, 17, 19, 21, 16, 18, 20, 0,  2,  5,  8,  1,  4,  7,  25, 26,
-                                   27, 28, 29, 30, 31, 32, 33, 34, 8,  5,  45, 46, 4,  7,  21, 19, 17,
-                                   16, 18, 20, 47, 48, 49, 50, 51, 52, 53, 24, 26, 25, 28, 27};
-  switch (points) {
-    case ActorPoints::smpl:
-      return smpl;
-    case ActorPoints::a2m:
-      return a2m;
-    case ActorPoints::a2mpl:
-      return a2mpl;
-    case ActorPoints::vibe:
-      return vibe;
-    default:
-      return {};
-  }
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP  // <motionlang/features/amass_sequence.hpp>
-#define MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP
-/// A sequence of AMASS as its file has it: rotation vectors, path and shape of an SMPL body, world Z up.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-struct AmassSequence {
-  Index frames = 0, columns = 0;  // columns: 66 or more; 156 of SMPL-H, 165 of SMPL-X
-  std::vector<double> poses{};    // (frames, columns) rotation vectors: root, 21 body joints, hands or face
-  std::vector<double> trans{};    // (frames, 3)
-  std::vector<double> betas{};    // shape coefficients, 16 or fewer; none if the file has none
-  std::string gender = "neutral";
-  double fps = 0;
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_HPP  // <motionlang/features/frame_sampling.hpp>
-#define MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_HPP
-/// Which frames of a clip the published systems take: other frame rates, parts, windows for training. For parity; to
-/// resample clips of one's own use kinematics/motion_tools.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-inline void require_rates(const char* function, double from, double to) {
-  if (!(from > 0 && to > 0 && std::isfinite(from / to) && std::isfinite(to / from)))
-    raise<config_error>(101, function, ": ", from, " to ", to, " frames per second");
-}
-
-}  // namespace detail
-
-/// TEMOS: frames 0, s, 2s, ..., s = floor(old / new); 120 frames per second become 13.33 where 12.5 are asked for.
-/// Source  TEMOS, spec temos.md 9. Throws config_error 101 unless 0 < new <= old.
-std::vector<Index> every_nth_frame(Index frames, double old_fps, double new_fps);
-
-/// TEACH and SINC: floor(new / old frames) frames spread evenly from the first to the last, rounded down.
-/// Source  TEACH, spec teach.md 4.1. Throws config_error 101 unless both rates are positive.
-std::vector<Index> spread_frames(Index frames, double old_fps, double new_fps);
-
-/// TEMOS: values between the frames on straight lines, (frames, width) -> ((frames - 1) k + 1, width),
-/// k = floor(new / old). In double, as published. Throws config_error 101, shape_error 205.
-template <Scalar S>
-std::vector<double> upsample_linearly(std::span<const S> values, Index width, double old_fps, double new_fps) {
-  detail::require_rates("upsample_linearly", old_fps, new_fps);
-  const auto factor = static_cast<Index>(new_fps / old_fps);
-  if (factor < 1) raise<config_error>(101, "upsample_linearly: from ", old_fps, " down to ", new_fps);
-  if (width < 1 || std::ssize(values) % width != 0) {
-    raise<shape_error>(205, "upsample_linearly: ", values.size(), " values are no rows of ", width);
-  }
-  const auto n = static_cast<std::size_t>(width);
-  std::vector<double> out;
-  for (std::size_t at = 0; at + n < values.size(); at += n) {
-    for (Index j = 0; j < factor; ++j) {
-      const double t = static_cast<double>(j) / static_cast<double>(factor);
-      for (std::size_t i = at; i < at + n; ++i) {
-        out.push_back((1 - t) * static_cast<double>(values[i]) + t * static_cast<double>(values[i + n]));
-      }
-    }
-  }
-  out.insert(out.end(), values.end() - std::min<Index>(width, std::ssize(values)), values.end());
-  return out;
-}
-
-/// Consecutive frames. Of none, `first` is -1.
-struct FrameSlice {
-  Index first = -1, length = 0;
-  bool operator==(const FrameSlice&) const = default;
-};
-/// TMR: seconds to frames, rounded down, as far as the clip goes. Source  spec tmr.md 4.
-/// Throws config_error 101 for a negative time, or unless the rate is positive.
-FrameSlice slice_of_seconds(double start, double end, double fps, Index frames);
-
-struct ActorFrameOptions {
-  Index frames = 60;         // to take
-  bool random_step = false;  // "random_conseq": the step is drawn, too
-  Index step = 1;            // -1: the largest that fits
-  bool scattered = false;    // "random": any frames, in their order; there is no step
-};
-
-/// ACTOR: the frames of a training item out of `available` ones. Clips that are too short repeat their last frame; of
-/// others, every step-th frame from a random start on. The last possible start is never drawn, as published. Scattered
-/// frames are drawn by this generator, too; the published program has NumPy's for them.
-/// Source  ACTOR, src/datasets/dataset.py; spec actor.md 6.3
-/// Throws  config_error 101 unless 2 frames or more are wanted, of 1 or more
-std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options, PythonRandom& random);
-
-/// SINC: the frames of a training item. Of a longer clip consecutive ones from a random start on; the last possible
-/// start is never drawn, as published. In evaluation whole clips (`request` 0) of 15 to 800 frames.
-/// Source  SINC, spec sinc.md 5.3
-struct SincWindow {
-  Index request = 300;  // frames to take; 0: all
-  Index shortest = 15;
-  Index longest = 600;  // looked at only where all are taken
-
-  bool accepts(Index frames) const { return frames >= shortest && (request > 0 || frames <= longest); }
-  /// The largest start that is drawn.
-  Index largest_start(Index frames) const { return request > 0 ? std::max<Index>(0, frames - request - 1) : 0; }
-  /// below(n) draws a number of 0 ... n - 1.
-  template <class F>
-  FrameSlice of(Index frames, F below) const {
-    const Index length = request > 0 ? std::min(request, frames) : frames;
-    return {length < frames ? below(largest_start(frames) + 1) : 0, length};
-  }
-};
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_IPP  // <motionlang/features/frame_sampling.ipp>
-#define MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_IPP
-// Bodies of frame_sampling.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY std::vector<Index> every_nth_frame(Index frames, double old_fps, double new_fps) {
-  detail::require_rates("every_nth_frame", old_fps, new_fps);
-  const auto step = static_cast<Index>(old_fps / new_fps);
-  if (step < 1) raise<config_error>(101, "every_nth_frame: from ", old_fps, " up to ", new_fps, " frames per second");
-  std::vector<Index> out;
-  for (Index f = 0; f < frames; f += step) out.push_back(f);
-  return out;
-}
-
-MOTIONLANG_BODY std::vector<Index> spread_frames(Index frames, double old_fps, double new_fps) {
-  detail::require_rates("spread_frames", old_fps, new_fps);
-  const auto count = static_cast<Index>(new_fps / old_fps * static_cast<double>(frames));
-  const double step = count > 1 ? static_cast<double>(frames - 1) / static_cast<double>(count - 1) : 0;
-  std::vector<Index> out;
-  for (Index i = 0; i < count; ++i) {
-    out.push_back(i > 0 && i == count - 1 ? frames - 1 : static_cast<Index>(static_cast<double>(i) * step));
-  }
-  return out;
-}
-
-MOTIONLANG_BODY FrameSlice slice_of_seconds(double start, double end, double fps, Index frames) {
-  if (!(start >= 0 && end >= 0 && fps > 0 && std::isfinite(start * fps) && std::isfinite(end * fps))) {
-    raise<config_error>(101, "slice_of_seconds: ", start, " to ", end, " seconds at ", fps, " frames per second");
-  }
-  const auto index = [&](double seconds) {
-    return static_cast<Index>(std::min(seconds * fps, static_cast<double>(frames)));
-  };
-  const Index first = index(start), last = index(end);
-  return last > first ? FrameSlice{first, last - first} : FrameSlice{};
-}
-
-MOTIONLANG_BODY std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options,
-                                                PythonRandom& random) {
-  const Index k = options.frames, n = available;
-  if (k < 2 || n < 1 || options.step == 0 || options.step < -1) {
-    raise<config_error>(101, "actor_frames: ", k, " of ", n, " frames, step ", options.step);
-  }
-  std::vector<Index> out;
-  if (k > n) {
-    for (Index i = 0; i < k; ++i) out.push_back(std::min(i, n - 1));
-    return out;
-  }
-  if (options.scattered) {
-    out = random.sample(n, k);
-    std::sort(out.begin(), out.end());
-    return out;
-  }
-  const Index longest = (n - 1) / (k - 1);
-  const bool fits = options.step > 0 && options.step * (k - 1) < n;
-  const Index step = options.random_step ? static_cast<Index>(random.randint(1, longest))
-                     : fits              ? options.step
-                                         : longest;
-  const Index last = step * (k - 1);
-  const auto shift = static_cast<Index>(random.randint(0, std::max<Index>(0, n - last - 2)));
-  for (Index i = 0; i < k; ++i) out.push_back(shift + i * step);
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_HPP  // <motionlang/features/guoh3d.hpp>
-#define MOTIONLANG_HAS_FEATURES_GUOH3D_HPP
-/// Joint positions from the 263 numbers per frame of HumanML3D ("guoh3dfeats"), or KIT's 251. The other direction:
-/// guoh3d_extraction.hpp; which number is what: Guoh3dSlots in layout.hpp.
-///
-/// Source  Guo et al. (CVPR 2022), motion_representation.ipynb recover_root_rot_pos, recover_from_ric,
-///         recover_from_rot; spec humanml3d-features.md 7
-/// World   Y up, frame 0 at x = z = 0; units as the features have them (metres; KIT: about 1/640 m), not normalised
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The path of the root. `turn` takes directions of the world to those seen from the body.
-template <Scalar S>
-struct Guoh3dRoot {
-  std::vector<Quaternion<S>> turn;  // (frames)
-  std::vector<Vec3<S>> position;    // (frames)
-};
-
-struct Guoh3dRecovery {
-  /// Adds the frame behind the last one: as features of T frames of joints are T - 1 rows, this gives all T back. Its
-  /// positions are those of the last row moved by the last row's velocities.
-  bool last_frame = false;
-};
-
-namespace detail {
-
-template <Scalar S>
-Vec3<S> vector_at(std::span<const S> values, Index at) {
-  const auto i = static_cast<std::size_t>(at);
-  return {values[i], values[i + 1], values[i + 2]};
-}
-/// Rows of the features. Throws shape_error 205 if they are not whole, config_error 101 for a body without joints.
-template <Scalar S>
-std::size_t guoh3d_rows(std::string_view function, std::span<const S> features, Index joints) {
-  const Index width = Guoh3dSlots{joints}.size();
-  if (joints < 1) raise<config_error>(101, function, ": ", joints, " joints");
-  if (std::ssize(features) % width != 0) {
-    raise<shape_error>(205, function, ": ", features.size(), " values are no rows of ", width, " (", joints,
-                       " joints)");
-  }
-  return features.size() / static_cast<std::size_t>(width);
-}
-
-}  // namespace detail
-
-/// features (frames, 12 J - 1)
-///     a_t = sum_{s<t} f[s, 0],   r_t = (cos a_t, 0, sin a_t, 0)
-///     p_t = p_{t-1} + r_t^-1 (f[t-1, 1], 0, f[t-1, 2]),   p_t.y = f[t, 3]
-/// Throws shape_error 205, config_error 101
-template <Scalar S>
-Guoh3dRoot<S> guoh3d_root(std::span<const S> features, Index joints = 22) {
-  const std::size_t frames = detail::guoh3d_rows("guoh3d_root", features, joints);
-  const auto width = static_cast<std::size_t>(Guoh3dSlots{joints}.size());
-  Guoh3dRoot<S> out;
-  S angle{};
-  Vec3<S> p{};
-  for (std::size_t t = 0; t < frames; ++t) {
-    const auto row = features.subspan(t * width, width);
-    const Quaternion<S> turn{cos(angle), S(0), sin(angle), S(0)};
-    if (t > 0) {
-      const S* before = row.data() - width;
-      p = p + rotate(inverse(turn), Vec3<S>{before[1], S(0), before[2]});
-    }
-    p.y = row[3];
-    out.turn.push_back(turn);
-    out.position.push_back(p);
-    angle += row[0];
-  }
-  return out;
-}
-
-/// features (frames, 12 J - 1) -> (frames, J), or (frames + 1, J) with `last_frame`, from the positions of the rows.
-///     X_{t,j} = r_t^-1 ric_{t,j} + (p_t.x, 0, p_t.z),   X_{t,0} = p_t
-/// Throws shape_error 205, config_error 101
-template <Scalar S>
-std::vector<Vec3<S>> guoh3d_joints(std::span<const S> features, Index joints = 22, const Guoh3dRecovery& options = {}) {
-  const auto root = guoh3d_root(features, joints);
-  const Guoh3dSlots slots{joints};
-  const std::size_t frames = root.turn.size();
-  std::vector<Vec3<S>> out;
-  out.reserve((frames + 1) * static_cast<std::size_t>(joints));
-  for (std::size_t t = 0; t < frames; ++t) {
-    const auto row = features.subspan(t * static_cast<std::size_t>(slots.size()));
-    const auto back = inverse(root.turn[t]);
-    const Vec3<S>& p = root.position[t];
-    out.push_back(p);
-    for (Index j = 1; j < joints; ++j) {
-      out.push_back(rotate(back, detail::vector_at(row, slots.positions().begin + 3 * (j - 1))) +
-                    Vec3<S>{p.x, S(0), p.z});
-    }
-  }
-  if (options.last_frame && frames > 0) {
-    const auto row = features.last(static_cast<std::size_t>(slots.size()));
-    const auto back = inverse(root.turn.back());
-    for (Index j = 0; j < joints; ++j) {
-      const Vec3<S> before = out[out.size() - static_cast<std::size_t>(joints)];
-      out.push_back(before + rotate(back, detail::vector_at(row, slots.velocities().begin + 3 * j)));
-    }
-  }
-  return out;
-}
-
-/// The same from the rotations of the rows, on bones of other lengths.
-/// offsets  (joints), see chain_offsets
-/// Throws   shape_error 204, 205, config_error 101, 106
-template <Scalar S>
-std::vector<Vec3<S>> guoh3d_joints_from_rotations(const ChainSkeleton& skeleton, std::span<const S> features,
-                                                  std::span<const Vec3<S>> offsets) {
-  const Guoh3dSlots slots{static_cast<Index>(skeleton.size())};
-  const auto root = guoh3d_root(features, slots.joints);
-  std::vector<Matrix3<S>> local;
-  local.reserve(root.turn.size() * skeleton.size());
-  for (std::size_t t = 0; t < root.turn.size(); ++t) {
-    const auto row = features.subspan(t * static_cast<std::size_t>(slots.size()));
-    local.push_back(to_matrix(root.turn[t]));
-    for (Index at = slots.rotations().begin; at < slots.rotations().end; at += 6) {
-      local.push_back(to_matrix(Rotation6dColumns<S>{detail::vector_at(row, at), detail::vector_at(row, at + 3)}));
-    }
-  }
-  return chain_forward_kinematics(skeleton, std::span<const Matrix3<S>>(local), std::span<const Vec3<S>>(root.position),
-                                  offsets);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_EXTRACTION_HPP  // <motionlang/features/guoh3d_extraction.hpp>
-#define MOTIONLANG_HAS_FEATURES_GUOH3D_EXTRACTION_HPP
-/// The 263 numbers per frame of HumanML3D ("guoh3dfeats"), or KIT's 251, from joint positions: onto the reference
-/// skeleton, onto the floor, facing +Z, then rotations, velocities and contacts. Back: guoh3d.hpp.
-///
-///     auto features = guoh3d_features(humanml3d_chains(), joints);     // (frames, 22) -> (frames - 1, 263)
-///
-/// Another body is another ChainSkeleton. Which number is what: Guoh3dSlots in layout.hpp.
-///
-/// Source  Guo et al. (CVPR 2022), motion_representation.ipynb process_file, extract_features;
-///         spec humanml3d-features.md 3 to 6
-/// World   Y up; velocities and turns per frame (20 frames per second, KIT 12.5)
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The defaults are as published.
-struct Guoh3dOptions {
-  ChainRotationOptions rotations{.facing = {.sigma = 20}};
-  /// false: where the heading passes 180 degrees, the turn of that frame gets the wrong sign.
-  bool fix_yaw_sign = false;
-};
-
-/// Without what the published code gets wrong: the heading follows hips and shoulders alike, does not jump behind the
-/// first frame, passes 180 degrees, and a bone may be opposite to its zero direction.
-inline Guoh3dOptions guoh3d_corrected() {
-  return {.rotations = {.facing = {.sigma = 20, .legacy_forward = false},
-                        .fix_first_frame = true,
-                        .fix_opposite_bones = true},
-          .fix_yaw_sign = true};
-}
-
-namespace detail {
-
-/// A turn about Y, as the rotation of a root is: two products for each coordinate instead of a quaternion's.
-template <ScalarLike T>
-struct LevelTurn {
-  T c, s;  // cosine and sine
-
-  explicit LevelTurn(const Quaternion<T>& q) : c(q.w * q.w - q.y * q.y), s(T(2) * q.w * q.y) {}
-  Vec3<T> operator()(const Vec3<T>& v) const { return {c * v.x + s * v.z, v.y, c * v.z - s * v.x}; }
-};
-
-}  // namespace detail
-
-/// Joints on the floor; frame 0 stands at x = z = 0 and faces +Z.
-template <Scalar S>
-struct GroundedJoints {
-  std::vector<Vec3<S>> joints;  // (frames, joints)
-  S floor{};                    // height of the lowest joint of the clip, before
-  Quaternion<S> turn{};         // that all joints have been turned by, last
-};
-
-/// first   how the facing direction of frame 0 is found; as published, from this frame alone. A body that faces -Z is
-///         turned by 180 degrees; published: NaN
-/// Throws  shape_error 205 if the joints are not whole frames, config_error 101 (sigma) and 106
-template <Scalar S>
-GroundedJoints<S> ground_joints(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
-                                const FacingOptions& first = {.legacy_forward = false}) {
-  detail::chain_frames("ground_joints", skeleton, joints);
-  GroundedJoints<S> out{{}, S(0), Quaternion<S>::identity()};
-  if (joints.empty()) return out;
-  out.floor = joints[0].y;
-  for (const Vec3<S>& p : joints) out.floor = std::min(out.floor, p.y);
-  const auto facing = facing_directions(skeleton, first.sigma == 0 ? joints.first(skeleton.size()) : joints, first);
-  out.turn = detail::turn_ahead(facing[0]);
-  const Vec3<S> origin{joints[0].x, out.floor, joints[0].z};
-  out.joints.resize(joints.size());
-  const detail::LevelTurn<S> level(out.turn);
-  for (std::size_t i = 0; i < joints.size(); ++i) out.joints[i] = level(joints[i] - origin);
-  return out;
-}
-
-/// 1 while the squared displacement to the next frame is below the threshold, else 0.
-template <ScalarLike T>
-T guoh3d_contact(const Vec3<T>& now, const Vec3<T>& next, double threshold) {
-  const Vec3<T> moved = next - now;
-  return where_less(dot(moved, moved), T(threshold), T(1), T(0));
-}
-/// The same of two joints over time: (frames, joints) -> (frames - 1, 2). Throws shape_error 205, 203 for a joint that
-/// does not exist.
-template <Scalar S>
-std::vector<S> guoh3d_contacts(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
-                               const std::array<int, 2>& foot) {
-  const std::size_t frames = detail::chain_frames("guoh3d_contacts", skeleton, joints);
-  for (const int j : foot) {
-    if (j < 0 || static_cast<std::size_t>(j) >= skeleton.size())
-      raise<shape_error>(203, "guoh3d_contacts: joint ", j, " of ", skeleton.size());
-  }
-  std::vector<S> out;
-  for (std::size_t t = 0; t + 1 < frames; ++t) {
-    const Vec3<S>*now = &joints[t * skeleton.size()], *next = now + skeleton.size();
-    for (const int j : foot) {
-      out.push_back(guoh3d_contact(detail::joint_of(now, j), detail::joint_of(next, j), skeleton.foot_threshold));
-    }
-  }
-  return out;
-}
-
-/// The rotation from one root rotation to the next; its y is the sine of half the turn.
-/// fix_sign: the shorter way round.
-template <ScalarLike T>
-Quaternion<T> guoh3d_turn(const Quaternion<T>& root, const Quaternion<T>& next, bool fix_sign = false) {
-  const Quaternion<T> q = next * inverse(root);
-  return fix_sign ? where_less(q.w, T(0), T(-1), T(1)) * q : q;
-}
-/// The way of the root to the next frame, seen from the body there.
-template <ScalarLike T>
-Vec3<T> guoh3d_root_velocity(const Quaternion<T>& next, const Vec3<T>& now_position, const Vec3<T>& next_position) {
-  return rotate(next, next_position - now_position);
-}
-/// A joint seen from the body: x and z relative to the body's root, the height above the floor.
-template <ScalarLike T>
-Vec3<T> guoh3d_position(const Quaternion<T>& root, const Vec3<T>& root_position, const Vec3<T>& joint) {
-  return rotate(root, joint - Vec3<T>{root_position.x, T(0), root_position.z});
-}
-
-namespace detail {
-
-/// One row, or one in each lane: rotations of the frame, the root's of the next, joints of both. Number 0 is left as
-/// the sine of half the turn.
-template <ScalarLike T>
-void guoh3d_row(const ChainSkeleton& skeleton, bool fix_yaw_sign, std::span<const Quaternion<T>> local,
-                const Quaternion<T>& next_root, std::span<const Vec3<T>> now, std::span<const Vec3<T>> next, T* to) {
-  auto put = [&](const Vec3<T>& v) { *to++ = v.x, *to++ = v.y, *to++ = v.z; };
-  const Quaternion<T>& root = local[0];
-  const LevelTurn<T> level(root);
-  const Vec3<T> on_floor{now[0].x, T(0), now[0].z}, speed = LevelTurn<T>(next_root)(next[0] - now[0]);
-  *to++ = guoh3d_turn(root, next_root, fix_yaw_sign).y;
-  *to++ = speed.x;
-  *to++ = speed.z;
-  *to++ = now[0].y;
-  for (std::size_t j = 1; j < now.size(); ++j) put(level(now[j] - on_floor));
-  for (std::size_t j = 1; j < now.size(); ++j) {
-    const auto columns = to_rotation6d_columns(local[j]);
-    put(columns.a);
-    put(columns.b);
-  }
-  for (std::size_t j = 0; j < now.size(); ++j) put(level(next[j] - now[j]));
-  for (const auto& foot : {skeleton.left_foot, skeleton.right_foot}) {
-    for (const int j : foot) {
-      *to++ = guoh3d_contact(joint_of(now.data(), j), joint_of(next.data(), j), skeleton.foot_threshold);
-    }
-  }
-}
-
-}  // namespace detail
-
-/// joints  (frames, joints), grounded
-/// result  (frames - 1, 12 J - 1)
-/// Throws  shape_error 205 for fewer than two frames or joints that are not whole frames, config_error 101 (sigma) and
-///         106, numeric_error 301, 302
-template <Scalar S>
-std::vector<S> guoh3d_from_grounded(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
-                                    const Guoh3dOptions& options = {}) {
-  const std::size_t n = skeleton.size(), frames = detail::chain_frames("guoh3d_from_grounded", skeleton, joints);
-  if (frames < 2) raise<shape_error>(205, "guoh3d_from_grounded: ", frames, " frames; a row is made of two");
-  const auto bones = skeleton.bones();
-  const auto roots = detail::chain_roots(skeleton, joints, options.rotations);
-  const std::size_t rows = frames - 1, width = static_cast<std::size_t>(Guoh3dSlots{static_cast<Index>(n)}.size());
-  std::vector<S> out(width * rows);
-
-  using L = Lane<S>;  // eight frames at once
-  const auto zero = [&] {
-    std::vector<Vec3<L>> directions;
-    for (const auto& d : skeleton.directions) directions.push_back({L(d.x), L(d.y), L(d.z)});
-    return directions;
-  }();
-  std::vector<Vec3<L>> now(n), next(n);
-  std::vector<Quaternion<L>> world(n), local(n);
-  std::vector<L> row(width);
-  for (std::size_t first = 0; first < rows; first += L::size) {
-    Quaternion<L> root, next_root;
-    for (int i = 0; i < L::size; ++i) {
-      const std::size_t t = std::min(first + static_cast<std::size_t>(i), rows - 1);
-      auto lane = [i](Vec3<L>& to, const Vec3<S>& v) { to.x[i] = v.x, to.y[i] = v.y, to.z[i] = v.z; };
-      auto turn = [i](Quaternion<L>& to, const Quaternion<S>& q) {
-        to.w[i] = q.w, to.x[i] = q.x, to.y[i] = q.y, to.z[i] = q.z;
-      };
-      for (std::size_t j = 0; j < n; ++j) lane(now[j], joints[t * n + j]), lane(next[j], joints[(t + 1) * n + j]);
-      turn(root, roots[t]), turn(next_root, roots[t + 1]);
-    }
-    const L bad = detail::chain_rotations<L>(bones, zero, now.data(), root, options.rotations.fix_opposite_bones,
-                                             world.data(), local.data());
-    detail::guoh3d_row<L>(skeleton, options.fix_yaw_sign, local, next_root, now, next, row.data());
-    const int count = static_cast<int>(std::min<std::size_t>(L::size, rows - first));
-    store_rows(std::span<const L>(row), width, count, &out[first * width]);
-    for (int i = 0; i < count; ++i) {
-      const std::size_t t = first + static_cast<std::size_t>(i);
-      if (bad[i] > 0) detail::require_bones(skeleton, bones, &joints[t * n], t);
-      S& turn = out[t * width];
-      turn = std::asin(std::clamp(turn, S(-1), S(1)));
-    }
-  }
-  detail::require_bones(skeleton, bones, &joints[rows * n], rows);
-  return out;
-}
-
-/// The whole way.
-/// joints   (frames, joints), of anybody, anywhere
-/// lengths  (joints), bones of the reference skeleton
-/// result   (frames - 1, 12 J - 1)
-/// With fix_first_frame the smooth heading of frame 0 is turned onto +Z, so that the identity is right there.
-/// Throws   as above; shape_error 204 unless there is one length for each joint
-template <Scalar S>
-std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
-                               std::span<const S> lengths, const Guoh3dOptions& options = {}) {
-  const auto uniform = uniform_skeleton(skeleton, joints, lengths);
-  const FacingOptions published{.legacy_forward = false}, &smooth = options.rotations.facing;
-  const auto grounded = ground_joints(skeleton, std::span<const Vec3<S>>(uniform.joints),
-                                      options.rotations.fix_first_frame ? smooth : published);
-  return guoh3d_from_grounded(skeleton, std::span<const Vec3<S>>(grounded.joints), options);
-}
-/// With the lengths of the skeleton itself. Throws config_error 101 if it has none, as KIT's.
-template <Scalar S>
-std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
-                               const Guoh3dOptions& options = {}) {
-  if (skeleton.lengths.empty()) {
-    raise<config_error>(101, "guoh3d_features: '", skeleton.name, "' has 0 bone lengths for ", skeleton.size(),
-                        " joints; take those of its reference clip");
-  }
-  const std::vector<S> lengths(skeleton.lengths.begin(), skeleton.lengths.end());
-  return guoh3d_features(skeleton, joints, std::span<const S>(lengths), options);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_JOINT_SETS_HPP  // <motionlang/features/joint_sets.hpp>
-#define MOTIONLANG_HAS_FEATURES_JOINT_SETS_HPP
-/// The joints that TEMOS, TEACH and SINC compare, out of the 73 points of an SMPL-H body (52 joints, then vertices of
-/// the face, feet and hands).
-///
-///     mmm      21 joints of MMM, 640 units per metre, Y up          smplmmm  21 joints of MMM, metres, Z up
-///     mmmns    21 joints of MMM, metres, Y up                       smplnh   22 joints without the hands
-///     smplh    all 73
-/// Source  TEMOS, rots2joints/smplh.py; spec temos.md 4.3
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// MMM's joints among the 73 points; 59 and 62 are the heels.
-inline constexpr std::array<std::size_t, 21> mmm_of_smplh{0, 3, 9, 12, 15, 16, 18, 20, 17, 19, 21,
-                                                          1, 4, 7, 59, 10, 2,  5,  8,  62, 11};
-
-/// points  (frames, 73), metres, Z up
-/// trans   (frames), where the first root of the result is put, whatever its units and axes: so it is published
-/// result  (frames, 21, 22 or 73)
-/// Throws  config_error 103 for an unknown name, shape_error 205
-template <Scalar S>
-std::vector<Vec3<S>> select_joints(std::string_view name, std::span<const Vec3<S>> points,
-                                   std::span<const Vec3<S>> trans) {
-  const bool scaled = name == "mmm", y_up = scaled || name == "mmmns", mmm = y_up || name == "smplmmm";
-  if (!mmm && name != "smplnh" && name != "smplh") {
-    raise<config_error>(103, "select_joints: '", name, "' is not mmm, mmmns, smplmmm, smplnh or smplh");
-  }
-  if (points.size() != 73 * trans.size()) {
-    raise<shape_error>(205, "select_joints: ", points.size(), " points for ", trans.size(), " frames of 73");
-  }
-  const std::size_t joints = mmm ? mmm_of_smplh.size() : name == "smplnh" ? 22 : 73;
-  std::vector<Vec3<S>> out;
-  out.reserve(trans.size() * joints);
-  for (std::size_t t = 0; t < trans.size(); ++t) {
-    for (std::size_t j = 0; j < joints; ++j) {
-      const Vec3<S> p = (scaled ? S(640) : S(1)) * points[73 * t + (mmm ? mmm_of_smplh[j] : j)];
-      out.push_back(y_up ? Vec3<S>{p.y, p.z, -p.x} : p);
-    }
-  }
-  if (out.empty()) return out;
-  const Vec3<S> shift = trans[0] - out[0];
-  for (Vec3<S>& p : out) p = p + shift;
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_HPP  // <motionlang/features/motion_features.hpp>
-#define MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_HPP
-/// The feature vectors that systems are trained on, by name: from a clip to rows of numbers, and from these to joints
-/// and clips.
-///
-///     const MotionFeatures& f = motion_features("guoh3d");
-///     const auto rows = f.from_motion(resample(retarget(clip), f.fps));
-///     const Motion back = motion_of_rows(f, rows);
-///
-///     guoh3d              263   20    HumanML3D's, of TMR   a row less than the clip has frames; positions alone
-///     kit                 251   12.5  KIT's, 21 joints of MMM, reflected, 640 units per metre, bones as long as the
-///                         clip's; else as guoh3d
-///     rifke                67   12.5  TMR's canonical view, 22 joints; positions alone
-///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot);
-///                          positions alone
-///     smplvelp            135   12.5  TEMOS on SMPL         with the exact heading, so that it is there and back
-///     smplvelp-published  135   12.5  TEMOS on SMPL         with the turn of its repository, which is no heading: see
-///                         SmplVelpOptions
-///     smplrifke           205   20    STMC
-///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a
-///                         camera
-/// Positions alone: the clip that comes back has rotations that fit them (motion_from_joints.hpp).
-/// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM: specs
-///         humanml3d-features.md 1.2 and 10, temos.md 4.1 and 4.3
+///     const auto loss = foot_velocity_loss<A>(normaliser.denormalize(out), truth, offsets, 20);
 
 #ifndef MOTIONLANG_HAS_FEATURES_SMPLRIFKE_HPP  // <motionlang/features/smplrifke.hpp>
 #define MOTIONLANG_HAS_FEATURES_SMPLRIFKE_HPP
@@ -16037,6 +15235,1335 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Pelvis and legs of SMPL's skeleton; the last four joints, ankles and toes, are the feet.
+inline constexpr std::array leg_joints{0, 1, 2, 4, 5, 7, 8, 10, 11};
+inline constexpr Index foot_values = 12;  // four joints, x y z
+
+inline const Skeleton& leg_skeleton() {
+  static const Skeleton skeleton = [] {
+    Skeleton legs;
+    for (const int j : leg_joints) {
+      const auto at = static_cast<std::size_t>(j);
+      const auto parent = std::find(leg_joints.begin(), leg_joints.end(), smpl24_skeleton().parents[at]);
+      legs.names.push_back(smpl24_skeleton().names[at]);
+      legs.parents.push_back(j == 0 ? -1 : static_cast<int>(parent - leg_joints.begin()));
+      legs.offsets.push_back(smpl24_skeleton().offsets[at]);
+    }
+    return legs;
+  }();
+  return skeleton;
+}
+
+/// Ankles and toes relative to the pelvis, seen from the body, by the rotations in 205-vectors.
+/// (rows, 205) -> (rows, 12)
+template <Backend B>
+Tensor<B, 2> feet_of(const Tensor<B, 2>& features) {
+  const Index rows = features.size(0), joints = std::ssize(leg_joints);
+  std::vector<Tensor<B, 2>> rotations;
+  for (const int j : leg_joints) rotations.push_back(slice(features, 1, 4 + 6 * j, 10 + 6 * j));
+  const auto rot6d = reshape<4>(concat(std::span<const Tensor<B, 2>>(rotations), 1), {1, rows, joints, 6});
+  const auto places = forward_kinematics(leg_skeleton(), lanes(rot6d, Tensor<B, 3>::zeros({1, rows, 3})));
+  return reshape<2>(slice(places, 2, joints - foot_values / 3, joints), {rows, foot_values});
+}
+
+}  // namespace detail
+
+/// Mean square of the error of the feet's velocity in the world, in (m/s)^2.
+///     V = (v + Rz(turn) p' - p, z' + p'_z - z - p_z),   p: foot, p': in the next frame, v: the root's velocity
+/// To first order in the error of `turn`.
+/// Shapes   features, truth (rows, 205), not normalised: sequences behind each other by `offsets` -> ()
+/// Source   the geometric losses of MDM (Tevet et al. 2023, eq. 4 and 5)
+/// Differs  from these: the path of the root is part of the velocity. Feet that `truth` moves over the floor at less
+///          than 0.4 m/s, as those that stand, count five times.
+template <AutodiffBackend A>
+Tensor<A, 0> foot_velocity_loss(const Tensor<A, 2>& features, const Tensor<typename A::inner, 2>& truth,
+                                const Offsets& offsets, double fps) {
+  using B = typename A::inner;
+  using S = typename B::scalar;
+  std::vector<Index> now, next;
+  for (Index s = 0; s < offsets.count(); ++s)
+    for (Index r = offsets.begin(s); r + 1 < offsets.end(s); ++r) now.push_back(r), next.push_back(r + 1);
+
+  // what the feet truly do, and how much each number weighs
+  const auto true_feet = detail::feet_of(truth);
+  const auto feet = true_feet.span(), root = truth.span();
+  std::vector<S> lever, weight;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const auto* r = root.data() + now[i] * smplrifke_size;
+    for (Index k = 0; k < detail::foot_values; k += 3) {
+      const auto *p = feet.data() + now[i] * detail::foot_values + k,
+                 *q = feet.data() + next[i] * detail::foot_values + k;
+      const S vx = r[1] + q[0] - r[3] * q[1] - p[0], vy = r[2] + q[1] + r[3] * q[0] - p[1];
+      const S w = std::hypot(vx, vy) * static_cast<S>(fps) < S(0.4) ? std::sqrt(S(5)) : S(1);
+      lever.insert(lever.end(), {-q[1], q[0], S(0)});
+      weight.insert(weight.end(), {w, w, w});
+    }
+  }
+  const Shape shape{std::ssize(now), detail::foot_values};
+
+  // columns of the root's error to the twelve numbers
+  std::vector<S> here(4 * detail::foot_values), there(4 * detail::foot_values), turn(4 * detail::foot_values);
+  for (std::size_t k = 0; k < detail::foot_values; k += 3) {
+    here[1 * detail::foot_values + k] = here[2 * detail::foot_values + k + 1] = 1;
+    here[k + 2] = -1, there[k + 2] = 1;
+    for (std::size_t c = 0; c < 3; ++c) turn[3 * detail::foot_values + k + c] = 1;
+  }
+  auto constant = [](const std::vector<S>& values, const Shape& s) { return Tensor<A, 2>::from(values, s); };
+  const Shape four{4, detail::foot_values};
+  const auto error = detail::feet_of(features) - Tensor<A, 2>::from(feet, true_feet.shape());
+  const auto root_error = slice(features, 1, 0, 4) - slice(Tensor<A, 2>::from(root, truth.shape()), 1, 0, 4);
+  const auto root_now = gather(root_error, now);
+  const auto velocity = gather(error, next) - gather(error, now) + matmul(root_now, constant(here, four)) +
+                        matmul(gather(root_error, next), constant(there, four)) +
+                        matmul(root_now, constant(turn, four)) * constant(lever, shape);
+  return mean(square(velocity * constant(weight, shape))) * (fps * fps);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_LOSS_INFO_NCE_HPP  // <motionlang/loss/info_nce.hpp>
+#define MOTIONLANG_HAS_LOSS_INFO_NCE_HPP
+/// Contrastive loss with filtered negatives (InfoNCE), for any two modalities.
+///
+///     info_nce(z_text, z_motion, 0.1, false_negatives(sentences, 0.8))
+///     info_nce(z_text, z_motion, exp(log_temperature))                    // the temperature is learned
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The loss for 1 / tau.
+template <Backend B>
+Tensor<B, 0> scaled_info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const Tensor<B, 0>& scale,
+                             std::span<const unsigned char> filtered) {
+  const Index n = x.size(0);
+  if (y.size(0) != n) raise<shape_error>(204, "info_nce: batches of ", x.shape(), ", ", y.shape());
+  if (!filtered.empty() && static_cast<Index>(filtered.size()) != n * n)
+    raise<shape_error>(205, "info_nce: a filter of ", filtered.size(), " pairs for a batch of ", n);
+  auto s = cosine_similarity(x, y) * scale;
+  if (!filtered.empty()) {
+    std::vector<typename B::scalar> infinity(filtered.size());
+    for (std::size_t k = 0; k < filtered.size(); ++k) {
+      const bool pair = k % static_cast<std::size_t>(n + 1) == 0;
+      if (filtered[k] != 0 && !pair) infinity[k] = static_cast<typename B::scalar>(-1e30);
+    }
+    s = s + Tensor<B, 2>::from(infinity, {n, n});
+  }
+  PoolVector<Index> own;
+  for (Index i = 0; i < n; ++i) own.push_back(i);
+  // thesis eq. 5.1 = TMR eq. 1
+  return (cross_entropy(s, own) + cross_entropy(transpose(s), own)) * 0.5;
+}
+
+}  // namespace detail
+
+///     S_ij = cos(x_i, y_j) / tau,   S_ij = -inf where i != j and filtered_ij
+///     loss = (CE(S) + CE(S^T)) / 2,   CE(S) = mean_i (log sum_j exp(S_ij) - S_ii)
+/// Source    TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2, TMR eq. 1; thesis 5.2.2, thesis eq. 5.1;
+///           van den Oord et al. (2018); a learned temperature: CLIP (Radford et al., ICML 2021), section 2.3
+/// Differs   from TMR eq. 1 by the filter of section 3.3, which takes pairs out of both sums
+/// Notation  motion -> x, text -> y, temperature -> tau
+/// Shapes    x, y (batch, latent); filtered (batch, batch), see false_negatives, empty: none -> ()
+/// Throws    shape_error 204 if the sizes of the batches differ, 205 for a filter of another size, config_error 101
+///           unless temperature > 0
+template <Backend B>
+Tensor<B, 0> info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double temperature,
+                      std::span<const unsigned char> filtered = {}) {
+  if (!(temperature > 0)) raise<config_error>(101, "info_nce: temperature ", temperature);
+  return detail::scaled_info_nce(x, y, Tensor<B, 0>(1 / temperature), filtered);
+}
+template <Backend B>
+Tensor<B, 0> info_nce(const Tensor<B, 2>& x, const Tensor<B, 2>& y, const Tensor<B, 0>& temperature,
+                      std::span<const unsigned char> filtered = {}) {
+  if (!(temperature.item() > 0)) raise<config_error>(101, "info_nce: temperature ", temperature.item());
+  return detail::scaled_info_nce(x, y, 1.0 / temperature, filtered);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_LOSS_KL_HPP  // <motionlang/loss/kl.hpp>
+#define MOTIONLANG_HAS_LOSS_KL_HPP
+/// Divergences between diagonal Gaussians, averaged over all coordinates of all rows, or of each row.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Twice the divergence of each coordinate.
+template <Backend B>
+Tensor<B, 2> twice_kl(const Tensor<B, 2>& mu, const Tensor<B, 2>& logvar) {
+  return square(mu) + exp(logvar) - 1.0 - logvar;
+}
+template <Backend B>
+Tensor<B, 2> twice_kl(const Tensor<B, 2>& mu_q, const Tensor<B, 2>& logvar_q, const Tensor<B, 2>& mu_p,
+                      const Tensor<B, 2>& logvar_p) {
+  const auto log_ratio = logvar_q - logvar_p;
+  return exp(log_ratio) + square(mu_q - mu_p) * exp(-logvar_p) - 1.0 - log_ratio;
+}
+
+}  // namespace detail
+
+/// KL(N(mu, exp(logvar)) || N(0, 1)), averaged over all elements.
+///     (mu^2 + exp(logvar) - 1 - logvar) / 2
+/// Source  Kingma and Welling (2014), appendix B.
+template <Backend B>
+Tensor<B, 0> kl_to_standard_normal(const Tensor<B, 2>& mu, const Tensor<B, 2>& logvar) {
+  return mean(detail::twice_kl(mu, logvar)) * 0.5;
+}
+/// The same averaged over the coordinates only, (rows).
+template <Backend B>
+Tensor<B, 1> kl_to_standard_normal_of_rows(const Tensor<B, 2>& mu, const Tensor<B, 2>& logvar) {
+  return mean(detail::twice_kl(mu, logvar), 1) * 0.5;
+}
+
+/// KL(N(mu_q, exp(logvar_q)) || N(mu_p, exp(logvar_p))), averaged over all elements.
+///     (exp(logvar_q - logvar_p) + (mu_q - mu_p)^2 exp(-logvar_p) - 1 - (logvar_q - logvar_p)) / 2
+/// Source   a term of thesis eq. 4.2; TEMOS temos/model/losses/kl.py, TMR src/model/losses.py KLLoss
+/// Differs  from the textbook, as published: a mean over the coordinates, not their sum
+template <Backend B>
+Tensor<B, 0> kl_divergence(const Tensor<B, 2>& mu_q, const Tensor<B, 2>& logvar_q, const Tensor<B, 2>& mu_p,
+                           const Tensor<B, 2>& logvar_p) {
+  return mean(detail::twice_kl(mu_q, logvar_q, mu_p, logvar_p)) * 0.5;
+}
+/// The same averaged over the coordinates only, (rows).
+template <Backend B>
+Tensor<B, 1> kl_divergence_of_rows(const Tensor<B, 2>& mu_q, const Tensor<B, 2>& logvar_q, const Tensor<B, 2>& mu_p,
+                                   const Tensor<B, 2>& logvar_p) {
+  return mean(detail::twice_kl(mu_q, logvar_q, mu_p, logvar_p), 1) * 0.5;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_LOSS_LOSS_TERMS_HPP  // <motionlang/loss/loss_terms.hpp>
+#define MOTIONLANG_HAS_LOSS_LOSS_TERMS_HPP
+/// A loss of several named and weighted terms.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+template <Backend B>
+struct LossTerms {
+  struct Term {
+    std::string name;
+    double weight = 1;
+    Tensor<B, 0> value;  // without the weight
+  };
+  std::vector<Term> terms;
+
+  void add(std::string name, double weight, Tensor<B, 0> value) {
+    terms.push_back({std::move(name), weight, std::move(value)});
+  }
+  /// The terms of another loss, with something behind their names.
+  void append(LossTerms other, const std::string& suffix = "") {
+    for (Term& t : other.terms) add(t.name + suffix, t.weight, std::move(t.value));
+  }
+  ///     sum of weight value
+  Tensor<B, 0> total() const {
+    Tensor<B, 0> sum(0.0);
+    for (const Term& t : terms) sum = sum + t.value * t.weight;
+    return sum;
+  }
+  /// The terms whose names begin so, without their weights.
+  Tensor<B, 0> sum_of(std::string_view beginning) const {
+    Tensor<B, 0> sum(0.0);
+    for (const Term& t : terms) {
+      if (t.name.starts_with(beginning)) sum = sum + t.value;
+    }
+    return sum;
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_LOSS_MARGIN_HPP  // <motionlang/loss/margin.hpp>
+#define MOTIONLANG_HAS_LOSS_MARGIN_HPP
+/// Contrastive losses with a Euclidean margin: of all pairs of a batch, what InfoNCE is compared with; of one other
+/// partner for each.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// max(0, margin - d) for squared distances. Two equal points have no direction to be pushed in: their root gets slope
+/// 0.
+template <Backend B, int R>
+Tensor<B, R> short_of_margin(const Tensor<B, R>& squared, double margin) {
+  return maximum(Tensor<B, R>(margin) - sqrt(maximum(squared, Tensor<B, R>(1e-24))), Tensor<B, R>(0.0));
+}
+
+}  // namespace detail
+
+///     d_ij = |x_i - y_j + 1e-6|,   loss = mean_i d_ii^2 + mean_{i != j, not filtered} max(0, margin - d_ij)^2
+/// Source   Hadsell, Chopra, LeCun (CVPR 2006), eq. 4; distance and margin of Guo et al. (CVPR 2022). The ablation of
+///          TMR, thesis table 5.3: all pairs of the batch, with the same filter as InfoNCE
+/// Differs  from Guo et al., who have one negative for each pair
+/// Shapes   x, y (batch, latent); filtered (batch, batch), see false_negatives, empty: none -> ()
+/// Throws   shape_error 204 if the shapes differ, 205 for a filter of another size, config_error 101 unless margin > 0
+template <Backend B>
+Tensor<B, 0> margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double margin = 10,
+                         std::span<const unsigned char> filtered = {}) {
+  const Index n = x.size(0), width = x.size(1);
+  if (y.shape() != x.shape()) raise<shape_error>(204, "margin_loss: batches of ", x.shape(), ", ", y.shape());
+  if (!filtered.empty() && static_cast<Index>(filtered.size()) != n * n)
+    raise<shape_error>(205, "margin_loss: a filter of ", filtered.size(), " pairs for a batch of ", n);
+  if (!(margin > 0)) raise<config_error>(101, "margin_loss: margin ", margin);
+  using S = typename B::scalar;
+  std::vector<S> positive(static_cast<std::size_t>(n * n)), negative(positive.size());
+  Index negatives = 0;
+  for (std::size_t k = 0; k < positive.size(); ++k) {
+    const bool pair = k % static_cast<std::size_t>(n + 1) == 0, kept = !pair && (filtered.empty() || filtered[k] == 0);
+    positive[k] = pair ? S(1) : S(0);
+    negative[k] = kept ? S(1) : S(0);
+    negatives += kept ? 1 : 0;
+  }
+  auto mean_over = [&](const Tensor<B, 2>& values, const std::vector<S>& which, Index count) {
+    return sum(values * Tensor<B, 2>::from(which, {n, n})) * (1.0 / static_cast<double>(std::max<Index>(1, count)));
+  };
+  const auto difference = reshape<3>(x, {n, 1, width}) - reshape<3>(y, {1, n, width}) + 1e-6;
+  const auto squared = sum(square(difference), 2);
+  const auto short_of = detail::short_of_margin(squared, margin);
+  return mean_over(squared, positive, n) + mean_over(square(short_of), negative, negatives);
+}
+
+///     d(a, b) = |a - b + 1e-6|,   positive = mean_i d(x_i, y_i)^2,   negative = mean_i max(0, margin - d(x_i, y_(i +
+///     shift) mod n))^2
+/// Source   TM2T (Guo et al., ECCV 2022), appendix C, TM2T eq. 8; text-to-motion networks/trainers.py
+///          TextMotionMatchTrainer, networks/modules.py ContrastiveLoss. There the shift is drawn from 0 ... n - 2, so
+///          that now and then, at 0, the right partner is pushed away
+/// Differs  from TM2T eq. 8, as published: the equation squares |s - p|^2 once more, and compares |s - p|^2 with the
+///          margin
+/// Shapes   x, y (batch, latent) -> the two terms, of weight 1
+/// Throws   shape_error 204 if the shapes differ, config_error 101 unless margin > 0 and 0 <= shift
+template <Backend B>
+LossTerms<B> shifted_margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, Index shift, double margin = 10) {
+  const Index n = x.size(0);
+  if (y.shape() != x.shape()) raise<shape_error>(204, "shifted_margin_loss: batches of ", x.shape(), ", ", y.shape());
+  if (!(margin > 0) || shift < 0) raise<config_error>(101, "shifted_margin_loss: margin ", margin, ", shift ", shift);
+  PoolVector<Index> other;
+  for (Index i = 0; i < n; ++i) other.push_back((i + shift) % n);
+  auto squared = [&](const Tensor<B, 2>& partner) { return sum(square(x - partner + 1e-6), 1); };
+  LossTerms<B> out;
+  // the two terms of TM2T eq. 8, see above
+  out.add("positive", 1, mean(squared(y)));
+  out.add("negative", 1, mean(square(detail::short_of_margin(squared(gather(y, other)), margin))));
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_LOSS_RECONSTRUCTION_HPP  // <motionlang/loss/reconstruction.hpp>
+#define MOTIONLANG_HAS_LOSS_RECONSTRUCTION_HPP
+/// Losses that compare numbers with numbers.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// mean((a - b)^2) over all elements.
+template <Backend B, int R>
+Tensor<B, 0> mse(const Tensor<B, R>& a, const Tensor<B, R>& b) {
+  return mean(square(a - b));
+}
+
+/// mean |a - b| over all elements.
+template <Backend B, int R>
+Tensor<B, 0> l1(const Tensor<B, R>& a, const Tensor<B, R>& b) {
+  return mean(abs(a - b));
+}
+
+namespace detail {
+/// d^2 / 2 where |d| < 1, else |d| - 1/2.
+template <Backend B, int R>
+Tensor<B, R> huber(const Tensor<B, R>& difference) {
+  const auto d = abs(difference);
+  return where_less(d, Tensor<B, R>(1.0), square(d) * 0.5, d - 0.5);
+}
+}  // namespace detail
+
+/// Huber's loss with threshold 1, averaged: d^2 / 2 where |d| < 1, else |d| - 1/2.
+template <Backend B, int R>
+Tensor<B, 0> smooth_l1(const Tensor<B, R>& a, const Tensor<B, R>& b) {
+  return mean(detail::huber(a - b));
+}
+
+namespace detail {
+/// Numbers of a batch that is padded to so many frames, or to the longest sequence.
+template <Backend B>
+double padded_count(const Sequences<B>& a, Index frames) {
+  return static_cast<double>(a.count() * std::max(frames, a.offsets.longest()) * a.width());
+}
+}  // namespace detail
+
+/// Sum of squares over the rows, divided by what a padded batch would have divided by:
+///     loss = sum (a - b)^2 / (count * frames * width)
+/// frames  that the batch is padded to, if more than the longest sequence has
+/// Source   thesis eq. 6.5, as STMC src/model/gaussian.py diffusion_step trains with it
+/// Differs  from thesis eq. 6.5, a squared norm: here a mean, where padding adds nothing to the sum but is counted
+template <Backend B>
+Tensor<B, 0> padded_mse(const Sequences<B>& a, const Tensor<B, 2>& b, Index frames = 0) {
+  return sum(square(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
+}
+
+/// smooth_l1 with the same mean over a padded batch. Source  TEMOS temos/model/losses/compute.py, TMR src/model/tmr.py
+template <Backend B>
+Tensor<B, 0> padded_smooth_l1(const Sequences<B>& a, const Tensor<B, 2>& b, Index frames = 0) {
+  return sum(detail::huber(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
+}
+
+/// The mean over the sequences of smooth_l1 of each: a short sequence weighs as much as a long one.
+/// Source  TEACH teach/model/losses/compute_teach.py
+template <Backend B>
+Tensor<B, 0> smooth_l1_of_sequences(const Sequences<B>& a, const Tensor<B, 2>& b) {
+  std::vector<typename B::scalar> share;  // of each row
+  for (Index s : sequence_of_row(a.offsets))
+    share.push_back(
+        static_cast<typename B::scalar>(1.0 / static_cast<double>(a.count() * a.offsets.length(s) * a.width())));
+  return sum(detail::huber(a.rows - b) * Tensor<B, 2>::from(share, {a.offsets.rows(), 1}));
+}
+
+/// The differences from each frame to the next, of every sequence: (rows - sequences, width).
+template <Backend B>
+Tensor<B, 2> frame_steps(const Sequences<B>& x) {
+  PoolVector<Index> from, to;
+  for (Index s = 0; s < x.count(); ++s) {
+    for (Index r = x.offsets.begin(s); r + 1 < x.offsets.end(s); ++r) from.push_back(r), to.push_back(r + 1);
+  }
+  return gather(x.rows, to) - gather(x.rows, from);
+}
+
+/// mse of the steps from frame to frame. Throws shape_error 204 unless both have the same frames.
+template <Backend B>
+Tensor<B, 0> velocity_mse(const Sequences<B>& a, const Sequences<B>& b) {
+  if (!(a.offsets == b.offsets))
+    raise<shape_error>(204, "velocity_mse: sequences of other lengths: ", a.rows.shape(), ", ", b.rows.shape());
+  return mse(frame_steps(a), frame_steps(b));
+}
+
+/// MDM's masked loss, (sequences): for each the sum of squares over its frames and features / (frames * width + 1e-8).
+template <Backend B>
+Tensor<B, 1> mse_per_sequence(const Sequences<B>& a, const Tensor<B, 2>& b) {
+  const auto squares = sum(square(a.rows - b), 1);  // (rows)
+  std::vector<Index> owner;
+  std::vector<typename B::scalar> weight;
+  for (Index s = 0; s < a.count(); ++s) {
+    const Index n = a.offsets.length(s);
+    owner.insert(owner.end(), static_cast<std::size_t>(n), s);
+    weight.push_back(static_cast<typename B::scalar>(1.0 / (static_cast<double>(n * a.width()) + 1e-8)));
+  }
+  return scatter_add(squares, owner, a.count()) * Tensor<B, 1>::from(weight, {a.count()});
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_OPTIM_ADAMW_HPP  // <motionlang/optim/adamw.hpp>
+#define MOTIONLANG_HAS_OPTIM_ADAMW_HPP
+/// AdamW, and the norm of all gradients.
+
+#include <map>      // state by parameter
+#include <set>      // paths
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct AdamWConfig {
+  double lr = 1e-4;
+  double beta1 = 0.9, beta2 = 0.999;
+  double eps = 1e-8;
+  double weight_decay = 0.01;
+  bool allow_constants = false;  // parameters that are no variables stay as they are; else they are an error
+};
+
+namespace detail {
+
+/// In double, as eight sums side by side: one after the other they would wait for each other.
+template <Scalar S>
+double sum_of_squares(std::span<const S> values) {
+  std::array<double, 8> sums{};
+  std::size_t i = 0;
+  for (; i + sums.size() <= values.size(); i += sums.size()) {
+    for (std::size_t lane = 0; lane < sums.size(); ++lane) {
+      const auto x = static_cast<double>(values[i + lane]);
+      sums[lane] += x * x;
+    }
+  }
+  for (; i < values.size(); ++i) sums[0] += static_cast<double>(values[i]) * static_cast<double>(values[i]);
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+}  // namespace detail
+
+/// Square root of the sum of squares of all gradients, in double and in the order of the fields.
+template <AutodiffBackend A, Module M>
+double gradient_norm(const M& model, const Gradients<A>& gradients) {
+  double total = 0;
+  for (const auto& t : tensors_of(model)) {
+    if (const auto* g = gradients.find(*t.data))
+      total += detail::sum_of_squares<typename A::scalar>(A::inner::to_span(*g));
+  }
+  return std::sqrt(total);
+}
+/// The factor that brings a norm down to `max_norm`: min(1, max_norm / (norm + 1e-6)), as PyTorch clips.
+inline double clip_scale(double norm, double max_norm) { return std::min(1.0, max_norm / (norm + 1e-6)); }
+
+/// Decoupled weight decay (Loshchilov and Hutter 2019, algorithm 2) with PyTorch's order of operations:
+///     p = p (1 - lr wd);   m = b1 m + (1 - b1) g;   v = b2 v + (1 - b2) g^2
+///     p = p - lr / (1 - b1^k) m / (sqrt(v / (1 - b2^k)) + eps)
+/// All parameters decay, biases and norms too. Parameters that the loss does not reach stay as they are. With
+/// weight_decay = 0 this is Adam. Tensors of modules with `trainable = false` are no parameters.
+template <AutodiffBackend A>
+class AdamW {
+ public:
+  using B = typename A::inner;
+  struct Moments {
+    typename B::tensor m, v;
+  };
+
+  explicit AdamW(AdamWConfig c = {}) : config(c) {}
+
+  AdamWConfig config;
+
+  /// One update; gradients are multiplied by `scale` first (clip_scale). The model keeps its variables. Throws
+  /// config_error 102 for a parameter that is no variable (unless config.allow_constants) and for two parameters of one
+  /// path, before anything has changed, shape_error 204 if restored moments are those of another model.
+  template <Module M>
+  void step(M& model, const Gradients<A>& gradients, double scale = 1) {
+    const auto tensors = tensors_of(model);
+    check(tensors);
+    ++steps_;
+    for (const auto& t : tensors) update(t, gradients, scale);
+  }
+
+  /// Updates made so far, and the moments by path: what a checkpoint has to keep.
+  Index steps() const { return steps_; }
+  const std::map<std::string, Moments>& state() const { return state_; }
+  void restore(Index steps, std::map<std::string, Moments> state) {
+    steps_ = steps;
+    state_ = std::move(state);
+  }
+
+ private:
+  void check(const std::vector<ModuleTensor<A>>& tensors) const {
+    std::set<std::string_view> paths;
+    for (const auto& t : tensors) {
+      if (!paths.insert(t.path).second) raise<config_error>(102, "AdamW: two parameters are '", t.path, "'");
+      const auto& node = t.data->node;
+      if (config.allow_constants || !t.trainable || t.shape().rank() != t.rank) continue;  // the last: none is there
+      if (node == nullptr || !node->variable) {
+        raise<config_error>(102, "AdamW: parameter '", t.path, "' is ",
+                            node == nullptr ? "a constant" : "the result of an operation",
+                            ", not a variable: it would not be trained");
+      }
+    }
+  }
+  void update(const ModuleTensor<A>& t, const Gradients<A>& gradients, double scale) {
+    const auto* g = gradients.find(*t.data);
+    if (g == nullptr) return;
+    auto found = state_.find(t.path);
+    if (found == state_.end()) {
+      const auto zero = B::full(B::shape(*g), 0);
+      found = state_.emplace(t.path, Moments{zero, zero}).first;
+    }
+    Moments& s = found->second;
+    for (const auto* moment : {&s.m, &s.v}) {
+      if (B::shape(*moment) != t.shape())
+        raise<shape_error>(204, "AdamW: '", t.path, "' is ", t.shape(), ", its restored moments are ",
+                           B::shape(*moment));
+    }
+    const AdamwUpdate u{.lr = config.lr,
+                        .beta1 = config.beta1,
+                        .beta2 = config.beta2,
+                        .eps = config.eps,
+                        .weight_decay = config.weight_decay,
+                        .gradient_scale = scale,
+                        .step = steps_};
+    adamw_update<B>(A::mutable_value(*t.data), s.m, s.v, *g, u);
+  }
+
+  Index steps_ = 0;
+  std::map<std::string, Moments> state_;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_OPTIM_EMA_HPP  // <motionlang/optim/ema.hpp>
+#define MOTIONLANG_HAS_OPTIM_EMA_HPP
+/// Exponential moving average of the parameters: the model that is saved and sampled from.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+///     e = rate e + (1 - rate) p
+/// `rate` grows from 0.1 as min(rate, (1 + k) / (10 + k)), so that the first updates are not held back by the initial
+/// values. Source  Polyak and Juditsky (1992); the warm-up is the one of common diffusion code.
+/// Throws shape_error 204 if the two are not of the same structure.
+template <Module Average, Module Model>
+void update_ema(Average& average, const Model& model, double rate, Index step) {
+  using B = module_backend<Average>;
+  using S = typename B::scalar;
+  const double k = static_cast<double>(step), r = std::min(rate, (1 + k) / (10 + k));
+  zip_tensors(average, model, [&](const auto& e, const auto& p) {
+    if (e.shape() != p.shape())
+      raise<shape_error>(204, "update_ema: '", e.path, "' is ", e.shape(), ", the model has ", p.shape());
+    const auto before = e.span();
+    std::vector<S> values(before.begin(), before.end());
+    const auto now = p.span();
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = static_cast<S>(r * static_cast<double>(values[i]) + (1 - r) * static_cast<double>(now[i]));
+    *e.data = B::from_span(values, e.shape());
+  });
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_OPTIM_LR_SCHEDULE_HPP  // <motionlang/optim/lr_schedule.hpp>
+#define MOTIONLANG_HAS_OPTIM_LR_SCHEDULE_HPP
+/// Learning rates over the steps of a training.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Linear rise over `warmup` steps, then half a cosine from `peak` down to `floor` at step `total` (Loshchilov, Hutter
+/// 2017).
+struct WarmupCosine {
+  double peak = 1e-4;
+  double floor = 0;
+  Index warmup = 0;
+  Index total = 1;
+
+  double operator()(Index step) const {
+    if (step < warmup) return peak * static_cast<double>(step + 1) / static_cast<double>(warmup);
+    const double progress =
+        std::min(1.0, static_cast<double>(step - warmup) / static_cast<double>(std::max<Index>(1, total - warmup)));
+    return floor + (peak - floor) * 0.5 * (1 + std::cos(std::numbers::pi * progress));
+  }
+};
+
+/// The rate divided by `factor` once every `every` steps.
+struct StepDecay {
+  double rate = 1e-4;
+  double factor = 10;
+  Index every = 1;
+
+  double operator()(Index step) const {
+    const Index times = step / std::max<Index>(1, every);
+    return rate / std::pow(factor, static_cast<double>(times));
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_OPTIM_OPTIMISER_CONFIG_HPP  // <motionlang/optim/optimiser_config.hpp>
+#define MOTIONLANG_HAS_OPTIM_OPTIMISER_CONFIG_HPP
+/// Hyperparameters that every training has: those of the optimiser, and when to validate.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// AdamW. The defaults are those of TEMOS and TMR.
+struct OptimiserConfig {
+  double lr = 1e-4, beta1 = 0.9, beta2 = 0.999, eps = 1e-8, weight_decay = 0.01;
+  double clip_norm = 0;               // longest gradient; 0: any
+  double ema = 0;                     // rate of the running average that is used in the end; 0: the weights themselves
+  std::string schedule = "constant";  // or "cosine", down to a fiftieth; "step", SINC's: a tenth after every 200 epochs
+  Index warmup = 0;                   // steps
+  Index batch = 32;
+  Index epochs = 500;
+  std::uint64_t seed = 1234;
+
+  static constexpr auto fields() {
+    using C = OptimiserConfig;
+    return motionlang::fields("lr", &C::lr, "beta1", &C::beta1, "beta2", &C::beta2, "eps", &C::eps, "weight_decay",
+                              &C::weight_decay, "clip_norm", &C::clip_norm, "ema", &C::ema, "schedule", &C::schedule,
+                              "warmup", &C::warmup, "batch", &C::batch, "epochs", &C::epochs, "seed", &C::seed);
+  }
+
+  void require_sound() const {
+    require_value("eps", eps, eps > 0, "a number above 0");
+    for (const auto& [name, value] : {std::pair("beta1", beta1), {"beta2", beta2}, {"ema", ema}})
+      require_value(name, value, value >= 0 && value < 1, "0 or more, and less than 1");
+    for (const auto& [name, value] : {std::pair("lr", lr), {"weight_decay", weight_decay}, {"clip_norm", clip_norm}})
+      require_value(name, value, value >= 0, "0 or more");
+    for (const auto& [name, value] : {std::pair("batch", batch), {"epochs", epochs}})
+      require_value(name, value, value >= 1, "1 or more");
+    require_value("warmup", warmup, warmup >= 0, "0 or more");
+  }
+  AdamWConfig adamw() const {
+    return {.lr = lr, .beta1 = beta1, .beta2 = beta2, .eps = eps, .weight_decay = weight_decay};
+  }
+  /// The rate of a step out of `total`. Throws config_error 103 for an unknown schedule.
+  double rate(Index step, Index total) const {
+    if (schedule == "cosine")
+      return WarmupCosine{.peak = lr, .floor = lr * 0.02, .warmup = warmup, .total = total}(step);
+    if (schedule == "step") {
+      const Index tenths = step * epochs / total / 200;  // whole ones
+      return lr * std::pow(0.1, static_cast<double>(tenths));
+    }
+    if (schedule != "constant")
+      raise<config_error>(103, "optimiser.schedule '", schedule, "' is not constant, cosine or step");
+    return step < warmup ? lr * static_cast<double>(step + 1) / static_cast<double>(warmup) : lr;
+  }
+};
+
+struct ValidationConfig {
+  Index every = 1;             // epochs; 0: never
+  Index patience = 0;          // validations without a better one before training stops; 0: it does not
+  bool keep_best = false;      // the weights of the best validation are used, not the last
+  std::string watch = "loss";  // what "better" means; TMR: or "retrieval", the sum of the recalls
+
+  static constexpr auto fields() {
+    using C = ValidationConfig;
+    return motionlang::fields("every", &C::every, "patience", &C::patience, "keep_best", &C::keep_best, "watch",
+                              &C::watch);
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_ACTOR_POINTS_HPP  // <motionlang/features/actor_points.hpp>
+#define MOTIONLANG_HAS_FEATURES_ACTOR_POINTS_HPP
+/// ACTOR's motions on an SMPL body: from rotations to points. What its loss compares and its metrics read.
+///
+///     vertices  the surface, where SMPL puts it      a2m    18 joints of Action2Motion    vibe  49 joints of VIBE
+///     smpl      24 joints                            a2mpl  28: both together
+/// Source  thesis 3.2.2, "vertex coordinates"; ACTOR src/models/rotation2xyz.py and src/models/smpl.py
+
+#ifndef MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP  // <motionlang/features/pose_representation.hpp>
+#define MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP
+/// Rotations as numbers of a feature vector, the way ACTOR, TEMOS, TEACH and SINC write them, and ACTOR's motions made
+/// of them.
+///
+///     rotvec   3   rotation vector, radians
+///     rotquat  4   quaternion, w first
+///     rotmat   9   matrix, row by row
+///     rot6d    6   first two rows of the matrix; what all published models use
+///
+/// Source  ACTOR (Petrovich et al., ICCV 2021), src/datasets/dataset.py; conversions: geometry/pytorch3d.hpp;
+///         thesis 3.3.2, table 3.1
+
+#ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_HPP  // <motionlang/features/layout.hpp>
+#define MOTIONLANG_HAS_FEATURES_LAYOUT_HPP
+/// Which numbers of a feature vector belong to which body part, and what they mean. Composition needs nothing but the
+/// former from a representation.
+///
+/// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity; what
+///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule. In
+///         other bodies the part with the path takes the place of the legs.
+///         Meanings and units: HumanML3D motion_representation.ipynb; STMC src/tools/smplrifke_feats.py; TEMOS
+///         temos/transforms/joints2jfeats/rifke.py; TMR src/rifke.py
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Half-open range of positions.
+struct IndexRange {
+  Index begin = 0, end = 0;
+  constexpr Index size() const { return end - begin; }
+  bool operator==(const IndexRange&) const = default;
+};
+
+/// What numbers of a feature vector mean. A table of these covers the vector without gap or overlap.
+struct FeatureRange {
+  IndexRange numbers;
+  std::string_view meaning;  // with `joints`: of each of them
+  std::string_view unit;     // "1": none; frames are those of the features
+  IndexRange joints{};       // they follow one another, each with as many numbers; empty: the root's numbers, contacts
+};
+
+/// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
+/// and their ranges, or `from_owner`:
+///
+///     const auto owner = [](Index i) { return i < 40 ? BodyPart::legs : BodyPart::head; };
+///     auto layout = FeatureLayout::from_owner("my features", 64, owner);
+struct FeatureLayout {
+  std::string name;
+  Index size = 0;                                              // numbers of one frame
+  std::array<std::vector<IndexRange>, most_body_parts> parts;  // ascending and separate, in the order of the parts
+  BodyPartition body{};                                        // whose parts; the human body unless given
+
+  /// From a function position -> BodyPart, or the number of a part. Throws config_error 102 for a part that the body
+  /// does not have.
+  template <class F>
+  static FeatureLayout from_owner(std::string name, Index size, F owner) {
+    return from_owner(std::move(name), size, BodyPartition(), std::move(owner));
+  }
+  template <class F>
+  static FeatureLayout from_owner(std::string name, Index size, BodyPartition body, F owner) {
+    FeatureLayout layout{std::move(name), size, {}, std::move(body)};
+    for (Index i = 0; i < size; ++i) {
+      const auto part = static_cast<Index>(owner(i));
+      if (part < 0 || part >= layout.body.size())
+        raise<config_error>(102, "FeatureLayout '", layout.name, "': number ", i, " belongs to part ", part, " of ",
+                            layout.body.size());
+      auto& ranges = layout.parts[static_cast<std::size_t>(part)];
+      if (ranges.empty() || ranges.back().end != i) ranges.push_back({i, i});
+      ranges.back().end = i + 1;
+    }
+    return layout;
+  }
+
+  const std::vector<IndexRange>& ranges(BodyPart part) const { return parts[static_cast<std::size_t>(part)]; }
+
+  /// All positions of a part, ascending.
+  std::vector<Index> indices(BodyPart part) const;
+
+  /// Throws config_error 102 unless the ranges cover 0 ... size-1, each position once, and belong to parts of the body.
+  void validate() const;
+  bool operator==(const FeatureLayout&) const = default;
+};
+
+/// smplrifke: 4 root numbers, 6D rotations of `rotations` joints, positions of joints 1 ... J-1: 4 + 6 * 22 + 3 * 23 =
+/// 205 for SMPL.
+FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint, Index rotations = 22,
+                               const BodyPartition& body = {});
+
+/// What the numbers of `smplrifke_layout` mean. World: Z up.
+inline constexpr std::array<FeatureRange, 6> smplrifke_ranges{{
+    {{0, 1}, "height of the pelvis above the lowest joint of the clip", "m"},
+    {{1, 3}, "velocity of the pelvis to the next frame, seen from the body: x, y", "m/frame"},
+    {{3, 4}, "turn of the heading to the next frame", "rad/frame"},
+    {{4, 10}, "rotation in the world without the heading: the first two rows of the matrix", "1", {0, 1}},
+    {{10, 136}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 22}},
+    {{136, 205}, "position relative to the pelvis, seen from the body: x, y, z", "m", {1, 24}},
+}};
+
+/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
+///
+///     0              turn of the heading to the next frame: half the angle, radians
+///     1:3            velocity of the root along x and z, seen from the body of the next frame
+///     3              height of the root
+///     positions      joints 1 ... J-1 seen from the body, heights above the floor: 3 each
+///     rotations      joints 1 ... J-1: two columns of the matrix, 6 each
+///     velocities     joints 0 ... J-1 to the next frame, seen from the body: 3 each
+///     contacts       left ankle, left toes, right ankle, right toes: 1 if they stand, else 0
+struct Guoh3dSlots {
+  Index joints = 22;
+
+  constexpr IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
+  constexpr IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
+  constexpr IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
+  constexpr IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
+  constexpr Index size() const { return contacts().end; }
+  /// The seven groups whose deviations are published as one number each.
+  constexpr std::array<IndexRange, 7> groups() const {
+    return {{{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()}};
+  }
+};
+
+/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs, or to
+/// the part with the path.
+FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
+                                 const BodyPartition& body = {});
+
+namespace detail {
+
+constexpr std::array<FeatureRange, 7> guoh3dfeats_ranges_of(const Guoh3dSlots& slots, std::string_view length,
+                                                            std::string_view speed, std::string_view contacts) {
+  const auto [turn, velocity, height, positions, rotations, velocities, feet] = slots.groups();
+  return {{
+      {turn, "half the turn of the heading to the next frame", "rad/frame"},
+      {velocity, "velocity of the root to the next frame, seen from the body of the next frame: x, z", speed},
+      {height, "height of the root above the floor", length},
+      {positions, "position from the floor below the root, seen from the body: x, y, z", length, {1, slots.joints}},
+      {rotations,
+       "rotation of the bone that ends here relative to the one before it in its chain, of the first to the root: "
+       "the first two columns of the matrix",
+       "1",
+       {1, slots.joints}},
+      {velocities, "velocity to the next frame, seen from the body: x, y, z", speed, {0, slots.joints}},
+      {feet, contacts, "1"},
+  }};
+}
+
+}  // namespace detail
+
+/// What the numbers of `guoh3dfeats_layout` mean: of HumanML3D, and of KIT with MMM's joints. World: Y up.
+inline constexpr auto guoh3dfeats_ranges = detail::guoh3dfeats_ranges_of(
+    {22}, "m", "m/frame", "left ankle, left foot, right ankle, right foot: 1 if it stands, else 0");
+inline constexpr auto kit_ranges =
+    detail::guoh3dfeats_ranges_of({21}, "m/640", "m/640/frame", "RMrot, RF, LMrot, LF: 1 if it stands, else 0");
+
+/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67
+/// for SMPL's 22 joints and with `kit_part_of_joint` TEMOS's 64.
+FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
+                           const BodyPartition& body = {});
+
+/// What the numbers of `rifke_layout` mean: of TMR, Z up, and of TEMOS on KIT, Y up.
+inline constexpr std::array<FeatureRange, 4> rifke_ranges{{
+    {{0, 1}, "height of the root", "m"},
+    {{1, 64}, "position from the ground below the root, seen from the body: x, y, z", "m", {1, 22}},
+    {{64, 65}, "turn of the heading to the next frame", "rad/frame"},
+    {{65, 67}, "velocity of the root to the next frame, seen from the body: x, y", "m/frame"},
+}};
+inline constexpr std::array<FeatureRange, 4> rifke64_ranges{{
+    {{0, 1}, "height of the root above the floor", "m/640"},
+    {{1, 61}, "position from the floor below the root, seen from the body: x, y, z", "m/640", {1, 21}},
+    {{61, 62}, "turn of the heading since the frame before", "rad/frame"},
+    {{62, 64}, "velocity of the root since the frame before, seen from the body: x, z", "m/640/frame"},
+}};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_IPP  // <motionlang/features/layout.ipp>
+#define MOTIONLANG_HAS_FEATURES_LAYOUT_IPP
+// Bodies of layout.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<Index> FeatureLayout::indices(BodyPart part) const {
+  std::vector<Index> out;
+  for (const IndexRange& r : ranges(part)) {
+    for (Index i = r.begin; i < r.end; ++i) out.push_back(i);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY void FeatureLayout::validate() const {
+  std::vector<int> owners(static_cast<std::size_t>(size), 0);
+  for (int p = 0; p < most_body_parts; ++p) {
+    for (const IndexRange& r : ranges(static_cast<BodyPart>(p))) {
+      if (p >= body.size())
+        raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " belongs to part ", p,
+                            " of ", body.size());
+      if (r.begin < 0 || r.end < r.begin || r.end > size) {
+        raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " of ",
+                            body.name(static_cast<BodyPart>(p)), " is not inside 0:", size);
+      }
+      for (Index i = r.begin; i < r.end; ++i) ++owners[static_cast<std::size_t>(i)];
+    }
+  }
+  for (std::size_t i = 0; i < owners.size(); ++i) {
+    if (owners[i] != 1) {
+      raise<config_error>(102, "FeatureLayout '", name, "': number ", i, " belongs to ", owners[i], " body parts");
+    }
+  }
+}
+
+MOTIONLANG_BODY FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint, Index rotations,
+                                               const BodyPartition& body) {
+  const Index joints = std::ssize(part_of_joint), first_position = 4 + 6 * rotations;
+  if (joints < 1 || rotations < 0 || rotations > joints) {
+    raise<config_error>(101, "smplrifke_layout: ", rotations, " rotations of ", joints, " joints");
+  }
+  return FeatureLayout::from_owner("smplrifke", first_position + 3 * (joints - 1), body, [&](Index i) {
+    if (i < 4) return body.path();
+    const Index joint = i < first_position ? (i - 4) / 6 : 1 + (i - first_position) / 3;
+    return part_of_joint[static_cast<std::size_t>(joint)];
+  });
+}
+
+MOTIONLANG_BODY FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint, const BodyPartition& body) {
+  const Guoh3dSlots slots{std::ssize(part_of_joint)};
+  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
+  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), body, [&](Index i) {
+    if (i < slots.positions().begin || i >= slots.contacts().begin) return body.path();
+    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
+                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
+                                                    : (i - slots.velocities().begin) / 3;
+    return part_of_joint[static_cast<std::size_t>(joint)];
+  });
+}
+
+MOTIONLANG_BODY FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint, const BodyPartition& body) {
+  const Index joints = std::ssize(part_of_joint);
+  if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
+  return FeatureLayout::from_owner("rifke", 3 * joints + 1, body, [&](Index i) {
+    if (i < 1 || i >= 3 * joints - 2) return body.path();
+    return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
+  });
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+enum class PoseRepresentation : int { rotvec, rotquat, rotmat, rot6d };
+inline constexpr std::array<std::string_view, 4> pose_representation_names{"rotvec", "rotquat", "rotmat", "rot6d"};
+
+/// Numbers of one rotation.
+constexpr Index size(PoseRepresentation r) {
+  constexpr Index sizes[] = {3, 4, 9, 6};
+  return sizes[static_cast<int>(r)];
+}
+/// Throws config_error 103.
+PoseRepresentation parse_pose_representation(std::string_view name);
+
+namespace detail {
+
+template <Scalar S>
+void append_vector(std::vector<S>& out, const Vec3<S>& v) {
+  out.insert(out.end(), {v.x, v.y, v.z});
+}
+template <Scalar S>
+void append_quaternion(std::vector<S>& out, const Quaternion<S>& q) {
+  out.insert(out.end(), {q.w, q.x, q.y, q.z});
+}
+
+}  // namespace detail
+
+/// Appends the numbers of a matrix.
+template <Scalar S>
+void append_rotation(std::vector<S>& out, PoseRepresentation r, const Matrix3<S>& m) {
+  switch (r) {
+    case PoseRepresentation::rotvec:
+      return detail::append_vector(out, pytorch3d::matrix_to_axis_angle(m));
+    case PoseRepresentation::rotquat:
+      return detail::append_quaternion(out, pytorch3d::matrix_to_quaternion(m));
+    default:
+      out.insert(out.end(), m.m.begin(), m.m.begin() + size(r));  // rows
+  }
+}
+/// Appends the numbers of a rotation vector, which rotvec keeps as it is.
+template <Scalar S>
+void append_rotation(std::vector<S>& out, PoseRepresentation r, const AxisAngle<S>& v) {
+  if (r == PoseRepresentation::rotvec) return detail::append_vector(out, v.v);
+  if (r == PoseRepresentation::rotquat) return detail::append_quaternion(out, to_quaternion(v));
+  append_rotation(out, r, to_matrix(v));
+}
+/// The matrix of the numbers, which may be whole tensors. Throws shape_error 205.
+template <ScalarLike S>
+Matrix3<S> rotation_from(PoseRepresentation r, std::span<const S> n) {
+  if (std::ssize(n) != size(r)) {
+    raise<shape_error>(205, "rotation_from: ", n.size(), " numbers for '",
+                       pose_representation_names[static_cast<std::size_t>(r)], "' of ", size(r));
+  }
+  switch (r) {
+    case PoseRepresentation::rotvec:
+      return to_matrix(AxisAngle<S>{{n[0], n[1], n[2]}});
+    case PoseRepresentation::rotquat:
+      return to_matrix(Quaternion<S>{n[0], n[1], n[2], n[3]});
+    case PoseRepresentation::rotmat:
+      return {{n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8]}};
+    default:
+      return to_matrix(Rotation6dRows<S>{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
+  }
+}
+
+struct ActorFeatureOptions {
+  PoseRepresentation rotations = PoseRepresentation::rot6d;
+  bool translation = true;  // one more row: the root's way since frame 0, filled up with zeros
+  bool global = true;       // false: without joint 0
+
+  /// Rows of a frame of so many joints.
+  Index rows(Index joints) const { return joints - (global ? 0 : 1) + (translation ? 1 : 0); }
+};
+/// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
+inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
+
+/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the
+/// part with the path: 150.
+FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
+                           const ActorFeatureOptions& options = {}, const BodyPartition& body = {});
+
+/// What the numbers of `actor_layout` mean. World: that of a camera, in which figures stand on their heads.
+inline constexpr std::array<FeatureRange, 4> actor_ranges{{
+    {{0, 6}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
+    {{6, 144}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 24}},
+    {{144, 147}, "way of the root since frame 0: x, y, z", "m"},
+    {{147, 150}, "0: the root's row is as long as the others", "1"},
+}};
+
+/// What ACTOR's networks read, frame by frame.
+/// poses    (frames, joints): rotation vectors or matrices
+/// root     (frames), the pelvis; read if `translation` is on
+/// result   (frames, rows numbers): a row for each joint, then the root's
+/// Throws   shape_error 205 if the sizes do not fit
+template <class R, Scalar S>
+std::vector<S> actor_frame_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
+                                    const ActorFeatureOptions& options = {}) {
+  const Index frames = joints > 0 ? std::ssize(poses) / joints : 0;
+  if (joints < 1 || std::ssize(poses) != frames * joints || (options.translation && std::ssize(root) != frames)) {
+    raise<shape_error>(205, "actor_frame_features: ", poses.size(), " rotations of ", joints, " joints, ", root.size(),
+                       " root positions");
+  }
+  std::vector<S> out;
+  for (Index t = 0; t < frames; ++t) {
+    for (Index j = options.global ? 0 : 1; j < joints; ++j) {
+      append_rotation(out, options.rotations, poses[static_cast<std::size_t>(t * joints + j)]);
+    }
+    if (!options.translation) continue;
+    detail::append_vector(out, root[static_cast<std::size_t>(t)] - root[0]);
+    out.resize(out.size() + static_cast<std::size_t>(size(options.rotations) - 3));
+  }
+  return out;
+}
+/// The same with time last, as its repository has it: (rows, numbers, frames).
+template <class R, Scalar S>
+std::vector<S> actor_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
+                              const ActorFeatureOptions& options = {}) {
+  const std::vector<S> by_frame = actor_frame_features(poses, root, joints, options);
+  const auto width = static_cast<std::size_t>(options.rows(joints) * size(options.rotations));
+  std::vector<S> out(by_frame.size());
+  if (width == 0) return out;
+  const std::size_t frames = out.size() / width;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i % width * frames + i / width] = by_frame[i];
+  return out;
+}
+
+template <Scalar S>
+struct ActorMotion {
+  std::vector<Matrix3<S>> rotations;  // (frames, joints)
+  std::vector<Vec3<S>> root;          // (frames), since frame 0
+};
+
+/// features  (frames, rows numbers), as `actor_frame_features` gives them and networks have them
+/// Joint 0 is `actor_global_rotation` where the features have none; the root stays where it is without a translation.
+/// Throws    shape_error 205 if the features are not whole frames, config_error 101 for no joints
+template <Scalar S>
+ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, const ActorFeatureOptions& options = {}) {
+  if (joints < 1) raise<config_error>(101, "actor_inverse: ", joints, " joints");
+  const auto numbers = static_cast<std::size_t>(size(options.rotations));
+  const auto width = static_cast<std::size_t>(options.rows(joints)) * numbers;
+  if (width == 0 || features.size() % width != 0)
+    raise<shape_error>(205, "actor_inverse: ", features.size(), " values are no frames of ", width);
+  ActorMotion<S> out;
+  for (std::size_t at = 0; at < features.size(); at += width) {
+    std::size_t from = at;
+    if (!options.global) out.rotations.push_back(to_matrix(AxisAngle<S>{vec_cast<S>(actor_global_rotation)}));
+    for (Index j = options.global ? 0 : 1; j < joints; ++j, from += numbers)
+      out.rotations.push_back(rotation_from(options.rotations, features.subspan(from, numbers)));
+    out.root.push_back(options.translation ? Vec3<S>{features[from], features[from + 1], features[from + 2]}
+                                           : Vec3<S>{});
+  }
+  return out;
+}
+
+/// The same of positions (its representation "xyz"), with the root of frame 0 at the origin.
+/// joints (frames, joints) -> (joints, 3, frames). Throws shape_error 205.
+template <Scalar S>
+std::vector<S> actor_joint_features(std::span<const Vec3<S>> positions, Index joints) {
+  if (joints < 1 || std::ssize(positions) % joints != 0) {
+    raise<shape_error>(205, "actor_joint_features: ", positions.size(), " positions for frames of ", joints);
+  }
+  const std::size_t n = static_cast<std::size_t>(joints), frames = positions.size() / n;
+  std::vector<S> out(3 * positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Vec3<S> p = positions[i] - positions[0];
+    S* to = &out[3 * (i % n) * frames + i / n];
+    to[0] = p.x, to[frames] = p.y, to[2 * frames] = p.z;
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_IPP  // <motionlang/features/pose_representation.ipp>
+#define MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_IPP
+// Bodies of pose_representation.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY PoseRepresentation parse_pose_representation(std::string_view name) {
+  for (std::size_t i = 0; i < pose_representation_names.size(); ++i) {
+    if (name == pose_representation_names[i]) return static_cast<PoseRepresentation>(i);
+  }
+  raise<config_error>(103, "parse_pose_representation: '", name, "' is not rotvec, rotquat, rotmat or rot6d");
+}
+
+MOTIONLANG_BODY FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint, const ActorFeatureOptions& options,
+                                           const BodyPartition& body) {
+  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
+  if (joints < 1) raise<config_error>(101, "actor_layout: no joints");
+  return FeatureLayout::from_owner("actor", options.rows(joints) * numbers, body, [&](Index i) {
+    const Index joint = i / numbers + (options.global ? 0 : 1);
+    return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : body.path();
+  });
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+enum class ActorPoints : int { vertices, smpl, a2m, a2mpl, vibe };
+inline constexpr std::array<std::string_view, 5> actor_point_names{"vertices", "smpl", "a2m", "a2mpl", "vibe"};
+
+/// Throws config_error 103.
+ActorPoints parse_actor_points(std::string_view name);
+
+/// Numbers of the points among 54: 24 joints of SMPL, the 21 vertices of `body_points`, 9 that a regressor takes from
+/// the surface. None for vertices.
+std::span<const Index> actor_point_numbers(ActorPoints points);
+
+struct ActorPointOptions {
+  ActorFeatureOptions features{};  // what the motions are made of
+  bool translate = true;           // "vertstrans": moved by the way since the first frame, if the features have one
+  Vec3<double> global_rotation = actor_global_rotation;  // of joint 0 where the features have none: a rotation vector
+  double second_beta = 0;                                // the second coefficient of the shape; the others are 0
+};
+
+namespace detail {
+
+/// All 54 points, (frames, 54, 3).
+template <Backend B>
+Tensor<B, 3> actor_54_points(const PosedBody<B>& posed, const Tensor<B, 2>* J_regressor_extra) {
+  const Index frames = posed.vertices.size(0), v = posed.vertices.size(1);
+  if (J_regressor_extra == nullptr || J_regressor_extra->shape() != Shape{9, v} || posed.extra.count() != 63 * frames ||
+      posed.joints.size(1) != 24) {
+    raise<shape_error>(204, "actor_points: a body of ", posed.joints.size(1), " joints and ", v,
+                       " vertices needs 24 joints, 21 picked vertices and a regressor (9, ", v, ")");
+  }
+  const auto surface = reshape<2>(permute(posed.vertices, {1, 0, 2}), {v, 3 * frames});
+  const auto regressed = permute(reshape<3>(matmul(*J_regressor_extra, surface), {9, frames, 3}), {1, 0, 2});
+  return concat(1, posed.joints, posed.extra, regressed);
+}
+
+}  // namespace detail
+
+/// x: frames of `actor_frame_features`, (frames, rows numbers) -> (frames, 3 points). All points but vertices are
+/// relative to the root of their frame. J_regressor_extra (9, vertices) may be null for vertices and smpl.
+/// Differentiable.
+/// Throws  shape_error 204 if motion, body and point set do not fit, config_error 101 for a second coefficient that the
+///         body lacks
+template <Backend B>
+Sequences<B> actor_points(const Sequences<B>& x, const BodyModel<B>& body, const Tensor<B, 2>* J_regressor_extra,
+                          ActorPoints points, const ActorPointOptions& o = {}) {
+  using S = typename B::scalar;
+  const PoseRepresentation form = o.features.rotations;
+  const Index frames = x.offsets.rows(), joints = body.joints(), numbers = size(form);
+  const Index own = o.features.global ? joints : joints - 1, first_of_way = own * numbers;
+  if (x.width() != first_of_way + (o.features.translation ? numbers : 0)) {
+    raise<shape_error>(204, "actor_points: frames of ", x.width(), " numbers for ", own, " rotations of ", numbers,
+                       o.features.translation ? " and a translation" : "");
+  }
+  auto rotations = rotation_rows(reshape<3>(slice(x.rows, 1, 0, first_of_way), {frames, own, numbers}),
+                                 [form](const auto& n) { return rotation_from(form, n); });
+  if (!o.features.global) {
+    const auto m = matrix_cast<S>(to_matrix(AxisAngle{o.global_rotation})).m;
+    const auto global = Tensor<B, 3>::from(std::vector<S>(m.begin(), m.end()), {1, 1, 9});
+    rotations = concat(1, broadcast_to<3>(global, {frames, 1, 9}), rotations);
+  }
+  std::vector<S> shape(static_cast<std::size_t>(body.shapedirs.size(1)));
+  if (shape.size() > 1)
+    shape[1] = static_cast<S>(o.second_beta);
+  else if (o.second_beta != 0)
+    raise<config_error>(101, "actor_points: a body of ", shape.size(), " shape coefficients has no second one");
+  const Index coefficients = std::ssize(shape);
+  const auto betas = broadcast_to<2>(Tensor<B, 2>::from(shape, {1, coefficients}), {frames, coefficients});
+  const auto nowhere = Tensor<B, 2>::zeros({frames, 3});
+  Tensor<B, 3> out;
+  if (points == ActorPoints::smpl) {
+    out = body.posed_joints(betas, rotations, nowhere);
+  } else {
+    const auto posed = body(betas, rotations, nowhere);
+    out = points == ActorPoints::vertices
+              ? posed.vertices
+              : permute(gather(permute(detail::actor_54_points(posed, J_regressor_extra), {1, 0, 2}),
+                               actor_point_numbers(points)),
+                        {1, 0, 2});
+  }
+  if (points != ActorPoints::vertices) {
+    const Index root = points == ActorPoints::vibe ? 8 : 0;
+    out = out - slice(out, 1, root, root + 1);
+  }
+  if (o.features.translation && o.translate) {
+    PoolVector<Index> first;
+    for (Index s : sequence_of_row(x.offsets)) first.push_back(x.offsets.begin(s));
+    const auto way = slice(x.rows, 1, first_of_way, first_of_way + 3);
+    out = out + reshape<3>(way - gather(way, first), {frames, 1, 3});
+  }
+  return x.with(reshape<2>(out, {frames, 3 * out.size(1)}));
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_ACTOR_POINTS_IPP  // <motionlang/features/actor_points.ipp>
+#define MOTIONLANG_HAS_FEATURES_ACTOR_POINTS_IPP
+// Bodies of actor_points.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY ActorPoints parse_actor_points(std::string_view name) {
+  for (std::size_t i = 0; i < actor_point_names.size(); ++i) {
+    if (name == actor_point_names[i]) return static_cast<ActorPoints>(i);
+  }
+  raise<config_error>(103, "parse_actor_points: '", name, "' is not vertices, smpl, a2m, a2mpl or vibe");
+}
+
+MOTIONLANG_BODY std::span<const Index> actor_point_numbers(ActorPoints points) {
+  static constexpr Index smpl[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11,
+                                   12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
+  static constexpr Index a2m[] = {0, 12, 17, 19, 21, 16, 18, 20, 24, 2, 5, 8, 1, 4, 7, 31, 34, 48};
+  static constexpr Index a2mpl[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13,
+                                    14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 31, 34, 48};
+  static constexpr Index vibe[] = {24, 12, 17, 19, 21, 16, 18, 20, 0,  2,  5,  8,  1,  4,  7,  25, 26,
+                                   27, 28, 29, 30, 31, 32, 33, 34, 8,  5,  45, 46, 4,  7,  21, 19, 17,
+                                   16, 18, 20, 47, 48, 49, 50, 51, 52, 53, 24, 26, 25, 28, 27};
+  switch (points) {
+    case ActorPoints::smpl:
+      return smpl;
+    case ActorPoints::a2m:
+      return a2m;
+    case ActorPoints::a2mpl:
+      return a2mpl;
+    case ActorPoints::vibe:
+      return vibe;
+    default:
+      return {};
+  }
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP  // <motionlang/features/amass_sequence.hpp>
+#define MOTIONLANG_HAS_FEATURES_AMASS_SEQUENCE_HPP
+/// A sequence of AMASS as its file has it: rotation vectors, path and shape of an SMPL body, world Z up.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct AmassSequence {
+  Index frames = 0, columns = 0;  // columns: 66 or more; 156 of SMPL-H, 165 of SMPL-X
+  std::vector<double> poses{};    // (frames, columns) rotation vectors: root, 21 body joints, hands or face
+  std::vector<double> trans{};    // (frames, 3)
+  std::vector<double> betas{};    // shape coefficients, 16 or fewer; none if the file has none
+  std::string gender = "neutral";
+  double fps = 0;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_FEATURE_ROWS_HPP  // <motionlang/features/feature_rows.hpp>
+#define MOTIONLANG_HAS_FEATURES_FEATURE_ROWS_HPP
+/// From a motion on any joints to the rows of named features.
+///
+///     const auto rows = rows_of_motion(motion_features("guoh3d"), read_motion("dance.bvh"), 20);
+
+#ifndef MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_HPP  // <motionlang/features/motion_features.hpp>
+#define MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_HPP
+/// The feature vectors that systems are trained on, by name: from a clip to rows of numbers, and from these to joints
+/// and clips.
+///
+///     const MotionFeatures& f = motion_features("guoh3d");
+///     const auto rows = f.from_motion(resample(retarget(clip), f.fps));
+///     const Motion back = motion_of_rows(f, rows);
+///
+///     guoh3d              263   20    HumanML3D's, of TMR   a row less than the clip has frames; positions alone
+///     kit                 251   12.5  KIT's, 21 joints of MMM, reflected, 640 units per metre, bones as long as the
+///                         clip's; else as guoh3d
+///     rifke                67   12.5  TMR's canonical view, 22 joints; positions alone
+///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot),
+///                          positions alone
+///     smplvelp            135   12.5  TEMOS on SMPL         with the exact heading, so that it is there and back
+///     smplvelp-published  135   12.5  TEMOS on SMPL         with the turn of its repository, which is no heading: see
+///                         SmplVelpOptions
+///     smplrifke           205   20    STMC
+///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a
+///                         camera
+/// Positions alone: the clip that comes back has rotations that fit them (motion_from_joints.hpp).
+/// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM:
+///         text-to-motion utils/paramUtil.py, TEMOS temos/transforms
+
 #ifndef MOTIONLANG_HAS_FEATURES_SMPLVELP_HPP  // <motionlang/features/smplvelp.hpp>
 #define MOTIONLANG_HAS_FEATURES_SMPLVELP_HPP
 /// The 135-vector of TEMOS ("smplvelp"), TEACH and SINC ("Globalvelandy"): height, velocity over the ground, rotations.
@@ -16046,8 +16573,8 @@ MOTIONLANG_NAMESPACE_END
 ///     3:135    22 rotations as two rows of the matrix: the body in the world, then joints 1 ... 21
 /// World: Z up, metres; velocities per frame (TEMOS 12.5 frames per second, TEACH and SINC 30).
 ///
-/// Source  TEMOS (Petrovich et al., ECCV 2022), rots2rfeats/smplvelp.py; TEACH (Athanasiou et al., 3DV 2022),
-///         globvelandy.py; specs temos.md 4.2, teach.md 1. Normalise with eps 1e-12, SINC with 1e-5 both ways.
+/// Source  TEMOS (Petrovich et al., ECCV 2022), appendix B.2, temos/transforms/rots2rfeats/smplvelp.py; TEACH
+///         teach/transforms/rots2rfeats/globvelandy.py. Normalise with eps 1e-12, SINC with 1e-5 both ways.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -16070,11 +16597,11 @@ struct SmplVelpMotion {
 /// smplvelp: the root's height and velocity, then a rotation of each joint as above: 135 for 22 joints in 6D.
 inline FeatureLayout smplvelp_layout(
     std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
-    PoseRepresentation rotations = PoseRepresentation::rot6d) {
+    PoseRepresentation rotations = PoseRepresentation::rot6d, const BodyPartition& body = {}) {
   const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(rotations);
   if (joints < 1) raise<config_error>(101, "smplvelp_layout: no joints");
-  return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, [=](Index i) {
-    return i < 3 ? BodyPart::legs : part_of_joint[static_cast<std::size_t>((i - 3) / numbers)];
+  return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, body, [&](Index i) {
+    return i < 3 ? body.path() : part_of_joint[static_cast<std::size_t>((i - 3) / numbers)];
   });
 }
 
@@ -16284,6 +16811,358 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_IPP
 // Bodies of motion_features.hpp.
 
+#ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_HPP  // <motionlang/features/guoh3d.hpp>
+#define MOTIONLANG_HAS_FEATURES_GUOH3D_HPP
+/// Joint positions from the 263 numbers per frame of HumanML3D ("guoh3dfeats"), or KIT's 251. The other direction:
+/// guoh3d_extraction.hpp; which number is what: Guoh3dSlots in layout.hpp.
+///
+/// Source  Guo et al. (CVPR 2022), motion_representation.ipynb recover_root_rot_pos, recover_from_ric,
+///         recover_from_rot
+/// World   Y up, frame 0 at x = z = 0; units as the features have them (metres; KIT: about 1/640 m), not normalised
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The path of the root. `turn` takes directions of the world to those seen from the body.
+template <Scalar S>
+struct Guoh3dRoot {
+  std::vector<Quaternion<S>> turn;  // (frames)
+  std::vector<Vec3<S>> position;    // (frames)
+};
+
+struct Guoh3dRecovery {
+  /// Adds the frame behind the last one: as features of T frames of joints are T - 1 rows, this gives all T back. Its
+  /// positions are those of the last row moved by the last row's velocities.
+  bool last_frame = false;
+};
+
+namespace detail {
+
+template <Scalar S>
+Vec3<S> vector_at(std::span<const S> values, Index at) {
+  const auto i = static_cast<std::size_t>(at);
+  return {values[i], values[i + 1], values[i + 2]};
+}
+/// Rows of the features. Throws shape_error 205 if they are not whole, config_error 101 for a body without joints.
+template <Scalar S>
+std::size_t guoh3d_rows(std::string_view function, std::span<const S> features, Index joints) {
+  const Index width = Guoh3dSlots{joints}.size();
+  if (joints < 1) raise<config_error>(101, function, ": ", joints, " joints");
+  if (std::ssize(features) % width != 0) {
+    raise<shape_error>(205, function, ": ", features.size(), " values are no rows of ", width, " (", joints,
+                       " joints)");
+  }
+  return features.size() / static_cast<std::size_t>(width);
+}
+
+}  // namespace detail
+
+/// features (frames, 12 J - 1)
+///     a_t = sum_{s<t} f[s, 0],   r_t = (cos a_t, 0, sin a_t, 0)
+///     p_t = p_{t-1} + r_t^-1 (f[t-1, 1], 0, f[t-1, 2]),   p_t.y = f[t, 3]
+/// Throws shape_error 205, config_error 101
+template <Scalar S>
+Guoh3dRoot<S> guoh3d_root(std::span<const S> features, Index joints = 22) {
+  const std::size_t frames = detail::guoh3d_rows("guoh3d_root", features, joints);
+  const auto width = static_cast<std::size_t>(Guoh3dSlots{joints}.size());
+  Guoh3dRoot<S> out;
+  S angle{};
+  Vec3<S> p{};
+  for (std::size_t t = 0; t < frames; ++t) {
+    const auto row = features.subspan(t * width, width);
+    const Quaternion<S> turn{cos(angle), S(0), sin(angle), S(0)};
+    if (t > 0) {
+      const S* before = row.data() - width;
+      p = p + rotate(inverse(turn), Vec3<S>{before[1], S(0), before[2]});
+    }
+    p.y = row[3];
+    out.turn.push_back(turn);
+    out.position.push_back(p);
+    angle += row[0];
+  }
+  return out;
+}
+
+/// features (frames, 12 J - 1) -> (frames, J), or (frames + 1, J) with `last_frame`, from the positions of the rows.
+///     X_{t,j} = r_t^-1 ric_{t,j} + (p_t.x, 0, p_t.z),   X_{t,0} = p_t
+/// Throws shape_error 205, config_error 101
+template <Scalar S>
+std::vector<Vec3<S>> guoh3d_joints(std::span<const S> features, Index joints = 22, const Guoh3dRecovery& options = {}) {
+  const auto root = guoh3d_root(features, joints);
+  const Guoh3dSlots slots{joints};
+  const std::size_t frames = root.turn.size();
+  std::vector<Vec3<S>> out;
+  out.reserve((frames + 1) * static_cast<std::size_t>(joints));
+  for (std::size_t t = 0; t < frames; ++t) {
+    const auto row = features.subspan(t * static_cast<std::size_t>(slots.size()));
+    const auto back = inverse(root.turn[t]);
+    const Vec3<S>& p = root.position[t];
+    out.push_back(p);
+    for (Index j = 1; j < joints; ++j) {
+      out.push_back(rotate(back, detail::vector_at(row, slots.positions().begin + 3 * (j - 1))) +
+                    Vec3<S>{p.x, S(0), p.z});
+    }
+  }
+  if (options.last_frame && frames > 0) {
+    const auto row = features.last(static_cast<std::size_t>(slots.size()));
+    const auto back = inverse(root.turn.back());
+    for (Index j = 0; j < joints; ++j) {
+      const Vec3<S> before = out[out.size() - static_cast<std::size_t>(joints)];
+      out.push_back(before + rotate(back, detail::vector_at(row, slots.velocities().begin + 3 * j)));
+    }
+  }
+  return out;
+}
+
+/// The same from the rotations of the rows, on bones of other lengths.
+/// offsets  (joints), see chain_offsets
+/// Throws   shape_error 204, 205, config_error 101, 106
+template <Scalar S>
+std::vector<Vec3<S>> guoh3d_joints_from_rotations(const ChainSkeleton& skeleton, std::span<const S> features,
+                                                  std::span<const Vec3<S>> offsets) {
+  const Guoh3dSlots slots{static_cast<Index>(skeleton.size())};
+  const auto root = guoh3d_root(features, slots.joints);
+  std::vector<Matrix3<S>> local;
+  local.reserve(root.turn.size() * skeleton.size());
+  for (std::size_t t = 0; t < root.turn.size(); ++t) {
+    const auto row = features.subspan(t * static_cast<std::size_t>(slots.size()));
+    local.push_back(to_matrix(root.turn[t]));
+    for (Index at = slots.rotations().begin; at < slots.rotations().end; at += 6) {
+      local.push_back(to_matrix(Rotation6dColumns<S>{detail::vector_at(row, at), detail::vector_at(row, at + 3)}));
+    }
+  }
+  return chain_forward_kinematics(skeleton, std::span<const Matrix3<S>>(local), std::span<const Vec3<S>>(root.position),
+                                  offsets);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_EXTRACTION_HPP  // <motionlang/features/guoh3d_extraction.hpp>
+#define MOTIONLANG_HAS_FEATURES_GUOH3D_EXTRACTION_HPP
+/// The 263 numbers per frame of HumanML3D ("guoh3dfeats"), or KIT's 251, from joint positions: onto the reference
+/// skeleton, onto the floor, facing +Z, then rotations, velocities and contacts. Back: guoh3d.hpp.
+///
+///     auto features = guoh3d_features(humanml3d_chains(), joints);     // (frames, 22) -> (frames - 1, 263)
+///
+/// Another body is another ChainSkeleton. Which number is what: Guoh3dSlots in layout.hpp.
+///
+/// Source  Guo et al. (CVPR 2022), motion_representation.ipynb process_file, extract_features
+/// World   Y up; velocities and turns per frame (20 frames per second, KIT 12.5)
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The defaults are as published.
+struct Guoh3dOptions {
+  ChainRotationOptions rotations{.facing = {.sigma = 20}};
+  /// false: where the heading passes 180 degrees, the turn of that frame gets the wrong sign.
+  bool fix_yaw_sign = false;
+};
+
+/// Without what the published code gets wrong: the heading follows hips and shoulders alike, does not jump behind the
+/// first frame, passes 180 degrees, and a bone may be opposite to its zero direction.
+inline Guoh3dOptions guoh3d_corrected() {
+  return {.rotations = {.facing = {.sigma = 20, .legacy_forward = false},
+                        .fix_first_frame = true,
+                        .fix_opposite_bones = true},
+          .fix_yaw_sign = true};
+}
+
+namespace detail {
+
+/// A turn about Y, as the rotation of a root is: two products for each coordinate instead of a quaternion's.
+template <ScalarLike T>
+struct LevelTurn {
+  T c, s;  // cosine and sine
+
+  explicit LevelTurn(const Quaternion<T>& q) : c(q.w * q.w - q.y * q.y), s(T(2) * q.w * q.y) {}
+  Vec3<T> operator()(const Vec3<T>& v) const { return {c * v.x + s * v.z, v.y, c * v.z - s * v.x}; }
+};
+
+}  // namespace detail
+
+/// Joints on the floor; frame 0 stands at x = z = 0 and faces +Z.
+template <Scalar S>
+struct GroundedJoints {
+  std::vector<Vec3<S>> joints;  // (frames, joints)
+  S floor{};                    // height of the lowest joint of the clip, before
+  Quaternion<S> turn{};         // that all joints have been turned by, last
+};
+
+/// first   how the facing direction of frame 0 is found; as published, from this frame alone. A body that faces -Z is
+///         turned by 180 degrees; published: NaN
+/// Throws  shape_error 205 if the joints are not whole frames, config_error 101 (sigma) and 106
+template <Scalar S>
+GroundedJoints<S> ground_joints(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                const FacingOptions& first = {.legacy_forward = false}) {
+  detail::chain_frames("ground_joints", skeleton, joints);
+  GroundedJoints<S> out{{}, S(0), Quaternion<S>::identity()};
+  if (joints.empty()) return out;
+  out.floor = joints[0].y;
+  for (const Vec3<S>& p : joints) out.floor = std::min(out.floor, p.y);
+  const auto facing = facing_directions(skeleton, first.sigma == 0 ? joints.first(skeleton.size()) : joints, first);
+  out.turn = detail::turn_ahead(facing[0]);
+  const Vec3<S> origin{joints[0].x, out.floor, joints[0].z};
+  out.joints.resize(joints.size());
+  const detail::LevelTurn<S> level(out.turn);
+  for (std::size_t i = 0; i < joints.size(); ++i) out.joints[i] = level(joints[i] - origin);
+  return out;
+}
+
+/// 1 while the squared displacement to the next frame is below the threshold, else 0.
+template <ScalarLike T>
+T guoh3d_contact(const Vec3<T>& now, const Vec3<T>& next, double threshold) {
+  const Vec3<T> moved = next - now;
+  return where_less(dot(moved, moved), T(threshold), T(1), T(0));
+}
+/// The same of two joints over time: (frames, joints) -> (frames - 1, 2). Throws shape_error 205, 203 for a joint that
+/// does not exist.
+template <Scalar S>
+std::vector<S> guoh3d_contacts(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                               const std::array<int, 2>& foot) {
+  const std::size_t frames = detail::chain_frames("guoh3d_contacts", skeleton, joints);
+  for (const int j : foot) {
+    if (j < 0 || static_cast<std::size_t>(j) >= skeleton.size())
+      raise<shape_error>(203, "guoh3d_contacts: joint ", j, " of ", skeleton.size());
+  }
+  std::vector<S> out;
+  for (std::size_t t = 0; t + 1 < frames; ++t) {
+    const Vec3<S>*now = &joints[t * skeleton.size()], *next = now + skeleton.size();
+    for (const int j : foot) {
+      out.push_back(guoh3d_contact(detail::joint_of(now, j), detail::joint_of(next, j), skeleton.foot_threshold));
+    }
+  }
+  return out;
+}
+
+/// The rotation from one root rotation to the next; its y is the sine of half the turn.
+/// fix_sign: the shorter way round.
+template <ScalarLike T>
+Quaternion<T> guoh3d_turn(const Quaternion<T>& root, const Quaternion<T>& next, bool fix_sign = false) {
+  const Quaternion<T> q = next * inverse(root);
+  return fix_sign ? where_less(q.w, T(0), T(-1), T(1)) * q : q;
+}
+/// The way of the root to the next frame, seen from the body there.
+template <ScalarLike T>
+Vec3<T> guoh3d_root_velocity(const Quaternion<T>& next, const Vec3<T>& now_position, const Vec3<T>& next_position) {
+  return rotate(next, next_position - now_position);
+}
+/// A joint seen from the body: x and z relative to the body's root, the height above the floor.
+template <ScalarLike T>
+Vec3<T> guoh3d_position(const Quaternion<T>& root, const Vec3<T>& root_position, const Vec3<T>& joint) {
+  return rotate(root, joint - Vec3<T>{root_position.x, T(0), root_position.z});
+}
+
+namespace detail {
+
+/// One row, or one in each lane: rotations of the frame, the root's of the next, joints of both. Number 0 is left as
+/// the sine of half the turn.
+template <ScalarLike T>
+void guoh3d_row(const ChainSkeleton& skeleton, bool fix_yaw_sign, std::span<const Quaternion<T>> local,
+                const Quaternion<T>& next_root, std::span<const Vec3<T>> now, std::span<const Vec3<T>> next, T* to) {
+  auto put = [&](const Vec3<T>& v) { *to++ = v.x, *to++ = v.y, *to++ = v.z; };
+  const Quaternion<T>& root = local[0];
+  const LevelTurn<T> level(root);
+  const Vec3<T> on_floor{now[0].x, T(0), now[0].z}, speed = LevelTurn<T>(next_root)(next[0] - now[0]);
+  *to++ = guoh3d_turn(root, next_root, fix_yaw_sign).y;
+  *to++ = speed.x;
+  *to++ = speed.z;
+  *to++ = now[0].y;
+  for (std::size_t j = 1; j < now.size(); ++j) put(level(now[j] - on_floor));
+  for (std::size_t j = 1; j < now.size(); ++j) {
+    const auto columns = to_rotation6d_columns(local[j]);
+    put(columns.a);
+    put(columns.b);
+  }
+  for (std::size_t j = 0; j < now.size(); ++j) put(level(next[j] - now[j]));
+  for (const auto& foot : {skeleton.left_foot, skeleton.right_foot}) {
+    for (const int j : foot) {
+      *to++ = guoh3d_contact(joint_of(now.data(), j), joint_of(next.data(), j), skeleton.foot_threshold);
+    }
+  }
+}
+
+}  // namespace detail
+
+/// joints  (frames, joints), grounded
+/// result  (frames - 1, 12 J - 1)
+/// Throws  shape_error 205 for fewer than two frames or joints that are not whole frames, config_error 101 (sigma) and
+///         106, numeric_error 301, 302
+template <Scalar S>
+std::vector<S> guoh3d_from_grounded(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                    const Guoh3dOptions& options = {}) {
+  const std::size_t n = skeleton.size(), frames = detail::chain_frames("guoh3d_from_grounded", skeleton, joints);
+  if (frames < 2) raise<shape_error>(205, "guoh3d_from_grounded: ", frames, " frames; a row is made of two");
+  const auto bones = skeleton.bones();
+  const auto roots = detail::chain_roots(skeleton, joints, options.rotations);
+  const std::size_t rows = frames - 1, width = static_cast<std::size_t>(Guoh3dSlots{static_cast<Index>(n)}.size());
+  std::vector<S> out(width * rows);
+
+  using L = Lane<S>;  // eight frames at once
+  const auto zero = [&] {
+    std::vector<Vec3<L>> directions;
+    for (const auto& d : skeleton.directions) directions.push_back({L(d.x), L(d.y), L(d.z)});
+    return directions;
+  }();
+  std::vector<Vec3<L>> now(n), next(n);
+  std::vector<Quaternion<L>> world(n), local(n);
+  std::vector<L> row(width);
+  for (std::size_t first = 0; first < rows; first += L::size) {
+    Quaternion<L> root, next_root;
+    for (int i = 0; i < L::size; ++i) {
+      const std::size_t t = std::min(first + static_cast<std::size_t>(i), rows - 1);
+      auto lane = [i](Vec3<L>& to, const Vec3<S>& v) { to.x[i] = v.x, to.y[i] = v.y, to.z[i] = v.z; };
+      auto turn = [i](Quaternion<L>& to, const Quaternion<S>& q) {
+        to.w[i] = q.w, to.x[i] = q.x, to.y[i] = q.y, to.z[i] = q.z;
+      };
+      for (std::size_t j = 0; j < n; ++j) lane(now[j], joints[t * n + j]), lane(next[j], joints[(t + 1) * n + j]);
+      turn(root, roots[t]), turn(next_root, roots[t + 1]);
+    }
+    const L bad = detail::chain_rotations<L>(bones, zero, now.data(), root, options.rotations.fix_opposite_bones,
+                                             world.data(), local.data());
+    detail::guoh3d_row<L>(skeleton, options.fix_yaw_sign, local, next_root, now, next, row.data());
+    const int count = static_cast<int>(std::min<std::size_t>(L::size, rows - first));
+    store_rows(std::span<const L>(row), width, count, &out[first * width]);
+    for (int i = 0; i < count; ++i) {
+      const std::size_t t = first + static_cast<std::size_t>(i);
+      if (bad[i] > 0) detail::require_bones(skeleton, bones, &joints[t * n], t);
+      S& turn = out[t * width];
+      turn = std::asin(std::clamp(turn, S(-1), S(1)));
+    }
+  }
+  detail::require_bones(skeleton, bones, &joints[rows * n], rows);
+  return out;
+}
+
+/// The whole way.
+/// joints   (frames, joints), of anybody, anywhere
+/// lengths  (joints), bones of the reference skeleton
+/// result   (frames - 1, 12 J - 1)
+/// With fix_first_frame the smooth heading of frame 0 is turned onto +Z, so that the identity is right there.
+/// Throws   as above; shape_error 204 unless there is one length for each joint
+template <Scalar S>
+std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                               std::span<const S> lengths, const Guoh3dOptions& options = {}) {
+  const auto uniform = uniform_skeleton(skeleton, joints, lengths);
+  const FacingOptions published{.legacy_forward = false}, &smooth = options.rotations.facing;
+  const auto grounded = ground_joints(skeleton, std::span<const Vec3<S>>(uniform.joints),
+                                      options.rotations.fix_first_frame ? smooth : published);
+  return guoh3d_from_grounded(skeleton, std::span<const Vec3<S>>(grounded.joints), options);
+}
+/// With the lengths of the skeleton itself. Throws config_error 101 if it has none, as KIT's.
+template <Scalar S>
+std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                               const Guoh3dOptions& options = {}) {
+  if (skeleton.lengths.empty()) {
+    raise<config_error>(101, "guoh3d_features: '", skeleton.name, "' has 0 bone lengths for ", skeleton.size(),
+                        " joints; take those of its reference clip");
+  }
+  const std::vector<S> lengths(skeleton.lengths.begin(), skeleton.lengths.end());
+  return guoh3d_features(skeleton, joints, std::span<const S>(lengths), options);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_FEATURES_RIFKE_HPP  // <motionlang/features/rifke.hpp>
 #define MOTIONLANG_HAS_FEATURES_RIFKE_HPP
 /// Rotation invariant forward kinematic encoding of joint positions ("rifke"): TEMOS' 64 numbers of the 21 joints of
@@ -16296,7 +17175,8 @@ MOTIONLANG_NAMESPACE_END
 /// World: Y up with x, z level (TEMOS, any unit), or Z up with x, y level (SINC, TMR).
 ///
 /// Source  Holden et al., "A deep learning framework for character motion synthesis and editing" (SIGGRAPH 2016); TEMOS
-///         joints2jfeats/rifke.py, SINC, TMR src/rifke.py; specs temos.md 4.1, sinc.md 9, tmr.md 4.1
+///         (ECCV 2022), appendix B.1, temos/transforms/joints2jfeats/rifke.py; SINC
+///         sinc/transforms/joints2jfeats/rifke.py; TMR src/rifke.py
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -16672,6 +17552,260 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Whether a motion has exactly the joints of these features, SMPL's or MMM's: rows are then made of it as it is.
+bool has_joints_of(const MotionFeatures& features, const Motion& motion);
+/// Whether a motion has the joints of any of the known features, in their order: a reader of a joint array, which has
+/// no names, takes it for what it is.
+bool has_joints_of_arrays(const Motion& motion);
+/// The motion as it is if it has the joints of these features, otherwise on SMPL's. Throws what on_smpl throws.
+Motion on_joints_of(const MotionFeatures& features, const Motion& motion);
+
+/// The rows of a motion on any joints, (frames, features.width), not normalised.
+/// fps     frames per second of the rows, above 0
+/// Throws  what on_smpl, resample and MotionFeatures::from_motion throw
+std::vector<double> rows_of_motion(const MotionFeatures& features, const Motion& motion, double fps);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_FEATURE_ROWS_IPP  // <motionlang/features/feature_rows.ipp>
+#define MOTIONLANG_HAS_FEATURES_FEATURE_ROWS_IPP
+// Bodies of feature_rows.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY bool has_joints_of(const MotionFeatures& features, const Motion& motion) {
+  const Skeleton &own = motion.skeleton, &wanted = features.skeleton();
+  return own.names == wanted.names && own.parents == wanted.parents;
+}
+
+MOTIONLANG_BODY bool has_joints_of_arrays(const Motion& motion) {
+  return std::any_of(all_motion_features.begin(), all_motion_features.end(),
+                     [&](const MotionFeatures& features) { return has_joints_of(features, motion); });
+}
+
+MOTIONLANG_BODY Motion on_joints_of(const MotionFeatures& features, const Motion& motion) {
+  return has_joints_of(features, motion) ? motion : on_smpl(motion);
+}
+
+MOTIONLANG_BODY std::vector<double> rows_of_motion(const MotionFeatures& features, const Motion& motion, double fps) {
+  return features.from_motion(resample(on_joints_of(features, motion), fps));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_HPP  // <motionlang/features/frame_sampling.hpp>
+#define MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_HPP
+/// Which frames of a clip the published systems take: other frame rates, parts, windows for training. For parity; to
+/// resample clips of one's own use kinematics/motion_tools.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline void require_rates(const char* function, double from, double to) {
+  if (!(from > 0 && to > 0 && std::isfinite(from / to) && std::isfinite(to / from)))
+    raise<config_error>(101, function, ": ", from, " to ", to, " frames per second");
+}
+
+}  // namespace detail
+
+/// TEMOS: frames 0, s, 2s, ..., s = floor(old / new); 120 frames per second become 13.33 where 12.5 are asked for.
+/// Source  TEMOS temos/data/sampling/framerate.py subsample. Throws config_error 101 unless 0 < new <= old.
+std::vector<Index> every_nth_frame(Index frames, double old_fps, double new_fps);
+
+/// TEACH and SINC: floor(new / old frames) frames spread evenly from the first to the last, rounded down.
+/// Source  TEACH scripts/process_amass.py process_sequence. Throws config_error 101 unless both rates are positive.
+std::vector<Index> spread_frames(Index frames, double old_fps, double new_fps);
+
+/// TEMOS: values between the frames on straight lines, (frames, width) -> ((frames - 1) k + 1, width),
+/// k = floor(new / old). In double, as published. Throws config_error 101, shape_error 205.
+template <Scalar S>
+std::vector<double> upsample_linearly(std::span<const S> values, Index width, double old_fps, double new_fps) {
+  detail::require_rates("upsample_linearly", old_fps, new_fps);
+  const auto factor = static_cast<Index>(new_fps / old_fps);
+  if (factor < 1) raise<config_error>(101, "upsample_linearly: from ", old_fps, " down to ", new_fps);
+  if (width < 1 || std::ssize(values) % width != 0) {
+    raise<shape_error>(205, "upsample_linearly: ", values.size(), " values are no rows of ", width);
+  }
+  const auto n = static_cast<std::size_t>(width);
+  std::vector<double> out;
+  for (std::size_t at = 0; at + n < values.size(); at += n) {
+    for (Index j = 0; j < factor; ++j) {
+      const double t = static_cast<double>(j) / static_cast<double>(factor);
+      for (std::size_t i = at; i < at + n; ++i) {
+        out.push_back((1 - t) * static_cast<double>(values[i]) + t * static_cast<double>(values[i + n]));
+      }
+    }
+  }
+  out.insert(out.end(), values.end() - std::min<Index>(width, std::ssize(values)), values.end());
+  return out;
+}
+
+/// Consecutive frames. Of none, `first` is -1.
+struct FrameSlice {
+  Index first = -1, length = 0;
+  bool operator==(const FrameSlice&) const = default;
+};
+/// TMR: seconds to frames, rounded down, as far as the clip goes. Source  TMR src/data/motion.py AMASSMotionLoader.
+/// Throws config_error 101 for a negative time, or unless the rate is positive.
+FrameSlice slice_of_seconds(double start, double end, double fps, Index frames);
+
+struct ActorFrameOptions {
+  Index frames = 60;         // to take
+  bool random_step = false;  // "random_conseq": the step is drawn, too
+  Index step = 1;            // -1: the largest that fits
+  bool scattered = false;    // "random": any frames, in their order; there is no step
+};
+
+/// ACTOR: the frames of a training item out of `available` ones. Clips that are too short repeat their last frame; of
+/// others, every step-th frame from a random start on. The last possible start is never drawn, as published. Scattered
+/// frames are drawn by this generator, too; the published program has NumPy's for them.
+/// Source  ACTOR src/datasets/dataset.py _get_item_data_index
+/// Throws  config_error 101 unless 2 frames or more are wanted, of 1 or more
+std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options, PythonRandom& random);
+
+/// SINC: the frames of a training item. Of a longer clip consecutive ones from a random start on; the last possible
+/// start is never drawn, as published. In evaluation whole clips (`request` 0) of 15 to 800 frames.
+/// Source   SINC sinc/data/sampling
+/// Differs  from thesis B.3.1, as published: clips of 15 to 600 frames are evaluated there
+struct SincWindow {
+  Index request = 300;  // frames to take; 0: all
+  Index shortest = 15;
+  Index longest = 600;  // looked at only where all are taken
+
+  bool accepts(Index frames) const { return frames >= shortest && (request > 0 || frames <= longest); }
+  /// The largest start that is drawn.
+  Index largest_start(Index frames) const { return request > 0 ? std::max<Index>(0, frames - request - 1) : 0; }
+  /// below(n) draws a number of 0 ... n - 1.
+  template <class F>
+  FrameSlice of(Index frames, F below) const {
+    const Index length = request > 0 ? std::min(request, frames) : frames;
+    return {length < frames ? below(largest_start(frames) + 1) : 0, length};
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_IPP  // <motionlang/features/frame_sampling.ipp>
+#define MOTIONLANG_HAS_FEATURES_FRAME_SAMPLING_IPP
+// Bodies of frame_sampling.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<Index> every_nth_frame(Index frames, double old_fps, double new_fps) {
+  detail::require_rates("every_nth_frame", old_fps, new_fps);
+  const auto step = static_cast<Index>(old_fps / new_fps);
+  if (step < 1) raise<config_error>(101, "every_nth_frame: from ", old_fps, " up to ", new_fps, " frames per second");
+  std::vector<Index> out;
+  for (Index f = 0; f < frames; f += step) out.push_back(f);
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<Index> spread_frames(Index frames, double old_fps, double new_fps) {
+  detail::require_rates("spread_frames", old_fps, new_fps);
+  const auto count = static_cast<Index>(new_fps / old_fps * static_cast<double>(frames));
+  const double step = count > 1 ? static_cast<double>(frames - 1) / static_cast<double>(count - 1) : 0;
+  std::vector<Index> out;
+  for (Index i = 0; i < count; ++i) {
+    out.push_back(i > 0 && i == count - 1 ? frames - 1 : static_cast<Index>(static_cast<double>(i) * step));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY FrameSlice slice_of_seconds(double start, double end, double fps, Index frames) {
+  if (!(start >= 0 && end >= 0 && fps > 0 && std::isfinite(start * fps) && std::isfinite(end * fps))) {
+    raise<config_error>(101, "slice_of_seconds: ", start, " to ", end, " seconds at ", fps, " frames per second");
+  }
+  const auto index = [&](double seconds) {
+    return static_cast<Index>(std::min(seconds * fps, static_cast<double>(frames)));
+  };
+  const Index first = index(start), last = index(end);
+  return last > first ? FrameSlice{first, last - first} : FrameSlice{};
+}
+
+MOTIONLANG_BODY std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options,
+                                                PythonRandom& random) {
+  const Index k = options.frames, n = available;
+  if (k < 2 || n < 1 || options.step == 0 || options.step < -1) {
+    raise<config_error>(101, "actor_frames: ", k, " of ", n, " frames, step ", options.step);
+  }
+  std::vector<Index> out;
+  if (k > n) {
+    for (Index i = 0; i < k; ++i) out.push_back(std::min(i, n - 1));
+    return out;
+  }
+  if (options.scattered) {
+    out = random.sample(n, k);
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+  const Index longest = (n - 1) / (k - 1);
+  const bool fits = options.step > 0 && options.step * (k - 1) < n;
+  const Index step = options.random_step ? static_cast<Index>(random.randint(1, longest))
+                     : fits              ? options.step
+                                         : longest;
+  const Index last = step * (k - 1);
+  const auto shift = static_cast<Index>(random.randint(0, std::max<Index>(0, n - last - 2)));
+  for (Index i = 0; i < k; ++i) out.push_back(shift + i * step);
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_JOINT_SETS_HPP  // <motionlang/features/joint_sets.hpp>
+#define MOTIONLANG_HAS_FEATURES_JOINT_SETS_HPP
+/// The joints that TEMOS, TEACH and SINC compare, out of the 73 points of an SMPL-H body (52 joints, then vertices of
+/// the face, feet and hands).
+///
+///     mmm      21 joints of MMM, 640 units per metre, Y up          smplmmm  21 joints of MMM, metres, Z up
+///     mmmns    21 joints of MMM, metres, Y up                       smplnh   22 joints without the hands
+///     smplh    all 73
+/// Source  thesis 4.3.5, table 4.10; TEMOS temos/transforms/rots2joints/smplh.py
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// MMM's joints among the 73 points; 59 and 62 are the heels.
+inline constexpr std::array<std::size_t, 21> mmm_of_smplh{0, 3, 9, 12, 15, 16, 18, 20, 17, 19, 21,
+                                                          1, 4, 7, 59, 10, 2,  5,  8,  62, 11};
+
+/// points  (frames, 73), metres, Z up
+/// trans   (frames), where the first root of the result is put, whatever its units and axes: so it is published
+/// result  (frames, 21, 22 or 73)
+/// Throws  config_error 103 for an unknown name, shape_error 205
+template <Scalar S>
+std::vector<Vec3<S>> select_joints(std::string_view name, std::span<const Vec3<S>> points,
+                                   std::span<const Vec3<S>> trans) {
+  const bool scaled = name == "mmm", y_up = scaled || name == "mmmns", mmm = y_up || name == "smplmmm";
+  if (!mmm && name != "smplnh" && name != "smplh") {
+    raise<config_error>(103, "select_joints: '", name, "' is not mmm, mmmns, smplmmm, smplnh or smplh");
+  }
+  if (points.size() != 73 * trans.size()) {
+    raise<shape_error>(205, "select_joints: ", points.size(), " points for ", trans.size(), " frames of 73");
+  }
+  const std::size_t joints = mmm ? mmm_of_smplh.size() : name == "smplnh" ? 22 : 73;
+  std::vector<Vec3<S>> out;
+  out.reserve(trans.size() * joints);
+  for (std::size_t t = 0; t < trans.size(); ++t) {
+    for (std::size_t j = 0; j < joints; ++j) {
+      const Vec3<S> p = (scaled ? S(640) : S(1)) * points[73 * t + (mmm ? mmm_of_smplh[j] : j)];
+      out.push_back(y_up ? Vec3<S>{p.y, p.z, -p.x} : p);
+    }
+  }
+  if (out.empty()) return out;
+  const Vec3<S> shift = trans[0] - out[0];
+  for (Vec3<S>& p : out) p = p + shift;
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
 #define MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP
 /// Features to zero mean and unit deviation, and back.
@@ -16717,7 +17851,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// rotations    (frames, 22 or 52, 9), row by row; 22 leave the hands in their mean pose
 /// translation  (frames, 3)
 /// result       (frames, points, 3)
-/// Source       TEMOS, transforms/rots2joints/smplh.py; spec temos.md 4.3
+/// Source       thesis 4.3.5, table 4.10; TEMOS temos/transforms/rots2joints/smplh.py
 /// Throws       config_error 103 for an unknown name, 106, shape_error 204, 205
 template <Backend B>
 Tensor<B, 3> smplh_joints(std::string_view name, const Body<B>& body, const Tensor<B, 3>& rotations,
@@ -16732,7 +17866,8 @@ Tensor<B, 3> smplh_joints(std::string_view name, const Body<B>& body, const Tens
     for (std::size_t i = 0; i < numbers.size(); i += 3) out.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
     return out;
   };
-  const auto points = vectors(concat(1, posed.joints, posed.extra).span()), trans = vectors(translation.span());
+  const auto joints_and_extra = concat(1, posed.joints, posed.extra);
+  const auto points = vectors(joints_and_extra.span()), trans = vectors(translation.span());
   const auto joints = select_joints<S>(name, points, trans);
   std::vector<S> out;
   for (const auto& p : joints) out.insert(out.end(), {p.x, p.y, p.z});
@@ -16751,7 +17886,7 @@ MOTIONLANG_NAMESPACE_END
 /// Source  Welford, "Note on a method for calculating corrected sums of squares" (Technometrics 1962). The published
 ///         scripts (TEMOS, TMR) concatenate all clips and take torch's unbiased deviation: the same up to rounding.
 ///         HumanML3D takes the deviation of the population, n in place of n - 1, skips clips with NaN, and replaces
-///         each deviation by the mean of its group (spec humanml3d-features.md 9):
+///         each deviation by the mean of its group (HumanML3D cal_mean_variance.ipynb):
 ///
 ///     for (const auto& clip : clips) statistics.add_finite(std::span<const float>(clip), slots.size());
 ///     auto std = group_means(statistics.population_deviation(), slots.groups());
@@ -16864,7 +17999,7 @@ Tensor<B, 2> action_and_time(std::span<const Index> labels, Index classes, const
 }  // namespace detail
 
 ///     h = GRU(W [frame, one-hot y, time]);   mu and logvar from the last frame's h
-/// Source  spec actor.md 2.8
+/// Source  thesis 3.3.2, table 3.4; ACTOR src/models/architectures/gru.py
 template <Backend B>
 struct ActorGruEncoder {
   Linear<B> feats_embedding;
@@ -16889,6 +18024,7 @@ struct ActorGruEncoder {
 
   /// Throws shape_error 203 for a label that is no class or a motion without frames.
   LatentGaussian<B> operator()(const Sequences<B>& x, std::span<const Index> labels) const {
+    const ModuleScope scope(*this);
     const Index classes = feats_embedding.in() - x.width() - (concatenate_time ? 1 : 0);
     const auto side = detail::action_and_time<B>(labels, classes, x.offsets, concatenate_time);
     const auto last = last_row(gru(feats_embedding(x.with(concat(1, x.rows, side)))));
@@ -16897,7 +18033,7 @@ struct ActorGruEncoder {
 };
 
 ///     frame t = V h_t,   h = GRU(W [z, one-hot y, time])
-/// Source  spec actor.md 2.8
+/// Source  thesis 3.3.2, table 3.4; ACTOR src/models/architectures/gru.py
 template <Backend B>
 struct ActorGruDecoder {
   Linear<B> feats_embedding;
@@ -16920,6 +18056,7 @@ struct ActorGruDecoder {
         concatenate_time(time) {}
 
   Sequences<B> operator()(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths) const {
+    const ModuleScope scope(*this);
     const Index classes = feats_embedding.in() - z.size(1) - (concatenate_time ? 1 : 0);
     const auto side = detail::action_and_time<B>(labels, classes, lengths, concatenate_time);
     return final_layer(gru(feats_embedding(Sequences<B>(concat(1, repeat_for_rows(z, lengths), side), lengths))));
@@ -16955,6 +18092,7 @@ struct SeparateAttention {
   }
   Tensor<B, 2> operator()(const Sequences<B>& query, const Sequences<B>& memory, const Context& context,
                           bool causal = false) const {
+    const ModuleScope scope(*this);
     return output_layer(attention(q_layer(query.rows), k_layer(memory.rows), v_layer(memory.rows), query.offsets,
                                   memory.offsets,
                                   {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)}));
@@ -16962,7 +18100,7 @@ struct SeparateAttention {
 };
 
 ///     a = LN_x(h);  h1 = h + SA(a);  v = h1 + CA(LN_dec(h1), memory);  h = v + W2 relu(W1 LN_ff(v))
-/// Source  spec actor.md 2.8, "autotrans"
+/// Source  thesis 3.3.2, table 3.4 a; ACTOR src/models/architectures/autotrans.py Decoder_AUTOTRANS
 template <Backend B>
 struct ActorAutoregressiveLayer {
   SeparateAttention<B> trg_trg_att, src_trg_att;
@@ -16991,6 +18129,7 @@ struct ActorAutoregressiveLayer {
     for (LayerNorm<B>* norm : {&feed_forward_norm, &x_layer_norm, &dec_layer_norm}) norm->eps = 1e-6;
   }
   Sequences<B> operator()(const Sequences<B>& x, const Sequences<B>& memory, const Context& context) const {
+    const ModuleScope scope(*this);
     auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, dropout_p, context); };
     const auto a = x.with(x_layer_norm(x.rows));
     const auto h = x.rows + drop(trg_trg_att(a, a, context, true));
@@ -17033,6 +18172,7 @@ struct ActorAutoregressiveDecoder {
 
   /// The motions as the decoder writes them: every frame from those that it wrote before, the memory as a whole.
   Sequences<B> operator()(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths) const {
+    const ModuleScope scope(*this);
     Sequences<B> x(Tensor<B, 2>::zeros({lengths.rows(), output_layer.size(0)}), lengths);
     for (Index t = 0; t < lengths.longest(); ++t) {
       PoolVector<Index> now;  // frame t of each motion that has one: it depends on the frames before it only
@@ -17074,7 +18214,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How action and time enter the decoder; all but the first are ablations (thesis table 3.4 c; spec actor.md 2.8).
+/// How action and time enter the decoder; all but the first are ablations (thesis 3.3.2, table 3.4 c).
 enum class ActorConditioning {
   action_bias,    // memory z + b_y, queries are sinusoidal positions
   concat_bias,    // memory of two rows, z and b_y
@@ -17082,7 +18222,7 @@ enum class ActorConditioning {
   time_encoding,  // as action_bias, but every number of query t is t / (length - 1)
 };
 
-/// Source  ACTOR (Petrovich, Black, Varol, ICCV 2021), section 3.2; spec actor.md 2.6
+/// Source  thesis 3.2.1, "Decoder"; ACTOR (ICCV 2021) src/models/architectures/transformer.py Decoder_TRANSFORMER
 template <Backend B>
 struct ActorDecoder {
   std::optional<Tensor<B, 2>> actionBiases;  // (classes, width)
@@ -17128,6 +18268,7 @@ struct ActorDecoder {
     return {broadcast_to<2>(relative_time<B>(lengths), {lengths.rows(), width}), lengths};
   }
   Sequences<B> operator()(const Sequences<B>& memory, const Offsets& lengths, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return decode_lengths(
         seqTransDecoder, finallayer, [&](const Offsets& of) { return queries(of); }, memory, lengths, dropout_p,
         context);
@@ -17135,6 +18276,7 @@ struct ActorDecoder {
   /// Throws shape_error 203, 204.
   Sequences<B> operator()(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return (*this)(memory(z, labels), lengths, context);
   }
 };
@@ -17149,7 +18291,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     [muQuery[y], sigmaQuery[y], W frames] + positions -> encoder -> rows 0 and 1 are mu and logvar
-/// Source  ACTOR (Petrovich, Black, Varol, ICCV 2021), section 3.1; spec actor.md 2.4
+/// Source  thesis 3.2.1, "Encoder"; ACTOR (ICCV 2021) src/models/architectures/transformer.py Encoder_TRANSFORMER
 template <Backend B>
 struct ActorEncoder {
   Tensor<B, 2> muQuery, sigmaQuery;  // (classes, width)
@@ -17182,12 +18324,13 @@ struct ActorEncoder {
   }
   LatentGaussian<B> operator()(const Sequences<B>& x, std::span<const Index> labels,
                                const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return gaussian_of_tokens(encode_tokens(seqTransEncoder, sequence(x, labels), 2, dropout_p, context));
   }
 };
 
 ///     W frames + positions -> encoder -> mean over the frames -> mu and logvar by a linear layer each
-/// Source  ACTOR, thesis table 3.4 b; spec actor.md 2.8, "average_encoder"
+/// Source  thesis 3.3.2, table 3.4 b; ACTOR src/models/architectures/transformer.py, ablation "average_encoder"
 /// The mean counts padding, as published: frames of zeros up to the longest motion of the batch, which attend to the
 /// real ones. So here a short motion does depend on what is encoded with it.
 template <Backend B>
@@ -17217,6 +18360,7 @@ struct ActorAverageEncoder {
   /// padded_frames  of the batch, if it is padded beyond its longest motion: padding counts. Throws shape_error 203 for
   ///                more than there are positions
   LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}, Index padded_frames = 0) const {
+    const ModuleScope scope(*this);
     auto dropped = [&](const Sequences<B>& s) { return s.with(dropout(s.rows, dropout_p, context)); };
     const Index longest = std::max(padded_frames, x.offsets.longest());
     auto frames = dropped(sequence(x)), padding = dropped(padding_of(x.offsets, longest));
@@ -17253,7 +18397,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     h = gelu(W2 gelu(W1 [all numbers of the motion, one-hot y]));   mu and logvar from h
-/// Numbers are ordered by feature, then frame. Source  spec actor.md 2.8
+/// Numbers are ordered by feature, then frame. Source  thesis 3.3.2, table 3.4; ACTOR src/models/architectures
 template <Backend B>
 struct ActorFullyConnectedEncoder {
   Linear<B> first, second, mu, var;
@@ -17269,6 +18413,7 @@ struct ActorFullyConnectedEncoder {
 
   /// Throws shape_error 207 unless all motions have the frames that the network was made for.
   LatentGaussian<B> operator()(const Sequences<B>& x, std::span<const Index> labels, Index classes) const {
+    const ModuleScope scope(*this);
     const Index n = x.count(), frames = (first.in() - classes) / std::max<Index>(x.width(), 1);
     if (!(x.offsets == Offsets::equal(n, frames)))
       raise<shape_error>(207, "ActorFullyConnectedEncoder: motions of another length than ", frames, " frames");
@@ -17297,6 +18442,7 @@ struct ActorFullyConnectedDecoder {
   /// Throws shape_error 207 unless all lengths are that of the network.
   Sequences<B> operator()(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths,
                           Index nfeats) const {
+    const ModuleScope scope(*this);
     const Index n = z.size(0), frames = third.out() / nfeats;
     if (!(lengths == Offsets::equal(n, frames)))
       raise<shape_error>(207, "ActorFullyConnectedDecoder: motions of another length than ", frames, " frames");
@@ -17332,8 +18478,8 @@ struct ActorSampling {
   }
 };
 
-/// Latents in the order sample, action: noise (noise_rows, latent) -> (samples actions, latent). Source  spec actor.md
-/// 9
+/// Latents in the order sample, action: noise (noise_rows, latent) -> (samples actions, latent).
+/// Source  ACTOR src/models/modeltype/cae.py generate
 /// Throws  config_error 101 for options that mean nothing, shape_error 204 for another number of rows
 template <Backend B>
 Tensor<B, 2> actor_latents(const Tensor<B, 2>& noise, Index actions, const ActorSampling& o = {}) {
@@ -17382,7 +18528,7 @@ struct ActorLossPoints {
 ///     kl            KL(N(mu, exp(logvar)) || N(0, 1)), SUMMED over batch and coordinates: its weight grows with the
 ///                   batch
 ///     vel, velxyz   mean square of the steps from frame to frame
-/// Terms whose weight is not 0. Source  ACTOR, src/models/tools/losses.py; spec actor.md 6.1
+/// Terms whose weight is not 0. Source  thesis 3.2.2; ACTOR src/models/tools/losses.py
 /// Throws  config_error 102 if a term needs points and there are none
 template <Backend B>
 LossTerms<B> actor_losses(const LatentGaussian<B>& latent, const Sequences<B>& x, const Sequences<B>& written,
@@ -17412,8 +18558,7 @@ MOTIONLANG_NAMESPACE_END
 ///     const Sequences<B> motion = tokenizer.motions(tokens);         // normalised features
 ///
 /// Source  Guo et al., "TM2T: stochastic and tokenized modeling for the reciprocal generation of 3D human motions and
-///         texts" (ECCV 2022), section 3.1; networks/modules.py, networks/trainers.py (VQTokenizerTrainerV3); spec
-///         tm2t.md 1, 2
+///         texts" (ECCV 2022), section 3.1; networks/modules.py, networks/trainers.py (VQTokenizerTrainerV3)
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -17439,7 +18584,10 @@ struct VqEncoder {
       in = out;
     }
   }
-  Sequences<B> operator()(const Sequences<B>& x) const { return main(x); }
+  Sequences<B> operator()(const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
+    return main(x);
+  }
 };
 
 /// Residual blocks, then for each further number of channels twice the length and a convolution; a last one at the end.
@@ -17461,7 +18609,10 @@ struct VqDecoder {
       main.repeat(2).conv(channels[i], channels[i + 1], 3, same, rng).leaky_relu();
     main.conv(channels.back(), channels.back(), 3, same, rng);
   }
-  Sequences<B> operator()(const Sequences<B>& z) const { return main(z); }
+  Sequences<B> operator()(const Sequences<B>& z) const {
+    const ModuleScope scope(*this);
+    return main(z);
+  }
 };
 
 /// Tells real motions from decoded ones, four frames at a time; not in the paper.
@@ -17488,7 +18639,10 @@ struct VqDiscriminator {
     Sequences<B> features;
     Tensor<B, 2> logits;  // (rows, 1)
   };
-  Result operator()(const Sequences<B>& x) const { return judged(main(x)); }
+  Result operator()(const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
+    return judged(main(x));
+  }
   /// By the statistics of these motions, which are remembered.
   Result train(const Sequences<B>& x) { return judged(main.train(x)); }
 
@@ -17544,7 +18698,9 @@ struct MotionTokenizer {
     Quantized<B> quantized;
     Sequences<B> reconstruction;
   };
+  /// TM2T eq. 2: the decoder of the nearest codes of the encoder's latents.
   Result operator()(const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
     const auto z = encode(x);
     auto quantized = quantizer(z.rows);
     auto reconstruction = vq_decoder(z.with(quantized.straight_through));
@@ -17553,6 +18709,8 @@ struct MotionTokenizer {
 };
 
 ///     mean |x^ - x| + quantisation [- lambda mean D(x^)]
+/// Source   TM2T eq. 3: the first term here, the other two in `Quantized::loss`; networks/trainers.py backward_G
+/// Differs  from TM2T eq. 3, which has sums and no discriminator: here means, as published
 /// With a discriminator (published: from epoch 10 on) its norms go by the statistics of the decoded motions; it takes
 /// its own step before, with `hinge_discriminator_loss` times lambda.
 template <Backend B>
@@ -17580,7 +18738,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Learned tokens, projection and transformer, under the names of the published state dicts (the systems spell the
 /// third token differently). Unlike TEMOS' encoder it has no positions over the whole sequence: parts that need some
 /// get their own (`placed`).
-/// Source  specs teach.md 2.1, sinc.md 2.1
+/// Source  thesis A.2.2, B.3.3; TEACH teach/model/textencoder/text_hist.py, SINC sinc/model/textencoder/text_space.py
 template <Backend B, class Keys>
 struct PartedTextEncoder {
   Tensor<B, 1> mu_token, logvar_token, separation_token;  // (width)
@@ -17702,7 +18860,7 @@ struct TemosLossOptions {
   Index padded_frames = 0;  // of that batch, if it is padded beyond its longest motion
 };
 
-/// recons_F2F, recons_text2F: those that there are frames for.
+/// recons_F2F, recons_text2F: those that there are frames for. Their sum is thesis eq. 4.1 = TEMOS eq. 1.
 template <Backend B>
 LossTerms<B> reconstruction_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                                    const TemosLossOptions& options) {
@@ -17723,14 +18881,15 @@ LossTerms<B> reconstruction_losses(const TextMotionBranches<B>& branches, const 
 ///     1))
 ///     latent_manifold               smooth_l1(z_T, z_M)
 /// Those terms that model and options have; the names are the published ones.
-/// Source  TEMOS, section 3.3; spec temos.md 6.1
+/// Source  TEMOS, section 3.3; thesis 4.2.3: the sum of thesis eq. 4.1, thesis eq. 4.2 and thesis eq. 4.3, weighted;
+///         TEMOS temos/model/losses/compute.py
 template <Backend B>
 LossTerms<B> temos_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                           const TemosLossOptions& options = {}) {
   auto out = reconstruction_losses(branches, motion, options);
   const auto& [text, other] = branches;
   const auto& t = text.distribution;
-  if (!t.deterministic()) {
+  if (!t.deterministic()) {  // the four terms of thesis eq. 4.2 = TEMOS eq. 2
     if (other && options.cross_modal_kl) {
       const auto& m = other->distribution;
       out.add("kl_text2motion", options.kl, kl_divergence(t.mu, t.logvar, m.mu, m.logvar));
@@ -17742,7 +18901,7 @@ LossTerms<B> temos_losses(const TextMotionBranches<B>& branches, const Sequences
         out.add("kl_motion", options.kl, kl_to_standard_normal(other->distribution.mu, other->distribution.logvar));
     }
   }
-  if (other && (options.embedding || t.deterministic()))
+  if (other && (options.embedding || t.deterministic()))  // thesis eq. 4.3 = TEMOS eq. 3
     out.add("latent_manifold", options.latent, smooth_l1(text.z, other->z));
   return out;
 }
@@ -17764,7 +18923,7 @@ struct TmrLossOptions {
 /// sentences    (batch, width), rows of length 1: which texts say the same. Null: nothing is filtered
 /// temperature  a learned one of InfoNCE, which takes the place of that of the options. Null: theirs
 /// Throws config_error 101 for contrastive where there is no motion encoder.
-/// Source     TMR, section 3.2; spec tmr.md 6.1
+/// Source     TMR, section 3.2; thesis 5.2.2; TMR src/model/tmr.py compute_loss
 template <Backend B>
 LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                         const Tensor<B, 2>* sentences = nullptr, const TmrLossOptions& options = {},
@@ -17837,7 +18996,9 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Published weights: divergences weigh 32 times as much as in TEMOS. Source  spec sinc.md 3
+/// Published weights: divergences weigh 32 times as much as in TEMOS.
+/// Source   SINC sinc/model/losses/compute_sinc.py, with the weights of its released options
+/// Differs  from thesis eq. B.1, where every term has weight 1: here divergences weigh 32e-5, the latents' term 1e-5
 inline TemosLossOptions sinc_loss_options() { return {.kl = 32e-5, .feats = "rfeats"}; }
 
 /// texts    how many latents the text of each motion has; if one each, these are temos_losses
@@ -17848,8 +19009,8 @@ inline TemosLossOptions sinc_loss_options() { return {.kl = 32e-5, .feats = "rfe
 ///                               texts of one)
 /// and recons_rfeats2rfeats, recons_text2rfeats, kl_motion as ever.
 /// separate_latents   the names that end in _multi, also where every motion of the batch has one text
-/// Source  spec sinc.md 3; a motion with fewer texts than another has empty latents, which count as 0 in the mean, as
-///         published
+/// Source  thesis B.2.2, thesis eq. B.1; SINC sinc/model/losses/compute_sinc.py. A motion with fewer texts than another
+///         has empty latents, which count as 0 in the mean, as published
 template <Backend B>
 LossTerms<B> sinc_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion, const Offsets& texts,
                          bool separate_latents, const TemosLossOptions& options = sinc_loss_options()) {
@@ -17932,7 +19093,8 @@ struct SincTextKeys {
 ///     single             [mu, logvar, text]                               no positions: the language model has its own
 ///     separate_texts     [mu, logvar, text 0, separation, text 1, ...]
 ///     separate_latents   [mu, logvar, text + positions]                   for each text on its own
-/// Source  SINC (Athanasiou, Petrovich, Black, Varol, ICCV 2023), section 3.3; spec sinc.md 2.1
+/// Source  SINC (Athanasiou, Petrovich, Black, Varol, ICCV 2023): thesis B.2.2 (one text) and B.3.3 (separate texts);
+///         SINC sinc/model/textencoder/text_space.py
 template <Backend B>
 struct SincTextEncoder {
   PartedTextEncoder<B, SincTextKeys> text;
@@ -17990,6 +19152,7 @@ struct SincTextEncoder {
   /// several texts in mode single.
   LatentGaussian<B> operator()(const SincTexts<B>& texts, SincMode mode, bool legacy_mask = true,
                                const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const Offsets of_motion = texts.per_motion();
     if (mode == SincMode::separate_texts) return text.encode(joined(texts, legacy_mask), context);
     if (mode == SincMode::single && of_motion.longest() > 1)
@@ -18022,7 +19185,7 @@ struct TeachPast {
 
 ///     [mu, logvar, past, z, separation, text] -> encoder -> mu, logvar          past = encoder(W p + positions)
 /// Past and text have positions of their own; the tokens and z have none.
-/// Source   TEACH (Athanasiou, Petrovich, Black, Varol, 3DV 2022), section 3.2; spec teach.md 2.1
+/// Source   thesis A.2.2, "Past-conditioned Text Encoder"; TEACH (3DV 2022) teach/model/textencoder/text_hist.py
 /// Differs  from the paper, as published: the past goes through the transformer of the text. That which the paper has
 ///          for it stands in the checkpoints and is never called
 template <Backend B>
@@ -18058,6 +19221,7 @@ struct TeachTextEncoder {
   /// states: the last states of the language model, with those of [CLS] and [SEP].
   LatentGaussian<B> operator()(const Sequences<B>& states, const TeachPast<B>& past = {},
                                const Context& context = {}) const {
+    const ModuleScope scope(*this);
     auto sequence = repeat_sequence(text.beginning(), states.count());
     if (past.frames) sequence = concat_tokens(sequence, encode_past(*past.frames, context));
     if (past.z) sequence = concat_tokens(sequence, Sequences<B>(*past.z, Offsets::equal(past.z->size(0), 1)));
@@ -18124,7 +19288,8 @@ LossTerms<B> teach_velocity_losses(const TextMotionBranches<B>& branches, const 
 
 /// The terms of temos_losses (and velocities, if they have a weight) for the first action, whose names end in _0, and
 /// the second, _1.
-/// Source  spec teach.md 3
+/// Source  thesis A.2.3: thesis eq. A.1 (recons_*) and thesis eq. A.2 (kl_text, kl_motion), with the other terms of
+///         TEMOS; TEACH teach/model/losses/compute_teach.py
 template <Backend B>
 LossTerms<B> teach_losses(const TeachBranches<B>& branches, const TeachPairs<B>& pairs,
                           const TeachLossOptions& options = {}) {
@@ -18133,7 +19298,7 @@ LossTerms<B> teach_losses(const TeachBranches<B>& branches, const TeachPairs<B>&
     out.append(temos_losses(action, motion, options.each), suffix);
     if (options.velocity != 0) out.append(teach_velocity_losses(action, motion, options.velocity), suffix);
   };
-  add(branches.first, pairs.first_motion, "_0");
+  add(branches.first, pairs.first_motion, "_0");  // the first terms of thesis eq. A.1 and thesis eq. A.2
   auto second = branches.second;
   auto motion = pairs.second_motion;
   if (!options.loss_on_transition) {
@@ -18145,7 +19310,7 @@ LossTerms<B> teach_losses(const TeachBranches<B>& branches, const TeachPairs<B>&
     if (second.motion) cut(second.motion->frames);
     motion = last_rows(motion, action);
   }
-  add(second, motion, "_1");
+  add(second, motion, "_1");  // their second terms
   return out;
 }
 
@@ -18169,7 +19334,8 @@ struct TemosTextKeys {
 };
 
 ///     rows = W x (texts: W max(x, 0));   [mu token, logvar token, rows] + positions -> encoder -> mu, logvar
-/// Source  TEMOS (Petrovich, Black, Varol, ECCV 2022), section 3.2; spec temos.md 2.2, 2.3
+/// Source  TEMOS (Petrovich, Black, Varol, ECCV 2022), section 3.2; thesis 4.2.2; TEMOS
+///         temos/model/motionencoder/actor.py, temos/model/textencoder/distilbert_actor.py
 template <Backend B, class Keys>
 struct TemosEncoder {
   std::optional<Tensor<B, 1>> mu_token, logvar_token;  // of the variational encoder, (width)
@@ -18208,6 +19374,7 @@ struct TemosEncoder {
     return token_sequence(repeat_sequence(tokens(), x.count()), embed(x), positions.rows());
   }
   LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return gaussian_of_tokens(encode_tokens(seqTransEncoder, sequence(x), emb_token ? 1 : 2, dropout_p, context));
   }
 
@@ -18233,7 +19400,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     h = GRU(W x);   mu and logvar from the last frame's h
-/// Source  spec temos.md 10
+/// Source  thesis 4.3.3, table 4.3; TEMOS temos/model/motionencoder/gru.py
 template <Backend B>
 struct TemosGruEncoder {
   Linear<B> skel_embedding;
@@ -18260,6 +19427,7 @@ struct TemosGruEncoder {
   }
   /// Throws shape_error 203 for a sequence without frames.
   LatentGaussian<B> operator()(const Sequences<B>& x, const Context& = {}) const {
+    const ModuleScope scope(*this);
     const auto last = last_row(gru(skel_embedding(x)));
     if (final) return {(*final)(last), {}};
     return {(*mu)(last), (*logvar)(last)};
@@ -18267,7 +19435,7 @@ struct TemosGruEncoder {
 };
 
 ///     h = GRU(W [z, t / (length - 1)]);   frame t = V h_t
-/// Source   spec temos.md 10
+/// Source   thesis 4.3.3, table 4.3; TEMOS temos/model/motiondecoder/gru.py
 /// Differs  for a single frame: its time is 0, where the published code divides by 0
 template <Backend B>
 struct TemosGruDecoder {
@@ -18287,6 +19455,7 @@ struct TemosGruDecoder {
 
   /// z (sequences, width)
   Sequences<B> operator()(const Tensor<B, 2>& z, const Offsets& lengths, const Context& = {}) const {
+    const ModuleScope scope(*this);
     const auto rows = concat(1, repeat_for_rows(z, lengths), relative_time<B>(lengths));
     return final_layer(gru(emb_layer(Sequences<B>(rows, lengths))));
   }
@@ -18302,7 +19471,8 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     [tokens, W x] + positions -> encoder -> mu, logvar
-/// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.1; spec tmr.md 2.1
+/// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2; thesis 5.2.2; TMR src/model/actor.py
+///          ACTORStyleEncoder
 /// Differs  from TEMOS: both tokens are one parameter, and texts pass no ReLU
 template <Backend B>
 struct TmrEncoder {
@@ -18330,6 +19500,7 @@ struct TmrEncoder {
     return token_sequence(repeat_sequence(tokens, x.count()), projection(x), positions.rows());
   }
   LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return gaussian_of_tokens(encode_tokens(seqTransEncoder, sequence(x), tokens.size(0), dropout_p, context));
   }
 };
@@ -18366,7 +19537,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A forward process q(x_t | x_{t-1}) = N(sqrt(1 - beta_t) x_{t-1}, beta_t I), t = 0 ... steps-1.
+/// A forward process q(x_t | x_{t-1}) = N(sqrt(1 - beta_t) x_{t-1}, beta_t I), t = 0 ... steps-1 (thesis eq. 6.1).
 /// Minimum   steps, beta(t)
 /// Deduced   everything in gaussian.hpp
 /// Laws      0 < beta(t) <= 1 (checked where the tables are built)
@@ -18506,12 +19677,12 @@ class GaussianDiffusion {
   double inverse_abar(Index t) const;
   double abarp(Index t) const { return t == 0 ? 1 : abar_[at(t) - 1]; }
   double abarn(Index t) const { return t + 1 == steps() ? 0 : abar_[at(t) + 1]; }
-  /// Variance of the posterior: beta_t (1 - abarp_t) / (1 - abar_t); 0 at t = 0.
+  /// Variance of the posterior (thesis eq. 6.4): beta_t (1 - abarp_t) / (1 - abar_t); 0 at t = 0.
   double posterior_variance(Index t) const { return beta(t) * (1 - abarp(t)) / (1 - abar(t)); }
   /// Its logarithm, with index 1 in place of index 0.
   double posterior_log_variance(Index t) const;
   double large_variance(Index t) const;
-  /// Weights of x0 and x_t in the posterior mean.
+  /// Weights of x0 and x_t in the posterior mean (thesis eq. 6.3).
   double c0(Index t) const { return beta(t) * std::sqrt(abarp(t)) / (1 - abar(t)); }
   double ct(Index t) const { return (1 - abarp(t)) * std::sqrt(alpha(t)) / (1 - abar(t)); }
 
@@ -18539,7 +19710,8 @@ Tensor<B, R> coefficients(std::span<const Index> t, F f) {
   return Tensor<B, R>::from(std::span<const typename B::scalar>(values), s);
 }
 
-/// x_t = sqrt(abar_t) x0 + sqrt(1 - abar_t) eps.   (Ho et al. 2020, eq. 4) One t per leading index, or one for all.
+/// x_t = sqrt(abar_t) x0 + sqrt(1 - abar_t) eps: the steps 0 ... t of thesis eq. 6.1 at once (Ho et al. 2020, eq. 4).
+/// One t per leading index, or one for all.
 template <Backend B, int R>
 Tensor<B, R> q_sample(const GaussianDiffusion& d, const Tensor<B, R>& x0, std::span<const Index> t,
                       const Tensor<B, R>& eps) {
@@ -18547,14 +19719,14 @@ Tensor<B, R> q_sample(const GaussianDiffusion& d, const Tensor<B, R>& x0, std::s
          coefficients<B, R>(t, [&](Index i) { return std::sqrt(1 - d.abar(i)); }) * eps;
 }
 
-/// Mean of q(x_{t-1} | x_t, x0): c0 x0 + ct x_t.   (eq. 7)
+/// Mean of q(x_{t-1} | x_t, x0): c0 x0 + ct x_t.   (thesis eq. 6.3; Ho et al. 2020, eq. 7)
 template <Backend B, int R>
 Tensor<B, R> posterior_mean(const GaussianDiffusion& d, const Tensor<B, R>& x0, const Tensor<B, R>& x_t,
                             std::span<const Index> t) {
   return coefficients<B, R>(t, [&](Index i) { return d.c0(i); }) * x0 +
          coefficients<B, R>(t, [&](Index i) { return d.ct(i); }) * x_t;
 }
-/// The same mean from the noise: (x_t - beta_t / sqrt(1 - abar_t) eps) / sqrt(alpha_t).   (eq. 11)
+/// The same mean from the noise: (x_t - beta_t / sqrt(1 - abar_t) eps) / sqrt(alpha_t).   (Ho et al. 2020, eq. 11)
 template <Backend B, int R>
 Tensor<B, R> posterior_mean_from_eps(const GaussianDiffusion& d, const Tensor<B, R>& eps, const Tensor<B, R>& x_t,
                                      std::span<const Index> t) {
@@ -18843,7 +20015,8 @@ enum class MdmCondition { text, action, none };
 enum class MdmClassToken { none, time_plus_text, time_only };
 
 struct MdmConfig {
-  Index nfeats = 263;  // joints times features of the published layout
+  static constexpr bool is_option = true;  // holds no tensors
+  Index nfeats = 263;                      // joints times features of the published layout
   MdmArch arch = MdmArch::trans_enc;
   MdmCondition condition = MdmCondition::text;
   Index text_dim = 512;        // CLIP; 768 for DistilBERT
@@ -18926,6 +20099,7 @@ struct MdmDenoiser {
 
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const Index n = x.count();
     if (static_cast<Index>(t.size()) != n || (config.condition != MdmCondition::none && text.count() != n)) {
       raise<shape_error>(204, "MdmDenoiser: ", n, " sequences, ", text.count(), " texts, ", t.size(), " steps");
@@ -18994,6 +20168,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes (27 M parameters).
 struct MdmSmplConfig {
+  static constexpr bool is_option = true;  // holds no tensors
   Index nfeats = 205;
   Index tx_dim = 512;
   Index latent_dim = 512;
@@ -19011,7 +20186,7 @@ struct MdmSmplConfig {
 
 /// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder;
 /// the frames are read off its end.
-/// Source   Petrovich et al., "Multi-track timeline control" (2024), section 4.3; nv-tlabs/stmc src/model/mdm_smpl.py,
+/// Source   thesis 6.2.4 ("Multi-track timeline control", Petrovich et al. 2024); nv-tlabs/stmc src/model/mdm_smpl.py,
 ///          whose state-dict keys (behind "denoiser.") are the field names
 /// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of
 ///          the batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) none
@@ -19093,6 +20268,7 @@ struct MdmSmplDenoiser {
   /// computed once. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
   Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
                           const EncodedText& text) const {
+    const ModuleScope scope(*this);
     check_counts(uses.rows(), t, text);
     const Offsets lengths = repeat_lengths(x.offsets, uses);
     const auto heads = add_positions(head_tokens(t, text), positions.rows(), gaps(text));
@@ -19103,10 +20279,12 @@ struct MdmSmplDenoiser {
   }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return (*this)(x, t, encode(text), context);
   }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     auto tokens = sequence(x, t, text);
     if (context.dropout) tokens = tokens.with(dropout(tokens.rows, dropout_p, context));
     return to_skel_layer(last_rows(seqTransEncoder(tokens, context), x.offsets));
@@ -19144,6 +20322,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sizes of the HumanML3D release.
 struct MotionDiffuseConfig {
+  static constexpr bool is_option = true;  // holds no tensors
   Index input_feats = 263;
   Index num_frames = 196;  // rows of the learned positions
   Index latent_dim = 512;
@@ -19176,6 +20355,7 @@ struct StylizationBlock {
   /// h and x (rows, width), emb (sequences, time width): x with what is made of h added
   Tensor<B, 2> operator()(const Tensor<B, 2>& h, const Tensor<B, 2>& emb, const Offsets& offsets,
                           const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
     const Index d = h.size(1);
     const auto modulation = emb_layer(activate(emb, Activation::silu));
     const auto scale = repeat_for_rows(slice(modulation, 1, 0, d) + 1.0, offsets);
@@ -19213,6 +20393,7 @@ struct MotionDiffuseAttention {
 
   /// Self-attention when there is no text.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>* text, const Tensor<B, 2>& emb) const {
+    const ModuleScope scope(*this);
     const auto n = norm(x.rows), source = text == nullptr ? n : (*text_norm)(text->rows);
     const Offsets& keys = text == nullptr ? x.offsets : text->offsets;
     const auto q = query(n), k = key(source), v = value(source);
@@ -19232,6 +20413,7 @@ struct MotionDiffuseFeedForward {
     return motionlang::fields("linear1", &M::linear1, "linear2", &M::linear2, "proj_out", &M::proj_out);
   }
   Tensor<B, 2> operator()(const Sequences<B>& x, const Tensor<B, 2>& emb) const {
+    const ModuleScope scope(*this);
     return proj_out(linear2(linear1(x.rows, Activation::gelu)), emb, x.offsets, x.rows);
   }
 };
@@ -19252,6 +20434,7 @@ struct MotionDiffuseBlock {
         ffn{{c.latent_dim, c.ff_size, rng}, {c.ff_size, c.latent_dim, rng}, {c.latent_dim, 4 * c.latent_dim, rng}} {}
 
   Sequences<B> operator()(Sequences<B> x, const Sequences<B>& text, const Tensor<B, 2>& emb) const {
+    const ModuleScope scope(*this);
     x.rows = sa_block(x, nullptr, emb);
     x.rows = ca_block(x, &text, emb);
     x.rows = ffn(x, emb);
@@ -19359,6 +20542,7 @@ struct MotionDiffuseDenoiser {
 
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text,
                           const Context& = {}) const {
+    const ModuleScope scope(*this);
     if (text.xf_out.count() != x.count() || static_cast<Index>(t.size()) != x.count()) {
       raise<shape_error>(204, "MotionDiffuseDenoiser: ", x.count(), " sequences, ", text.xf_out.count(), " texts, ",
                          t.size(), " steps");
@@ -19370,6 +20554,7 @@ struct MotionDiffuseDenoiser {
   }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return (*this)(x, t, encode(text), context);
   }
 };
@@ -19410,16 +20595,19 @@ struct AnyDenoiser {
 
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     if (mdm_smpl) return (*mdm_smpl)(x, t, *text.mdm_smpl, context);
     if (mdm) return (*mdm)(x, t, text.text, context);
     return (*motiondiffuse)(x, t, *text.motiondiffuse, context);
   }
   Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
                           const EncodedText& text) const {
+    const ModuleScope scope(*this);
     return mdm_smpl ? (*mdm_smpl)(x, uses, t, *text.mdm_smpl) : (*this)(repeat_sequences(x, uses), t, text);
   }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return (*this)(x, t, encode(text), context);
   }
 };
@@ -19453,12 +20641,13 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_DIFFUSION_MDM_ACTIONS_HPP
 /// MDM for actions: motions for classes, which stand where MDM for texts has a text.
 ///
-///     const MdmActions<B> mdm{.denoiser = ..., .diffusion = GaussianDiffusion(CosineSchedule{.steps = 1000})};
-///     const auto motions = mdm.generate(actions, Philox{.seed = 7});            // frames of rotations and way, as
-///     ACTOR has them
+///     const GaussianDiffusion diffusion(CosineSchedule{.steps = 1000});
+///     const MdmActions<B> mdm{.denoiser = network, .diffusion = diffusion};
+///     // Frames of rotations and way, as ACTOR has them.
+///     const auto motions = mdm.generate(actions, Philox{.seed = 7});
 ///
 /// An unconstrained model (HumanAct12 without its classes) has one class, which it does not look at.
-/// Source  Tevet et al., "Human motion diffusion model" (ICLR 2023), section 4.2; spec mdm.md 3, 3.1
+/// Source  Tevet et al., "Human motion diffusion model" (ICLR 2023), section 4.2; MDM model/mdm.py
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_SAMPLER_HPP  // <motionlang/diffusion/sampler.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_SAMPLER_HPP
@@ -19500,6 +20689,7 @@ struct SamplingOptions {
   enum class Sampler { ddpm, ddim };
   Sampler sampler = Sampler::ddpm;
   double eta = 0;  // of ddim
+  /// As in STMC's released code. The noise of thesis eq. 6.2 is NoiseScale::posterior_std.
   NoiseScale noise_scale = NoiseScale::posterior_variance;
   bool clip = false;
 };
@@ -19536,14 +20726,16 @@ Tensor<B, R> clean_estimate(const GaussianDiffusion& d, const Tensor<B, R>& x, c
 
 }  // namespace detail
 
-/// One step of Ho et al. (2020), algorithm 2: x_{t-1} = mean + factor noise.
+/// One step of Ho et al. (2020), algorithm 2: x_{t-1} = mean + factor noise, a sample of thesis eq. 6.2.
 /// t: one index per sample, or one for all. When the network predicts x_{t-1}, that is the mean.
+/// Differs from thesis eq. 6.2 with NoiseScale::posterior_variance: the factor is the variance, as STMC's code has it.
 template <Backend B, int R, class Fix = detail::KeepX0>
 AncestralStep<B, R> ancestral_step(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output,
                                    const Tensor<B, R>& noise, std::span<const Index> t, const StepOptions& options = {},
                                    const Fix& fix = {}) {
   auto x0 = detail::clean_estimate(d, x, output, t, options, fix);
   auto mean = options.prediction == Prediction::x_prev ? output : posterior_mean(d, x0, x, t);
+  // thesis eq. 6.2
   auto x_prev = mean + coefficients<B, R>(t, [&](Index i) {
                          return d.noise_factor(i, options.noise_scale, options.variance);
                        }) * noise;
@@ -19817,8 +21009,6 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_TEXT_BAG_OF_WORDS_IPP
 // Bodies of bag_of_words.hpp.
 
-#include <set>        // words of one text
-
 #ifndef MOTIONLANG_HAS_TEXT_WORD_PIECE_HPP  // <motionlang/text/word_piece.hpp>
 #define MOTIONLANG_HAS_TEXT_WORD_PIECE_HPP
 /// A small word-piece tokenizer whose vocabulary is learnt from the captions of a training set.
@@ -19835,6 +21025,7 @@ struct WordPieceIds;
 /// Pieces that continue a word begin with "##". The first three ids are fixed.
 class WordPiece {
  public:
+  static constexpr bool is_option = true;  // holds no tensors
   static constexpr Index begin_id = 0, end_id = 1, unknown_id = 2;
 
   WordPiece() = default;
@@ -20053,8 +21244,9 @@ MOTIONLANG_NAMESPACE_END
 /// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. One network; the members differ in the names of their tensors,
 /// in whether there are token types, and in how positions count.
 ///
-///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);   //
-///     weights/text_network_file.hpp const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
+///     // weights/text_network_file.hpp
+///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);
+///     const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
 ///
 /// Batches are packed: padding is never computed, and a text has the same numbers alone and among others (except the
 /// last digits in bf16x3). Loading a file packs the weights for the kernels; a network that was made otherwise is made
@@ -20315,7 +21507,7 @@ struct MpnetKeys {
 /// The bucket of a relative position r = key - query, of 32: 0 ... 15 for keys up to the query, 16 ... 31 for later
 /// ones; up to a
 /// distance of 8 every distance has its own. Source  MPNet (Song et al. 2020), after T5 (Raffel et al. 2020), section
-/// 2.1; the borders 8 * 16^(i / 8) as whole numbers (spec text-encoders.md, section 4).
+/// 2.1; the borders 8 * 16^(i / 8) as whole numbers (huggingface/transformers, modeling_mpnet.py).
 constexpr Index mpnet_bucket(Index r) {
   constexpr Index borders[] = {12, 16, 23, 32, 46, 64, 91};
   const Index distance = r < 0 ? -r : r, later = r > 0 ? 16 : 0;
@@ -20363,6 +21555,7 @@ struct BertLayer {
 
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Tensor<B, 2>* relative_scores,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return reading(x, offsets, x, offsets, relative_scores, context);
   }
   /// `rows` attend to x, which need not contain them.
@@ -20376,8 +21569,8 @@ struct BertLayer {
   }
 };
 
-/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); spec text-encoders.md, sections 2 to 4.
-///         Without pooler and heads.
+/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); huggingface/transformers,
+///         modeling_distilbert.py, modeling_bert.py and modeling_mpnet.py. Without pooler and heads.
 template <Backend B, class Keys>
 struct BertNetwork {
   Embedding<B> words, positions;
@@ -20416,6 +21609,7 @@ struct BertNetwork {
   /// The states of the last layer, one row for every id. Throws config_error 101 for a text that is too long,
   /// shape_error 203 for an unknown id.
   TextFeatures<B> operator()(const TokenBatch& batch, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const Offsets offsets = token_offsets(batch);
     check_length(offsets.longest());
     auto x = dropout(embedded(batch.ids, position_ids(batch)), dropout_p, context);
@@ -20500,7 +21694,8 @@ MOTIONLANG_NAMESPACE_END
 ///     const BertTokenizer bert(read_vocabulary("vocab.txt"));
 ///     bert.encode("a person walks.");   // [CLS] a person walks . [SEP]
 ///
-/// Source   Devlin et al. (2019), the published tokenizer; spec text-encoders.md 7 and 8
+/// Source   Devlin et al. (2019), google-research/bert tokenization.py; MPNet's: huggingface/transformers,
+///          tokenization_mpnet.py
 /// Differs  the tables are those of Unicode 15, in the fast tokenizers of Unicode 8: newer punctuation and newer
 ///          combining marks are known here
 
@@ -21901,6 +23096,7 @@ struct CaptionEncoder {
 
   /// (texts, out)
   Tensor<B, 2> operator()(std::span<const std::string> texts, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     std::vector<Index> ids, lengths, first;
     for (const std::string& t : texts) {
       const auto pieces = tokenizer.encode(t, positions.rows().size(0));
@@ -21963,13 +23159,14 @@ struct ClipBlock {
   }
 
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets) const {
+    const ModuleScope scope(*this);
     const auto y = attn.self(ln_1(x), offsets, {}, &x, /*causal=*/true);
     return c_proj(c_fc(ln_2(y), activation), Activation::none, &y);
   }
 };
 
-/// Source  Radford et al. (2021), section 2.4; parameter names of OpenAI's state dict; spec text-encoders.md, section
-///         5.
+/// Source  Radford et al. (2021), section 2.4; parameter names of OpenAI's state dict; openai/CLIP
+///         clip/model.py.
 template <Backend B>
 struct ClipText {
   Embedding<B> token_embedding;
@@ -22000,6 +23197,7 @@ struct ClipText {
   /// largest id. A row depends on the ids before it only. Throws config_error 101 for a text longer than the context,
   /// shape_error 203 for an unknown id.
   TextFeatures<B> operator()(const TokenBatch& batch) const {
+    const ModuleScope scope(*this);
     const Offsets offsets = token_offsets(batch);
     if (offsets.longest() > longest())
       raise<config_error>(101, "CLIP: a text of ", offsets.longest(), " pieces for a context of ", longest(),
@@ -22065,7 +23263,7 @@ MOTIONLANG_NAMESPACE_END
 ///     clip.encode("a person walks");                     // 49406 320 2533 8192 49407
 ///     tokenize(clip, texts).padded(clip.pad_id(), 77);   // what the published network takes
 ///
-/// Source   Radford et al. (2021), simple_tokenizer.py; Sennrich et al. (2016); spec text-encoders.md 9
+/// Source   Radford et al. (2021), openai/CLIP clip/simple_tokenizer.py; Sennrich et al. (2016)
 /// Differs  mojibake is not repaired (text_repair.hpp)
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -22073,7 +23271,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// What happens to a text before its words are looked for.
 enum class ClipCleaning {
   original,     // OpenAI's: repair_text, HTML entities twice, white space, lower case with final sigma
-  hugging_face  // NFC, white space, lower case without context; spec 9.2
+  hugging_face  // NFC, white space, lower case without context, as its tokenizer.json says
 };
 
 struct ClipTokenizerOptions {
@@ -22208,7 +23406,8 @@ MOTIONLANG_NAMESPACE_END
 /// What the CLIP tokenizer does to a text before it looks for words: the deterministic steps of ftfy's repair, and HTML
 /// entities.
 ///
-/// Source   spec text-encoders.md 9.1; ftfy (Speer 2019); html.unescape of Python, the rules of HTML5
+/// Source   openai/CLIP clip/simple_tokenizer.py basic_clean; ftfy 6.3.1 (Speer 2019); Python's html.unescape, HTML5's
+///          rules
 /// Differs  from ftfy: text that was decoded in the wrong encoding ("mojibake") stays as it is; the steps are repeated
 ///          at most 100 times
 
@@ -22841,7 +24040,7 @@ inline std::size_t escape_end(std::u32string_view text, std::size_t at) {
   return letter ? end + 1 : at;
 }
 
-/// Steps 3 to 11 of spec 9.1, once.
+/// The steps of ftfy's fix_text that follow the HTML entities, once.
 inline std::u32string repaired_once(std::u32string_view text) {
   std::u32string plain;
   for (const char32_t c : text) {
@@ -23245,7 +24444,7 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// A row is the vector of a word and, behind it, a one among the 15 tags. Texts are lists of word/tag, the second field
 /// of the caption files of HumanML3D. A caption without tags is read by approximation, see `caption_tokens`.
-/// Source  Guo et al. (CVPR 2022), word_vectorizer.py; spec text-encoders.md, section 6
+/// Source  Guo et al. (CVPR 2022), TM2T utils/word_vectorizer.py WordVectorizerV2
 
 #ifndef MOTIONLANG_HAS_TEXT_TAGGED_WORD_HPP  // <motionlang/text/tagged_word.hpp>
 #define MOTIONLANG_HAS_TEXT_TAGGED_WORD_HPP
@@ -23369,7 +24568,8 @@ MOTIONLANG_BODY std::optional<SpeechTag> motion_tag(std::string_view word) {
 MOTIONLANG_BODY GloVe::GloVe(const std::vector<std::string>& words, std::vector<float> vectors, Index width)
     : vectors_(std::move(vectors)), width_(width) {
   if (width < 1 || vectors_.size() != words.size() * static_cast<std::size_t>(width))
-    raise<shape_error>(205, "GloVe: ", vectors_.size(), " numbers for ", words.size(), " words of ", width);
+    raise<shape_error>(205, "GloVe: ", counted(vectors_.size(), "number"), " for ", counted(words.size(), "word"),
+                       " of ", width);
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (!row_.emplace(words[i], i).second) raise<config_error>(103, "GloVe: the word '", words[i], "' is duplicated");
   }
@@ -23471,7 +24671,7 @@ MOTIONLANG_NAMESPACE_END
 /// `while_` and `during` put the second verb into its -ing form, for which a tagger of parts of speech is needed: a
 /// callable sentence -> words with their tags. Without one the words stay as they are.
 ///
-/// Source   SINC (Athanasiou et al., ICCV 2023), rule_based_concat, gerund_augment; spec sinc.md 4
+/// Source   thesis B.2.2; SINC sinc/model/sinc.py rule_based_concat, gerund_augment
 /// Differs  the paper's evaluation says "while", its code "and ... at the same time"
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -23550,6 +24750,190 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_TEXT_KNOWN_WORDS_HPP  // <motionlang/text/known_words.hpp>
+#define MOTIONLANG_HAS_TEXT_KNOWN_WORDS_HPP
+/// The words that a model learned its texts from, and the words of a text that are not among them. A motion of unknown
+/// words looks as good as others, but is of something else.
+///
+///     const auto known = known_words(SafetensorsFile::open("stmc_free.safetensors").metadata());
+///     for (const UnknownWord& w : unknown_words("Walk forwad", known))
+///       std::cout << w.word << ", like " << w.like << '\n';                           // forwad, like forward
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Where the metadata of weights list the words.
+inline constexpr const char* known_words_entry = "text.words";
+
+/// Each word of the captions once, for the metadata: in alphabetical order, one on each line.
+std::string listed_words(std::span<const std::string> captions);
+
+/// Those of the metadata of weights; none where these do not list them.
+std::vector<std::string> known_words(const std::map<std::string, std::string>& metadata);
+
+/// A word that a model does not know.
+struct UnknownWord {
+  std::string word{}, like{};  // like: a known word that differs in a third of its letters at most, or ""
+};
+/// Each of them once, in the order of the text. None if no words are known.
+std::vector<UnknownWord> unknown_words(std::string_view text, const std::vector<std::string>& known);
+
+/// The words of a text with letters or digits beyond a-z and 0-9, which our tokenizer passes over.
+std::vector<std::string> unreadable_words(std::string_view text);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_TEXT_KNOWN_WORDS_IPP  // <motionlang/text/known_words.ipp>
+#define MOTIONLANG_HAS_TEXT_KNOWN_WORDS_IPP
+// Bodies of known_words.hpp.
+
+#ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_HPP  // <motionlang/file/key_report.hpp>
+#define MOTIONLANG_HAS_FILE_KEY_REPORT_HPP
+/// Names of tensors that do not match between a file and a model, as one list that a person can act on.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Names that a file lacks, and names that nobody asked for.
+struct KeyReport {
+  std::vector<std::string> missing, unexpected;
+};
+
+/// How many characters have to be inserted, removed or exchanged to make b of a (Levenshtein), or `limit` if it is that
+/// many.
+std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit);
+
+/// The name that is most like `name`; empty if none has half of it. Of a long list only the first 2,000 names are
+/// looked at.
+std::string nearest_name(std::string_view name, const std::vector<std::string>& among);
+
+/// A line for each name, and beside it the name of the other list that is most like it.
+std::string to_string(const KeyReport& report);
+
+namespace detail {
+
+[[noreturn]] void raise_key_mismatch(std::string_view file, const KeyReport& report);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FILE_KEY_REPORT_IPP  // <motionlang/file/key_report.ipp>
+#define MOTIONLANG_HAS_FILE_KEY_REPORT_IPP
+// Bodies of key_report.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
+  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t k = 0; k < row.size(); ++k) row[k] = k;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t k = 0; k < b.size(); ++k) {
+      const std::size_t exchanged = diagonal + (a[i] == b[k] ? 0 : 1);
+      diagonal = row[k + 1];
+      row[k + 1] = std::min(exchanged, std::min(diagonal, row[k]) + 1);
+    }
+  }
+  return std::min(row.back(), limit);
+}
+
+MOTIONLANG_BODY std::string nearest_name(std::string_view name, const std::vector<std::string>& among) {
+  constexpr std::size_t longest = 256;
+  std::string_view best;
+  std::size_t distance = std::min(name.size(), longest) / 2 + 1;
+  for (const std::string& candidate : std::span(among).first(std::min<std::size_t>(among.size(), 2000))) {
+    if (name.size() > longest || candidate.size() > longest) continue;
+    const std::size_t d = edit_distance(name, candidate, distance);
+    if (d < distance) distance = d, best = candidate;
+  }
+  return std::string(best);
+}
+
+MOTIONLANG_BODY std::string to_string(const KeyReport& report) {
+  constexpr std::size_t most = 20;  // lines of a list
+  std::string text;
+  const auto list = [&](const char* what, const std::vector<std::string>& names, const std::vector<std::string>& others,
+                        const char* has) {
+    for (std::size_t i = 0; i < names.size() && i < most; ++i) {
+      const std::string like = nearest_name(names[i], others);
+      text += concat_text("\n  ", what, " ", names[i]);
+      if (!like.empty()) text += concat_text("  (", has, " ", like, ")");
+    }
+    if (names.size() > most) text += concat_text("\n  ", what, " ", names.size() - most, " more");
+  };
+  list("missing   ", report.missing, report.unexpected, "the file has");
+  list("unexpected", report.unexpected, report.missing, "the model has");
+  return text;
+}
+
+namespace detail {
+
+MOTIONLANG_BODY void raise_key_mismatch(std::string_view file, const KeyReport& report) {
+  raise<io_error>(406, file, ": ", counted(report.missing.size(), "tensor is missing", "tensors are missing"), ", ",
+                  counted(report.unexpected.size(), "is", "are"), " not expected:", report);
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// A known word that differs in a third of its letters at most; "" if there is none.
+inline std::string near_word(const std::string& word, const std::vector<std::string>& known) {
+  const std::string like = nearest_name(word, known);
+  return 3 * edit_distance(word, like, word.size()) <= word.size() ? like : "";
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string listed_words(std::span<const std::string> captions) {
+  std::set<std::string> words;
+  for (const std::string& c : captions) {
+    for (std::string& w : WordPiece::words(c)) words.insert(std::move(w));
+  }
+  std::string out;
+  for (const std::string& w : words) out += (out.empty() ? "" : "\n") + w;
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> known_words(const std::map<std::string, std::string>& metadata) {
+  const auto found = metadata.find(known_words_entry);
+  return found == metadata.end() ? std::vector<std::string>() : WordPiece::words(found->second);
+}
+
+MOTIONLANG_BODY std::vector<UnknownWord> unknown_words(std::string_view text, const std::vector<std::string>& known) {
+  std::vector<UnknownWord> out;
+  if (known.empty()) return out;
+  std::set<std::string> seen;
+  for (const std::string& word : WordPiece::words(text)) {
+    if (std::find(known.begin(), known.end(), word) != known.end() || !seen.insert(word).second) continue;
+    out.push_back({word, detail::near_word(word, known)});
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> unreadable_words(std::string_view text) {
+  std::vector<std::string> out;
+  for_each_word(text, [&](std::string_view word) {
+    bool readable = true;
+    for (std::size_t at = 0; at < word.size();) {
+      const char32_t c = decode_utf8(word, at);
+      readable &= c < 0x80 || (char_class(c) & (CharClass::letter | CharClass::number)) == 0;
+    }
+    if (!readable) out.emplace_back(word);
+  });
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_HPP  // <motionlang/text/mirror_caption.hpp>
 #define MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_HPP
 /// What a mirrored motion is called: left and right exchanged in its caption.
@@ -23559,7 +24943,7 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Whole words, capitals kept, all at once. "left" as a verb is exchanged, too: words do not tell.
 ///
-/// Source   spec humanml3d-features.md 8; HumanML3D ships finished texts, no program
+/// Source   Guo et al. (CVPR 2022): HumanML3D ships finished texts of mirrored clips, no program that makes them
 /// Differs  from the texts of the published KIT annotations, which exchange inside of words: "upright" is "upleft"
 ///          there
 
@@ -23666,10 +25050,11 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_TEXT_TOKENIZED_ENCODER_HPP
 /// A tokenizer and a network make a text encoder.
 ///
-///     const TokenizedEncoder clip(ClipTokenizer(...), load_clip_text<B>(weights), {.pooling = Pooling::end});
 ///     // MDM, STMC
-///     const TokenizedEncoder tokens(BertTokenizer(...), load_text_network<DistilBert<B>>(config, weights));
-///     // TEMOS, TMR const TokenizedEncoder sentences(BertTokenizer(...), load_text_network<Mpnet<B>>(config, weights),
+///     const TokenizedEncoder clip(clip_tokenizer, load_clip_text<B>(weights), {.pooling = Pooling::end});
+///     // TEMOS, TMR
+///     const TokenizedEncoder tokens(bert_tokenizer, load_text_network<DistilBert<B>>(config, weights));
+///     const TokenizedEncoder sentences(bert_tokenizer, load_text_network<Mpnet<B>>(config, weights),
 ///                                      {.pooling = Pooling::mean, .normalize = true});
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -23746,6 +25131,7 @@ struct WordPieceTokens {
 
   /// A row for every piece, with those of begin and end.
   TextFeatures<B> operator()(std::span<const std::string> texts) const {
+    const ModuleScope scope(*this);
     const TokenBatch batch = tokenize(tokenizer, texts);
     return {{embedding(batch.ids), Offsets(std::span<const Index>(batch.lengths))}};
   }
@@ -23761,7 +25147,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_COMPOSE_BASELINES_HPP
 /// The timelines of the baselines that STMC is compared with: everything on one track, or in one sentence.
 ///
-/// Source  STMC (Petrovich et al. 2024), mtt/create_baselines.py; spec stmc.md 5. They are made from seconds and
+/// Source  thesis 6.3.3; STMC (Petrovich et al. 2024) mtt/create_baselines.py. They are made from seconds and
 ///         written to files, which are then read at 20 fps; converting with to_frames gives the same.
 
 #ifndef MOTIONLANG_HAS_COMPOSE_TIMELINE_HPP  // <motionlang/compose/timeline.hpp>
@@ -23793,6 +25179,7 @@ struct BasicInterval {
 template <class T>
 struct BasicTimeline {
   std::vector<BasicInterval<T>> intervals;
+  BodyPartition body{};  // whose parts the intervals move; the human body unless given
 
   /// End of the last interval.
   T end() const {
@@ -23846,7 +25233,7 @@ MOTIONLANG_BODY Index frame_at(double seconds, double fps) {
 }
 
 MOTIONLANG_BODY Timeline to_frames(const TimelineInSeconds& timeline, double fps) {
-  Timeline out;
+  Timeline out{{}, timeline.body};
   for (const auto& i : timeline.intervals) {
     out.intervals.push_back({i.text, frame_at(i.start, fps), frame_at(i.end, fps), i.parts, i.place});
   }
@@ -23860,7 +25247,7 @@ MOTIONLANG_BODY TimelineInSeconds to_seconds(const Timeline& timeline, double fp
     while (frame_at(t, fps) < frame) t = std::nextafter(t, HUGE_VAL);  // the quotient was rounded down
     return t;
   };
-  TimelineInSeconds out;
+  TimelineInSeconds out{{}, timeline.body};
   for (const auto& i : timeline.intervals)
     out.intervals.push_back({i.text, seconds(i.start), seconds(i.end), i.parts, i.place});
   return out;
@@ -23897,7 +25284,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_COMPOSE_INTERVALS_HPP
 /// Cutting a timeline at every start and end: between two neighbouring cuts the set of active texts is constant.
 ///
-/// Source  STMC (Petrovich et al. 2024), section 3.2; spec stmc.md 3.1
+/// Source  thesis 6.2.3, "Resolving unassigned timeframes"; STMC (Petrovich et al. 2024) src/stmc.py process_timeline
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -23953,7 +25340,7 @@ void fill_gaps(BasicTimeline<T>& timeline) {
   detail::sort(covered, [](const auto& a, const auto& b) { return a < b; });
   T reached{};
   for (const auto& [start, end] : covered) {
-    if (start > reached) timeline.intervals.push_back({"", reached, start, BodyParts::all()});
+    if (start > reached) timeline.intervals.push_back({"", reached, start, timeline.body.all()});
     reached = std::max(reached, end);
   }
 }
@@ -23964,7 +25351,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY TimelineInSeconds single_track(const TimelineInSeconds& timeline) {
-  TimelineInSeconds out;
+  TimelineInSeconds out{{}, timeline.body};
   for (const auto& piece : elementary_pieces(timeline)) {
     if (piece.intervals.empty()) continue;
     IntervalInSeconds joined{"", piece.start, piece.end, {}};
@@ -23981,7 +25368,7 @@ MOTIONLANG_BODY TimelineInSeconds single_track(const TimelineInSeconds& timeline
 MOTIONLANG_BODY TimelineInSeconds one_text(const TimelineInSeconds& timeline) {
   constexpr double longest = 9.8;
   constexpr const char* words[] = {"", " and then ", " while "};
-  if (timeline.intervals.empty()) return {};
+  if (timeline.intervals.empty()) return {{}, timeline.body};
   IntervalInSeconds joined{"", 0.0, 0.0, {}};
   double first = timeline.intervals.front().start;
   for (std::size_t i = 0; i < timeline.intervals.size(); ++i) {
@@ -23991,7 +25378,7 @@ MOTIONLANG_BODY TimelineInSeconds one_text(const TimelineInSeconds& timeline) {
     first = std::min(first, interval.start);
   }
   joined.end = std::min(timeline.end() - first, longest);
-  return {{std::move(joined)}};
+  return {{std::move(joined)}, timeline.body};
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -24005,7 +25392,7 @@ MOTIONLANG_NAMESPACE_END
 ///
 ///     parse_body_part_answer("Answer: right leg\nleft leg\nbuttocks")   // global, left leg, right leg
 ///
-/// Source   SINC (Athanasiou et al., ICCV 2023), text_list_to_bp; spec sinc.md 6
+/// Source   thesis B.2.1; SINC (Athanasiou et al., ICCV 2023) sinc/tools/frank.py text_list_to_bp
 /// Differs  from the code: each line is stripped, so that "- waist" is one; "left shoulder" is understood
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -24107,16 +25494,20 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Rule   every known word adds its parts; words of one arm mean the right one unless "left arm", "left hand", ... is
 ///        written; both arms with "both", with "left and right", or with a plural; nothing known: all parts
+///
+/// In another body the words of its BodyPartition add their parts, and so do names and synonyms of parts.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 BodyParts guess_body_parts(std::string_view text);
+/// The parts of another body.
+BodyParts guess_body_parts(std::string_view text, const BodyPartition& body);
 
 /// Guesses the parts of all intervals that have none.
 template <class T>
 void guess_missing_parts(BasicTimeline<T>& timeline) {
   for (auto& i : timeline.intervals) {
-    if (i.parts.empty()) i.parts = guess_body_parts(i.text);
+    if (i.parts.empty()) i.parts = guess_body_parts(i.text, timeline.body);
   }
 }
 
@@ -24206,23 +25597,25 @@ inline constexpr std::array lexicon = {
 };
 // clang-format on
 
-/// The longest stem of which the word is a form: the stem and at most four more letters ("step" + "ping").
-inline const WordMeaning* meaning_of(std::string_view word) {
-  const WordMeaning* best = nullptr;
-  for (const WordMeaning& m : lexicon) {
+/// The entry with the longest stem of which the word is a form: the stem and at most four more letters ("step" +
+/// "ping"). Null if there is none.
+template <class Entries>
+const auto* meaning_of(const Entries& entries, std::string_view word) {
+  const typename Entries::value_type* best = nullptr;
+  for (const auto& m : entries) {
     const bool fits = word.starts_with(m.stem) && word.size() - m.stem.size() <= 4;
     if (fits && (best == nullptr || m.stem.size() > best->stem.size())) best = &m;
   }
   return best;
 }
 
-/// Runs of letters in lower case.
-inline std::vector<std::string> words_of(std::string_view text) {
+/// Runs of letters in lower case. With `digits` these are letters, too ("arm 2").
+inline std::vector<std::string> words_of(std::string_view text, bool digits = false) {
   std::vector<std::string> words;
   bool inside = false;
   for (char c : text) {
     const char small = lower(c);
-    const bool letter = small >= 'a' && small <= 'z';
+    const bool letter = (small >= 'a' && small <= 'z') || (digits && small >= '0' && small <= '9');
     if (letter && !inside) words.emplace_back();
     if (letter) words.back() += small;
     inside = letter;
@@ -24257,7 +25650,7 @@ MOTIONLANG_BODY BodyParts guess_body_parts(std::string_view text) {
   const std::vector<std::string> words = detail::words_of(text);
   detail::WordMeaning sum;
   for (const std::string& word : words) {
-    const detail::WordMeaning* m = detail::meaning_of(word);
+    const detail::WordMeaning* m = detail::meaning_of(detail::lexicon, word);
     if (m == nullptr) continue;
     sum.arm |= m->arm, sum.arms |= m->arms, sum.legs |= m->legs, sum.head |= m->head, sum.spine |= m->spine;
   }
@@ -24272,6 +25665,26 @@ MOTIONLANG_BODY BodyParts guess_body_parts(std::string_view text) {
   if (sum.head) parts = parts.with(head);
   if (sum.spine) parts = parts.with(spine);
   return parts.empty() ? BodyParts::all() : parts;
+}
+
+MOTIONLANG_BODY BodyParts guess_body_parts(std::string_view text, const BodyPartition& body) {
+  if (body.words().empty() && body == BodyPartition()) return guess_body_parts(text);
+  const std::vector<std::string> words = detail::words_of(text, true);
+  BodyParts parts;
+  for (const std::string& word : words) {
+    if (const auto* m = detail::meaning_of(body.words(), word)) parts.bits |= m->parts.bits;
+  }
+  const auto add_named = [&](std::string_view name, BodyPart part) {
+    const std::vector<std::string> wanted = detail::words_of(name, true);
+    const auto found = std::search(words.begin(), words.end(), wanted.begin(), wanted.end());
+    if (!wanted.empty() && found != words.end()) parts = parts.with(part);
+  };
+  for (int p = 0; p < body.size(); ++p) {
+    const auto part = static_cast<BodyPart>(p);
+    add_named(body.name(part), part);
+  }
+  for (const BodyPartition::Named& s : body.synonyms()) add_named(s.name, s.part);
+  return parts.empty() ? body.all() : parts;
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -24296,7 +25709,7 @@ MOTIONLANG_NAMESPACE_END
 /// From timelines to the integers of a composition: which crops to denoise, and which frames of which crop are added to
 /// and subtracted from which frames of the motion, for each body part. No tensors here.
 ///
-/// Source     STMC (Petrovich et al. 2024), section 3.3; spec stmc.md 3; reference: nv-tlabs/stmc src/stmc.py
+/// Source     thesis 6.2.3; STMC (Petrovich et al. 2024); reference: nv-tlabs/stmc src/stmc.py process_timelines
 /// Notation   a, b -> start, end of an interval; T -> frames; O, l, r -> Overlap; x -> cut
 /// Property   for every body part and frame, additions minus subtractions = 1, however close the cuts are, if extension
 ///            and transition crops are both on or both off; see net_weights
@@ -24307,7 +25720,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP
 /// Overlap around the cuts of a timeline: how far texts reach beyond their ends, and the windows of transitions.
 ///
-/// Source   STMC (Petrovich et al. 2024), section 3.3; spec stmc.md 3.4-3.6
+/// Source   thesis 6.2.3, "Temporal stitching"; STMC (Petrovich et al. 2024) src/stmc.py
 /// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap, the longer half to the
 ///          right
 
@@ -24385,10 +25798,10 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP
 /// Which text owns which body part while several texts are active.
 ///
-/// Source   SINC (Athanasiou et al., ICCV 2023) heuristic as STMC's code applies it; spec stmc.md 3.2. Where papers and
-///          code differ (the base is a text with legs first, ties are random), the code is followed.
-/// Rule     1. Base: of the texts with legs (of all, if none has legs) the one with the most body parts. It gets all
-///             five parts.
+/// Source   thesis 6.2.3, figure 6.4: the heuristic of SINC (thesis B.2.1) as STMC src/stmc.py applies it. Where papers
+///          and code differ (the base is a text with legs first, ties are random), the code is followed.
+/// Rule     1. Base: of the texts with the part that carries the path, the legs of a human, the one with the most body
+///             parts (of all texts, if none has that part). It gets all parts.
 ///          2. The others, by number of parts, largest first, in file order among equals, take their parts away from
 ///             whoever holds them: the text with fewer parts wins, among equals the later one.
 /// Ties     between base texts: the first in the file, or random as published when a generator is given
@@ -24396,7 +25809,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Number of the interval that owns each body part.
-using PartOwners = std::array<Index, body_part_count>;
+using PartOwners = std::vector<Index>;
 
 /// A generator that can put a list into random order: PythonRandom (as published), NumpyRandom.
 template <class G>
@@ -24411,14 +25824,15 @@ struct FirstWins {
 
 namespace detail {
 
-/// Of the texts with legs (of all, if there are none) the one with the most parts; of equals the first after a shuffle.
+/// Of the texts with the path (of all, if there are none) the one with the most parts; of equals the first after a
+/// shuffle.
 /// Shuffling one text draws nothing.
 template <class T, Shuffler G>
 Index base_text(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
   const auto parts = [&](Index i) { return timeline.intervals[static_cast<std::size_t>(i)].parts; };
   std::vector<Index> candidates;
   for (Index i : texts) {
-    if (parts(i).has(BodyPart::legs)) candidates.push_back(i);
+    if (parts(i).has(timeline.body.path())) candidates.push_back(i);
   }
   if (candidates.empty()) candidates.assign(texts.begin(), texts.end());
   ties.shuffle(std::span<Index>(candidates));
@@ -24431,17 +25845,17 @@ Index base_text(const BasicTimeline<T>& timeline, std::span<const Index> texts, 
 
 }  // namespace detail
 
-/// Owners of the five parts on a piece with at least one text. `texts` are numbers of intervals in file order.
+/// Owners of all parts on a piece with at least one text. `texts` are numbers of intervals in file order.
 template <class T, Shuffler G>
 PartOwners assign_parts(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
-  PartOwners owners;
   const Index base = detail::base_text(timeline, texts, ties);
-  owners.fill(base);
-  for (int count = body_part_count; count > 0; --count) {  // texts with many parts first, in file order among equals
+  const int size = timeline.body.size();
+  PartOwners owners(static_cast<std::size_t>(size), base);
+  for (int count = size; count > 0; --count) {  // texts with many parts first, in file order among equals
     for (Index i : texts) {
       const BodyParts parts = timeline.intervals[static_cast<std::size_t>(i)].parts;
       if (i == base || parts.count() != count) continue;
-      for (int p = 0; p < body_part_count; ++p) {
+      for (int p = 0; p < size; ++p) {
         if (parts.has(static_cast<BodyPart>(p))) owners[static_cast<std::size_t>(p)] = i;
       }
     }
@@ -24523,7 +25937,7 @@ void require_text(const Piece& piece);
 /// Throws timeline_error 508 at a crop of more than `longest` frames (0: any number).
 void check_crops(const TimelinePlan& plan, Index longest);
 
-/// A plan with its pieces, which have no owners yet. Throws timeline_error 504, 505, 507, config_error 101.
+/// A plan with its pieces, which have no owners yet. Throws timeline_error 503 ... 505, 507, config_error 101.
 TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options);
 
 /// What follows from the owners of the pieces. Throws timeline_error 506, 508.
@@ -24533,7 +25947,8 @@ void finish_plan(TimelinePlan& plan, const PlanOptions& options);
 
 /// The plan of one timeline. `ties` decides between equal base texts: FirstWins, or a generator (see PlanOptions and
 /// sinc_assignment.hpp).
-/// Throws     timeline_error 504, 505 (gap), 506 (hidden text), 507, 508 (crop too long), config_error 101
+/// Throws     timeline_error 503 (parts of another body), 504, 505 (gap), 506 (hidden text), 507, 508 (crop too long),
+///            config_error 101
 template <Shuffler G>
 TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options, G& ties) {
   TimelinePlan plan = detail::pieces_of(std::move(timeline), options);
@@ -24588,6 +26003,9 @@ inline void check_timeline(const Timeline& timeline) {
     if (i.start < 0 || i.end < i.start || i.end > latest_time) {
       raise<timeline_error>(504, "plan_timeline: ", quoted(i), " is not a range of frames of the motion");
     }
+    if ((i.parts.bits & ~timeline.body.all().bits) != 0) {
+      raise<timeline_error>(503, "plan_timeline: ", quoted(i), " moves other body parts than ", timeline.body);
+    }
   }
   if (timeline.end() == 0) raise<timeline_error>(504, "plan_timeline: the timeline has no frame");
 }
@@ -24599,7 +26017,8 @@ MOTIONLANG_BODY void require_text(const Piece& piece) {
 
 /// Joins neighbouring pieces of a part that have the same owner.
 inline void merge_pieces(TimelinePlan& plan) {
-  for (std::size_t p = 0; p < body_part_count; ++p) {
+  const auto parts = static_cast<std::size_t>(plan.timeline.body.size());
+  for (std::size_t p = 0; p < parts; ++p) {
     for (std::size_t k = 0; k < plan.pieces.size(); ++k) {
       const Piece& piece = plan.pieces[k];
       const Index owner = plan.owners[k][p];
@@ -24717,7 +26136,7 @@ MOTIONLANG_BODY BatchPlan plan_timelines(std::span<const Timeline> timelines, co
 
 MOTIONLANG_BODY NetWeights net_weights(const TimelinePlan& plan) {
   NetWeights net{std::numeric_limits<int>::max(), std::numeric_limits<int>::min()};
-  for (int p = 0; p < body_part_count; ++p) {
+  for (int p = 0; p < plan.timeline.body.size(); ++p) {
     std::vector<std::pair<Index, int>> steps{{0, 0}, {plan.frames, 0}};  // frame, change of the weight
     const auto count = [&](const std::vector<Slice>& slices, int weight) {
       for (const Slice& s : slices) {
@@ -24777,21 +26196,25 @@ struct PartMoves {
 };
 PartMoves moves_of_part(const BatchPlan& plan, const Offsets& crops, Index stride, BodyPart part);
 
+/// Throws config_error 102 unless the layout gives each number to one body part of the body that the timelines have.
+void check_layout(const FeatureLayout& layout, const BatchPlan& plan);
+
 }  // namespace detail
 
 /// Puts crops together: for each body part the additions of the plan, then its subtractions.
 ///     motion[to, part] = sum crops[from, part] - sum transitions[from, part]
-/// Source  STMC, section 3.3, "spatio-temporal stitching"; spec stmc.md 4 step 5
+/// Source  thesis 6.2.3, "Spatial (body-part) stitching", "Temporal stitching"; STMC src/stmc.py
+///         combine_features_intervals
 template <Backend B>
 class Stitcher {
  public:
   Stitcher() = default;
   /// `crops`: offsets of the crops in batch order; `stride`: rows per motion. Throws config_error 102 for a layout that
-  /// does not give each number to one body part.
+  /// does not give each number to one body part, and for one of another body.
   Stitcher(const BatchPlan& plan, const FeatureLayout& layout, const Offsets& crops, Index stride)
       : rows_(static_cast<Index>(plan.timelines.size()) * stride), features_(layout.size) {
-    layout.validate();
-    for (int p = 0; p < body_part_count; ++p) {
+    detail::check_layout(layout, plan);
+    for (int p = 0; p < layout.body.size(); ++p) {
       Part part;
       part.mask = detail::part_mask<B>(layout, static_cast<BodyPart>(p));
       auto moves = detail::moves_of_part(plan, crops, stride, static_cast<BodyPart>(p));
@@ -24822,13 +26245,13 @@ class Stitcher {
 /// Hard cuts softened afterwards (the SINC+lerp baseline): in every window of the plan the part is interpolated
 /// linearly between the values at the window's first and last frame.
 ///     w v_first + (1 - w) v_last,   w = linspace(1, 0, window)
-/// All windows read the hard-cut motion; where they overlap the later one wins. Source: spec stmc.md 5.
-/// Throws config_error 102 for a layout that does not give each number to one body part.
+/// All windows read the hard-cut motion; where they overlap the later one wins. Source: STMC src/stmc.py.
+/// Throws config_error 102 for a layout that does not give each number to one body part, and for one of another body.
 template <Backend B>
 Tensor<B, 2> interpolate_transitions(const BatchPlan& plan, const FeatureLayout& layout, const Tensor<B, 2>& motion,
                                      Index stride) {
   using S = typename B::scalar;
-  layout.validate();
+  detail::check_layout(layout, plan);
   const auto read = motion.span();
   std::vector<S> out(read.begin(), read.end());
   const auto width = static_cast<std::size_t>(layout.size);
@@ -24894,6 +26317,15 @@ MOTIONLANG_BODY PartMoves moves_of_part(const BatchPlan& plan, const Offsets& cr
   return out;
 }
 
+MOTIONLANG_BODY void check_layout(const FeatureLayout& layout, const BatchPlan& plan) {
+  layout.validate();
+  for (const TimelinePlan& p : plan.timelines) {
+    if (p.timeline.body == layout.body) continue;
+    raise<config_error>(102, "FeatureLayout '", layout.name, "' is of a body of ", layout.body, "; the timeline's has ",
+                        p.timeline.body);
+  }
+}
+
 }  // namespace detail
 
 MOTIONLANG_NAMESPACE_END
@@ -24942,7 +26374,7 @@ Offsets joined(const Offsets& a, const Offsets& b);
 
 }  // namespace detail
 
-/// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
+/// Source  thesis 6.2.3, figure 6.3 c; STMC (Petrovich et al. 2024) src/model/gaussian.py p_sample_stmc
 /// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow
 ///         with the timelines. Sequences of the same frames and the same text go through it once: both calls of
 ///         guidance of a crop whose text is "", and the unconditional calls of texts that begin and end together; what
@@ -25223,7 +26655,8 @@ MOTIONLANG_BODY void check_texts(const BatchPlan& plan, Index texts, Index nulls
   Index intervals = 0;
   for (const TimelinePlan& p : plan.timelines) intervals += static_cast<Index>(p.timeline.intervals.size());
   if (texts == intervals && nulls == 1) return;
-  raise<shape_error>(204, "Collage: ", texts, " texts for ", intervals, " intervals; ", nulls, " unconditional texts");
+  raise<shape_error>(204, "Collage: ", counted(texts, "text"), " for ", counted(intervals, "interval"), "; ",
+                     counted(nulls, "unconditional text"));
 }
 
 MOTIONLANG_BODY CropRows own_frames(const BatchPlan& plan, Index stride, Index crop_frames) {
@@ -25250,7 +26683,8 @@ MOTIONLANG_BODY BatchPlan independent_plan(const BatchPlan& plan, Index frames) 
   std::vector<TimelinePlan> alone;
   for (const TimelinePlan& p : plan.timelines) {
     for (const Interval& i : p.timeline.intervals) {
-      alone.push_back(plan_timeline({{{i.text, 0, frames > 0 ? frames : i.end - i.start, BodyParts::all()}}}));
+      const BodyPartition& body = p.timeline.body;
+      alone.push_back(plan_timeline({{{i.text, 0, frames > 0 ? frames : i.end - i.start, body.all()}}, body}));
     }
   }
   return batch_plans(std::move(alone));
@@ -25267,7 +26701,7 @@ MOTIONLANG_NAMESPACE_END
 ///
 ///     const auto motion = stmc.generate(cut_texts(timeline, stmc.fps), rng);
 ///
-/// Differs  from STMC (Petrovich et al. 2024), section 3.3, where each text is one crop
+/// Differs  from STMC (thesis 6.2.3, "Motion cropping and denoising"), where each text is one crop
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -25296,7 +26730,7 @@ MOTIONLANG_NAMESPACE_END
 ///
 ///     const auto motion = stmc.generate(cut_at_handovers(timeline, 10), rng);
 ///
-/// Differs  from STMC (Petrovich et al. 2024), section 3.3, where each text is one crop
+/// Differs  from STMC (thesis 6.2.3, "Motion cropping and denoising"), where each text is one crop
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -25314,20 +26748,21 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY Timeline cut_at_handovers(const Timeline& timeline, Index least) {
   const auto pieces = elementary_pieces(timeline);
+  const auto parts = static_cast<std::size_t>(timeline.body.size());
   std::vector<PartOwners> owners;
   owners.reserve(pieces.size());
   FirstWins ties;
   for (const Piece& piece : pieces) {
-    owners.push_back(piece.intervals.empty() ? PartOwners{} : assign_parts(timeline, piece.intervals, ties));
+    owners.push_back(piece.intervals.empty() ? PartOwners(parts) : assign_parts(timeline, piece.intervals, ties));
   }
   least = std::max<Index>(least, 1);
-  Timeline out;
+  Timeline out{{}, timeline.body};
   for (Index i = 0; i < std::ssize(timeline.intervals); ++i) {
     Interval rest = timeline.intervals[static_cast<std::size_t>(i)];
     for (std::size_t k = 1; k < pieces.size(); ++k) {
       const Index cut = pieces[k].start;
       const bool changes = [&] {
-        for (std::size_t p = 0; p < body_part_count; ++p) {
+        for (std::size_t p = 0; p < parts; ++p) {
           if ((owners[k][p] == i) != (owners[k - 1][p] == i)) return true;
         }
         return false;
@@ -25397,7 +26832,7 @@ MOTIONLANG_BODY std::vector<Interval> equal_parts(const Interval& whole, Index c
 
 MOTIONLANG_BODY Timeline divide_long_texts(const Timeline& timeline, Index longest) {
   if (longest < 1) raise<config_error>(101, "divide_long_texts: parts of ", counted(longest, "frame"));
-  Timeline out;
+  Timeline out{{}, timeline.body};
   for (const Interval& whole : timeline.intervals) {
     const Index parts = std::max<Index>(1, (whole.end - whole.start + longest - 1) / longest);
     if (parts > most_parts) {
@@ -25433,7 +26868,7 @@ MOTIONLANG_NAMESPACE_END
 /// where nothing spans a cut (overlap 0), and at the end of the run. As the noise belongs to the frame, all other
 /// frames are those of before, bit for bit.
 ///
-/// Source   follows from STMC (Petrovich et al. 2024), algorithm 1; not in the paper
+/// Source   follows from STMC (thesis 6.2.3, figure 6.3 c); not in the thesis
 /// Caution  holds for denoisers whose sequences do not depend on their batch mates (see MdmSmplDenoiser)
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -25522,8 +26957,8 @@ MOTIONLANG_BODY EditSpread::EditSpread(const BatchPlan& before, Index rows_befor
                                        Index reads, std::optional<Index> within)
     : plan_(std::move(after)), rows_(rows), reads_(reads) {
   for (std::size_t m = 0; m < plan_.timelines.size(); ++m) {
-    std::vector<char> edited(static_cast<std::size_t>(rows), 1);  // where nothing is recorded
-    if (m < before.timelines.size()) {
+    std::vector<char> edited(static_cast<std::size_t>(rows), 1);  // where nothing is recorded, or of another body
+    if (m < before.timelines.size() && before.timelines[m].timeline.body == plan_.timelines[m].timeline.body) {
       const Index longest = std::max(rows, rows_before);
       const auto was = detail::frame_terms(before.timelines[m], longest),
                  is = detail::frame_terms(plan_.timelines[m], longest);
@@ -25614,7 +27049,7 @@ MOTIONLANG_NAMESPACE_END
 /// Denoisers learn from clips of a few seconds, most of which show one thing: of "walk forward then sit down" they do
 /// one half.
 ///
-///     actions_in_turn("walk forward, then sit down")                 // {"walk forward", "sit down"}
+///     actions_in_turn("walk forward, then sit down");                // {"walk forward", "sit down"}
 ///     const auto motion = stmc.generate(in_turn(timeline), rng);
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -25698,7 +27133,7 @@ MOTIONLANG_BODY std::vector<std::string> actions_in_turn(std::string_view senten
 }
 
 MOTIONLANG_BODY Timeline in_turn(const Timeline& timeline) {
-  Timeline out;
+  Timeline out{{}, timeline.body};
   for (const Interval& whole : timeline.intervals) {
     const auto actions = actions_in_turn(whole.text);
     if (whole.end - whole.start < std::ssize(actions))
@@ -25727,8 +27162,7 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Each timeline has three intervals: two back to back on one track, one on a second track beside them, with other body
 /// parts than those it meets.
-/// Source  STMC (Petrovich et al., CVPR workshops 2024), section 4.1; mtt/sampling_timelines.py; spec
-///         stmc-evaluation.md 1
+/// Source  thesis 6.3.1; STMC (Petrovich et al., CVPR workshops 2024) mtt/sampling_timelines.py
 /// Differs from the thesis: durations have a deviation of 1.2 s, not 1.0, and end at 9.2 s; parts are other ones only
 /// where
 ///         the window of the third interval was chosen, which is where it lies
@@ -25869,11 +27303,12 @@ class TimelineLine {
     return *t;
   }
 
-  BodyParts parts(std::size_t first) const {
+  /// The parts that the fields from `first` on name.
+  BodyParts parts(std::size_t first, const BodyPartition& body) const {
     BodyParts parts;
     for (std::size_t i = first; i < fields_.size(); ++i) {
-      const auto part = parse_body_part(fields_[i]);
-      if (!part) fail(503, i, "'", fields_[i], "' is not a body part (left arm, right arm, legs, head, spine)");
+      const auto part = body.find(fields_[i]);
+      if (!part) fail(503, i, "'", fields_[i], "' is not a body part (", join_text(body.names()), ")");
       parts = parts.with(*part);
     }
     return parts;
@@ -25899,7 +27334,7 @@ MOTIONLANG_BODY std::vector<MttText> parse_mtt_texts(std::string_view file, std:
     if (detail::trim(content).empty()) return;
     const detail::TimelineLine line(content, number, name);
     if (line.fields() < 2) line.fail(501, line.fields(), "expected 'text # body part'");
-    out.push_back({line.text(), line.parts(1)});
+    out.push_back({line.text(), line.parts(1, {})});
   });
   if (out.empty()) raise<timeline_error>(507, name, ": no line");
   return out;
@@ -25991,7 +27426,7 @@ MOTIONLANG_NAMESPACE_END
 ///
 ///     compose_motions(walk, parts_of_walk, wave, parts_of_wave)   // walks, the right arm waves
 ///
-/// Source  SINC (Athanasiou et al., ICCV 2023), combine_motions; spec sinc.md 7
+/// Source  thesis B.2.1, steps 1 to 5; SINC (Athanasiou et al., ICCV 2023) sinc/tools/frank.py combine_motions
 /// Rule    1. The motion with fewer parts is the second one (a tie: as given) and overrides.
 ///         2. Legs and pelvis stay together: with the second if it has any of them, else with the first.
 ///         3. What the second does not have comes from the first. The path over the ground is of the one with the legs.
@@ -26096,7 +27531,7 @@ MOTIONLANG_NAMESPACE_END
 /// TEACH's way to put generated parts one behind the other: the next part is turned and moved onto the last frame of
 /// the one before it, the frames between them are interpolated.
 ///
-/// Source    TEACH (Athanasiou et al., 3DV 2022), tools/interpolation.py; spec teach.md 5.1
+/// Source    thesis A.2.3 and A.3.4; TEACH (Athanasiou et al., 3DV 2022) teach/tools/interpolation.py
 /// Notation  last frame of what is there -> e, first frame of the next part -> b
 /// World     Z up. The turn is the difference of the z of two rotation vectors, which is that of the headings only for
 ///           bodies that do not lean; published so.
@@ -26122,8 +27557,8 @@ void align_to(const PoseInWorld<S>& e, std::span<Matrix3<S>> rotations, std::spa
               Alignment alignment = Alignment::full) {
   const std::size_t joints = e.rotations.size();
   if (joints == 0 || rotations.size() != trans.size() * joints) {
-    raise<shape_error>(205, "align_to: ", rotations.size(), " rotations for ", trans.size(), " frames of ", joints,
-                       " joints");
+    raise<shape_error>(205, "align_to: ", counted(rotations.size(), "rotation"), " for ",
+                       counted(trans.size(), "frame"), " of ", counted(joints, "joint"));
   }
   if (trans.empty()) return;
   auto turn = Matrix3<S>::identity();
@@ -26236,6 +27671,7 @@ struct TimelineTextOptions {
   /// Take intervals without a frame and texts without parts as they are. Else texts without parts move the whole body.
   bool as_published = false;
   std::string_view name = "timeline";  // of the file, for messages
+  BodyPartition body{};                // whose parts the texts move
 };
 
 /// A text with a length, for motions of one text each: it moves the whole body.
@@ -26294,8 +27730,8 @@ BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOpti
       return line.seconds(i);
     }
   };
-  BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3), line.place(0)};
-  if (out.parts == BodyParts{} && !options.as_published) out.parts = BodyParts::all();
+  BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3, options.body), line.place(0)};
+  if (out.parts == BodyParts{} && !options.as_published) out.parts = options.body.all();
   if (!(out.start < out.end) && !options.as_published) {
     line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s ",
               line.seconds(1) < line.seconds(2) ? "has no frame" : "is empty or ends before it starts");
@@ -26311,7 +27747,7 @@ std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const Ti
   for_each_line(text, [&](std::string_view line, Index number) {
     const bool blank = trim(line).empty();
     if (!blank) {
-      if (!inside) out.emplace_back();
+      if (!inside) out.push_back({{}, options.body});
       out.back().intervals.push_back(parse_interval<T>(TimelineLine(line, number, options.name), options));
     }
     inside = !blank;
@@ -26353,7 +27789,7 @@ MOTIONLANG_BODY bool is_text_list(std::string_view text, const TimelineTextOptio
     const detail::TimelineLine line(content, number, options.name);
     if (line.fields() < 3)
       ++short_lines;
-    else if (parse_body_part(line.field(2)))
+    else if (options.body.find(line.field(2)))
       ++lines_with_parts;
   });
   return options.as_published ? short_lines > 0 : lines > 0 && short_lines + lines_with_parts == lines;
@@ -26365,7 +27801,7 @@ MOTIONLANG_BODY std::vector<TimedText> parse_text_list(std::string_view text, co
     if (detail::trim(content).empty()) return;
     const detail::TimelineLine line(content, number, options.name);
     if (line.fields() < 2) line.fail(501, line.fields(), "expected 'text # duration'");
-    if (!options.as_published) line.parts(2);
+    if (!options.as_published) line.parts(2, options.body);
     const double seconds = line.seconds(1);
     if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, 1, "'", line.field(1), "' is too long");
     const Index frames = frame_at(seconds, options.fps);
@@ -26377,9 +27813,13 @@ MOTIONLANG_BODY std::vector<TimedText> parse_text_list(std::string_view text, co
 }
 
 MOTIONLANG_BODY std::string write_timelines(std::span<const TimelineInSeconds> timelines) {
-  using enum BodyPart;
   std::string out;
   for (const TimelineInSeconds& timeline : timelines) {
+    const BodyPartition& body = timeline.body;
+    std::vector<BodyPart> alphabetical;
+    alphabetical.reserve(static_cast<std::size_t>(body.size()));
+    for (int p = 0; p < body.size(); ++p) alphabetical.push_back(static_cast<BodyPart>(p));
+    detail::sort(alphabetical, [&](BodyPart a, BodyPart b) { return body.name(a) < body.name(b); });
     for (const IntervalInSeconds& i : timeline.intervals) {
       if (i.text.find_first_of("#\r\n") != i.text.npos) {
         raise<timeline_error>(510, "write_timelines: the text '", i.text, "' contains '#' or a line end");
@@ -26388,8 +27828,8 @@ MOTIONLANG_BODY std::string write_timelines(std::span<const TimelineInSeconds> t
       detail::append_python_float(out, i.start);
       out += " # ";
       detail::append_python_float(out, i.end);
-      for (BodyPart part : {head, left_arm, legs, right_arm, spine}) {
-        if (i.parts.has(part)) out += " # " + to_string(part);
+      for (BodyPart part : alphabetical) {
+        if (i.parts.has(part)) out += " # " + body.name(part);
       }
       out += '\n';
     }
@@ -26411,7 +27851,7 @@ MOTIONLANG_NAMESPACE_END
 /// How often a classifier names the action of a motion, as ACTOR reports it, and a labeller its body parts, as SINC
 /// does.
 ///
-/// Source  ACTOR src/evaluate/action2motion/accuracy.py; SINC (ICCV 2023), table 1; specs actor.md 7.4, sinc.md 6.5
+/// Source  thesis 3.3.1; ACTOR src/evaluate/action2motion/accuracy.py; SINC: thesis B.2.1, table B.1
 
 #ifndef MOTIONLANG_HAS_METRICS_ROWS_HPP  // <motionlang/metrics/rows.hpp>
 #define MOTIONLANG_HAS_METRICS_ROWS_HPP
@@ -26647,17 +28087,17 @@ MOTIONLANG_NAMESPACE_END
 /// actions meet.
 ///
 ///     ApeAveMetric<double> metric(temos_rifke(), 0.001);                      // joints in mm, errors in m
-///     for (...) metric.add(generated, recorded);                              // joints of a pair, (frames, J) each
-///     const ApeAve errors = metric.result();                                  // errors.ape.root,
-///     errors.ave.mean_joints()
+///     for (const auto& [generated, recorded] : pairs) metric.add(generated, recorded);  // joints, (frames, J) each
+///     const ApeAve errors = metric.result();                             // errors.ape.root, errors.ave.mean_joints()
 ///
 /// Both motions are brought to the start: root at the origin, heading 0, on the floor. With x = root (3 coordinates),
 /// trajectory (2), each joint seen from the body ("local", "pose") and each joint in the world:
 ///     APE_x = sum_clips sum_t |x_t - x*_t| / sum_clips L
 ///     AVE_x = mean_clips |v - v*|,   v = sum_t (x_t - mean x)^2 / (L - 1) of each coordinate
-/// Source  TEMOS (Petrovich, Black, Varol, ECCV 2022), section 4.1 and appendix; TEMOS temos/model/metrics/compute*.py,
-///         TEACH teach/model/metrics/compute.py and compute_td.py, SINC sinc/model/metrics/compute_sinc.py; specs
-///         temos.md 8, teach.md 6, sinc.md 9
+/// Source  TEMOS (Petrovich, Black, Varol, ECCV 2022), section 4.1 and appendix C: APE is TEMOS eq. 4, AVE is
+///         TEMOS eq. 5 of the variance in TEMOS eq. 6; thesis 4.3.1, A.3.2, B.3.1; TEMOS
+///         temos/model/metrics/compute*.py, TEACH teach/model/metrics/compute.py and compute_td.py, SINC
+///         sinc/model/metrics/compute_sinc.py
 /// Units   those of the joints times `unit`; AVE in their square
 /// Differs from the paper: APE is an average over frames of the whole set, not over clips; the variance has no square
 ///         root. As published, the body's heading is that of knees and elbows in TEMOS and TEACH (temos_rifke) and is
@@ -26743,7 +28183,7 @@ PointErrors point_errors(const std::vector<Point>& a, const std::vector<Point>& 
       squares += (x[i] - y[i]) * (x[i] - y[i]);
       mean_a[i] += x[i] / static_cast<double>(frames), mean_b[i] += y[i] / static_cast<double>(frames);
     }
-    out.distance += std::sqrt(squares);
+    out.distance += std::sqrt(squares);  // TEMOS eq. 4
   }
   for (std::size_t t = 0; t < frames; ++t) {
     const auto x = coordinates(a[t * per_frame + j]), y = coordinates(b[t * per_frame + j]);
@@ -26751,6 +28191,7 @@ PointErrors point_errors(const std::vector<Point>& a, const std::vector<Point>& 
       difference[i] += (x[i] - mean_a[i]) * (x[i] - mean_a[i]) - (y[i] - mean_b[i]) * (y[i] - mean_b[i]);
     }
   }
+  // TEMOS eq. 5: the length of the difference of two variances, each TEMOS eq. 6
   for (const double d : difference) out.variance += d * d;
   out.variance = std::sqrt(out.variance) / static_cast<double>(frames - 1);
   return out;
@@ -26903,7 +28344,7 @@ MOTIONLANG_NAMESPACE_END
 /// roberta-large, sentences stripped and with a leading blank.
 ///
 ///     BertWeights weights;
-///     for (...) weights.add(reference_ids);                              // every reference of the test set
+///     for (const auto& ids : ids_of_references) weights.add(ids);        // every reference of the test set
 ///     const BertScore s = bert_score(candidate, references, weights, tm2t_bert_baseline);
 ///
 /// With unit embeddings x_i of the candidate and y_j of a reference and weights w of their tokens:
@@ -26911,7 +28352,7 @@ MOTIONLANG_NAMESPACE_END
 ///     w = log((N + 1) / (c + 1)),   c = references with this token, of N
 ///     of several references the largest P, R and F, each for itself; then (x - b) / (1 - b) with a baseline b
 /// Source  Zhang et al., "BERTScore: evaluating text generation with BERT" (ICLR 2020), sections 3 and 4; the package
-///         bert-score; spec evaluation-guo.md 6.5
+///         bert-score, bert_score/utils.py greedy_cos_idf
 /// The package counts pairs with padding as similarity 0, which shows only where all similarities of a token are
 /// negative: beside padding (BertPadding) their largest is 0.
 
@@ -27007,13 +28448,12 @@ MOTIONLANG_NAMESPACE_END
 /// Descriptions of motions against reference descriptions: BLEU, ROUGE-L and CIDEr, word by word. BERTScore, which
 /// needs a language model, is in bert_score.hpp.
 ///
-///     const std::vector<CaptionPair> all{{"a man walk forward", three_references({"a man walk", "someone walk"})},
-///     ...};
-///     bleu(corpus_counts(all))[3], rouge_l(all), cider(all)                     // published tables: times 100
+///     const std::vector<CaptionPair> all{{"a man walk forward", three_references({"a man walk", "someone walk"})}};
+///     use(bleu(corpus_counts(all))[3], rouge_l(all), cider(all));               // published tables: times 100
 ///
 /// A candidate is the words of the model, joined by blanks; references are the lemmas of the annotation, three for each
 /// motion. Nothing is lower-cased and no punctuation is taken away.
-/// Source  nlg-eval (pycocoevalcap), as TM2T (Guo et al., ECCV 2022) calls it; spec evaluation-guo.md 6
+/// Source  nlg-eval (pycocoevalcap), as TM2T (Guo et al., ECCV 2022, section 4.2 and appendix B) calls it
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -27313,9 +28753,8 @@ MOTIONLANG_NAMESPACE_END
 ///     const double guo_modes = multimodality(embeddings, 30, disjoint_draws(30, 10, rng));
 ///
 /// Each is the mean of |x_a - x_b| over pairs, in the unit of the features; the systems differ in how they draw them.
-/// Source  Guo et al., "Action2Motion" (ACM MM 2020) and CVPR 2022; references: ACTOR
-///         src/evaluate/action2motion/diversity.py, text-to-motion utils/metrics.py; specs actor.md 7.4,
-///         evaluation-guo.md 4
+/// Source  Guo et al., "Action2Motion" (ACM MM 2020) and CVPR 2022; thesis 3.3.1; TM2T (ECCV 2022), appendix C;
+///         references: ACTOR src/evaluate/action2motion/diversity.py, text-to-motion utils/metrics.py
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -27424,8 +28863,8 @@ MOTIONLANG_NAMESPACE_END
 ///     FID = |m1 - m2|^2 + tr C1 + tr C2 - 2 tr (C1 C2)^(1/2)
 ///     tr (C1 C2)^(1/2) = sum_i sqrt(max(0, lambda_i)),   lambda = eigenvalues of F C2 F^T,   C1 = F^T F
 /// Source  Heusel et al., "GANs trained by a two time-scale update rule ..." (NeurIPS 2017), equation 6; references:
-///         ACTOR src/evaluate/action2motion/fid.py, text-to-motion utils/metrics.py, STMC mtt/metrics.py; specs
-///         actor.md 7.4, evaluation-guo.md 4, stmc-evaluation.md 4
+///         ACTOR src/evaluate/action2motion/fid.py, text-to-motion utils/metrics.py, STMC mtt/metrics.py;
+///         thesis 3.3.1 and 6.3.2; TM2T (ECCV 2022), appendix C
 /// Units   none: that of the features, squared
 /// Differs from the code: it takes a general matrix square root, whose imaginary part it drops, and adds 1e-6 to the
 ///         diagonals if that fails. The symmetric form needs no such repair, also with fewer samples than features;
@@ -27687,8 +29126,9 @@ struct GruClassifierConfig {
 };
 
 ///     features = tanh(W1 h),  logits = W2 features,   h: the network's output at the last frame
-/// Source  Guo et al., "Action2Motion" (2020), as ACTOR evaluates with it; spec actor.md 7.2. Keys of the official file
-///         (below "model"): recurrent.weight_ih_l0, ..., linear1, linear2.
+/// Source  Guo et al., "Action2Motion" (2020), as ACTOR evaluates with it; thesis 3.3.1; ACTOR
+///         src/evaluate/action2motion/models.py MotionDiscriminator. Keys of the official file (below "model"):
+///         recurrent.weight_ih_l0, ..., linear1, linear2.
 template <Backend B>
 struct GruClassifier {
   static constexpr Index feature_count = 30;
@@ -27729,12 +29169,11 @@ MOTIONLANG_NAMESPACE_END
 /// other.
 ///
 ///     const auto text = evaluator.embed_texts(words.encode<B>(texts).tokens);       // text/glove.hpp
-///     const auto motion = evaluator.embed_motions(normalized);                      // (motions, 512), in the order of
-///     the motions
+///     const auto motion = evaluator.embed_motions(normalized);                      // (motions, 512), in their order
 ///     metric.add(Rows(text.span(), 512), Rows(motion.span(), 512));                 // metrics/matching.hpp
 ///
 /// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), section 5.2;
-///         text-to-motion networks/modules.py, networks/evaluator_wrapper.py; spec evaluation-guo.md 2
+///         text-to-motion networks/modules.py, networks/evaluator_wrapper.py; TM2T (ECCV 2022), appendix C
 /// Differs from the wrapper in that rows keep the order of the caller; the wrapper's come out longest motion first.
 
 #ifndef MOTIONLANG_HAS_METRICS_GUO_MOVEMENT_HPP  // <motionlang/metrics/guo_movement.hpp>
@@ -27758,8 +29197,7 @@ Linear<B> xavier_linear(Index in, Index out, Rng auto& rng) {
 }  // namespace detail
 
 /// Two convolutions that halve the length, and a projection: n frames become floor(n / 4) movements.
-/// Source  text-to-motion networks/modules.py MovementConvEncoder; spec evaluation-guo.md 2.1. Dropout comes before the
-///         nonlinearity.
+/// Source  text-to-motion networks/modules.py MovementConvEncoder. Dropout comes before the nonlinearity.
 template <Backend B>
 struct MovementEncoder {
   ConvStack<B> main;
@@ -27778,11 +29216,12 @@ struct MovementEncoder {
 
   /// Normalised features without contacts.
   Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return out_net(main(x, context));
   }
 };
 
-/// Source  text-to-motion networks/modules.py MovementConvDecoder; spec evaluation-guo.md 3
+/// Source  text-to-motion networks/modules.py MovementConvDecoder
 template <Backend B>
 struct MovementDecoder {
   ConvStack<B> main;
@@ -27798,7 +29237,10 @@ struct MovementDecoder {
     main.transposed(hidden, out, 4, 2, 1, rng).leaky_relu();
   }
 
-  Sequences<B> operator()(const Sequences<B>& movements) const { return out_net(main(movements)); }
+  Sequences<B> operator()(const Sequences<B>& movements) const {
+    const ModuleScope scope(*this);
+    return out_net(main(movements));
+  }
 };
 
 /// Both, under the names of their checkpoint.
@@ -27820,13 +29262,14 @@ struct MovementAutoencoder {
     Sequences<B> latents, reconstruction;
   };
   Result operator()(const Sequences<B>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const auto latents = movement_enc(x.with(slice(x.rows, 1, 0, x.width() - 4)), context);
     return {latents, movement_dec(latents)};
   }
 };
 
 ///     rec = mean |x^ - x|,   sparsity = mean |z|,   smooth = mean |z_{t+1} - z_t|
-/// Source  text-to-motion networks/trainers.py DecompTrainerV3; spec evaluation-guo.md 3
+/// Source  text-to-motion networks/trainers.py DecompTrainerV3
 template <Backend B>
 LossTerms<B> movement_losses(const typename MovementAutoencoder<B>::Result& result, const Sequences<B>& x,
                              double lambda_sparsity = 0.001, double lambda_smooth = 0.001) {
@@ -27858,7 +29301,10 @@ struct CoEmbedding {
         norm(hidden),
         linear_3(detail::xavier_linear<B>(hidden, out, rng)) {}
 
-  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const { return linear_3(leaky_relu(norm(linear_0(x)))); }
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
+    return linear_3(leaky_relu(norm(linear_0(x))));
+  }
 };
 
 /// Rows of word vectors with parts of speech behind them, as `GloVe::encode` makes them.
@@ -27878,6 +29324,7 @@ struct GuoTextEncoder {
 
   /// (texts, out). Throws shape_error 203 for a text without words.
   Tensor<B, 2> operator()(const Sequences<B>& words) const {
+    const ModuleScope scope(*this);
     const Index word = pos_emb.out();
     if (words.width() != word + pos_emb.in())
       raise<shape_error>(204, "GuoTextEncoder: rows of ", words.width(), " numbers, ", word, " and ", pos_emb.in(),
@@ -27902,7 +29349,10 @@ struct GuoMotionEncoder {
       : encoder(in, hidden, rng), output_net(hidden, out, rng) {}
 
   /// (motions, out). Throws shape_error 203 for a motion without movements.
-  Tensor<B, 2> operator()(const Sequences<B>& movements) const { return output_net(encoder(movements).ends()); }
+  Tensor<B, 2> operator()(const Sequences<B>& movements) const {
+    const ModuleScope scope(*this);
+    return output_net(encoder(movements).ends());
+  }
 };
 
 /// Published sizes.
@@ -28660,13 +30110,13 @@ MOTIONLANG_NAMESPACE_END
 /// distance", MM-Dist) of Guo et al.
 ///
 ///     MatchingMetric metric;
-///     for (...) metric.add(texts, motions);                         // rows of one batch of 32, paired
-///     metric.r_precision(3), metric.matching_score();
+///     for (const auto& [texts, motions] : batches) metric.add(texts, motions);  // rows of one batch of 32, paired
+///     use(metric.r_precision(3), metric.matching_score());
 ///
 /// For each query of a batch, all answers of the batch are put in order of distance; the right one is a hit at k if it
 /// is among the first k. Hits and distances of the right ones are summed over batches and divided by all queries.
 /// Source  Guo et al. (CVPR 2022), section 5.2; references: text-to-motion final_evaluations.py, TM2T
-///         final_evaluations_m2t.py, utils/metrics.py; spec evaluation-guo.md 4
+///         final_evaluations_m2t.py, utils/metrics.py; TM2T (ECCV 2022), appendix C
 /// Differs from the paper: the 31 distractors are the rest of a shuffled batch, and may have the same caption. In
 ///         motion-to-text TM2T's code ranks texts for each motion, its paper motions for each text: what is queried is
 ///         the first argument
@@ -28889,7 +30339,8 @@ MOTIONLANG_BODY Penetration penetration(const JointTracks& tracks, double floor)
 MOTIONLANG_BODY double bone_length_deviation(const JointTracks& tracks, std::span<const int> parents) {
   tracks.validate();
   if (std::ssize(parents) != tracks.joints) {
-    raise<shape_error>(204, "bone_length_deviation: ", parents.size(), " parents for ", tracks.joints, " joints");
+    raise<shape_error>(204, "bone_length_deviation: ", counted(parents.size(), "parent"), " for ",
+                       counted(tracks.joints, "joint"));
   }
   double worst = 0;
   std::vector<double> lengths(static_cast<std::size_t>(tracks.frames()));
@@ -28929,8 +30380,8 @@ MOTIONLANG_NAMESPACE_END
 /// FID          of unit latents of five crops of each motion against those of the recorded motions (FID+)
 /// transition   mean way of the joints between two frames where a text begins or ends [m]; printed in cm
 /// Two flavours: `as_coded` gives the published tables, `as_written` what the thesis describes. They do not compare.
-/// Source  STMC (Petrovich et al., CVPR workshops 2024), section 4.2; mtt/stmc_metrics.py, mtt/metrics.py,
-///         mtt/motion_representation_local.py; spec stmc-evaluation.md 2 to 5
+/// Source  thesis 6.3.2; STMC (Petrovich et al., CVPR workshops 2024) mtt/stmc_metrics.py, mtt/metrics.py,
+///         mtt/motion_representation_local.py
 /// Differs as coded from the thesis: the crops for FID begin at five fixed frames (47, 117, 67, 103, 9), because the
 /// number
 ///         of features is taken for the length, and are shorter where the motion ends; the reference are whole clips;
@@ -29241,8 +30692,8 @@ MOTIONLANG_NAMESPACE_END
 /// The rank of a query is the number of answers that are closer than the right one. Answers at exactly the same
 /// distance share their places: each has the mean of them.
 ///     R@k  = 100 |{i : r_i < k}| / n   [percent],      MedR = median(r) + 1
-/// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.1; reference: Mathux/TMR src/model/metrics.py and
-///         retrieval.py; spec tmr.md 7
+/// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.1; thesis 5.3.1; reference: Mathux/TMR
+///         src/model/metrics.py and retrieval.py
 /// Differs from the paper: it does not say that ties share their places, which matters where captions are repeated: two
 ///         equal best answers have rank 1/2 each and both count for R@1
 
@@ -29461,7 +30912,7 @@ std::vector<Index> dissimilar_subset(const Rows<E>& sentences, std::span<const s
 // ---- moments: where in a long motion a text happens
 // -------------------------------------------------------------------
 //
-// Source  Petrovich's thesis (2024), section 5.3.6; spec tmr.md 7.6. There is no published code: that windows are cut
+// Source  Petrovich's thesis (2024), section 5.3.6. There is no published code: that windows are cut
 //         off at the ends of the motion and follow each other by `stride` frames is a choice made here.
 
 /// Windows of `width` frames, the k-th with its middle at frame k * stride, cut off at the ends of the motion.
@@ -29591,13 +31042,145 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_METRICS_SAMPLED_ERRORS_HPP  // <motionlang/metrics/sampled_errors.hpp>
+#define MOTIONLANG_HAS_METRICS_SAMPLED_ERRORS_HPP
+/// Errors of the positions of joints (metrics/ape_ave.hpp) over several motions for each text, and of motions that know
+/// no text: what TEMOS, SINC and TEACH are measured by.
+///
+///     SampledErrors sampled(JointErrors(variant, 1.0), 10);
+///     for (const auto& [ten_motions_of_a_text, recorded] : items) sampled.add(ten_motions_of_a_text, recorded);
+///     sampled.mean().ape.root;
+
+#include <functional>  // motions
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+using JointFrames = std::vector<Vec3<double>>;  // (frames, joints)
+using JointErrors = ApeAveMetric<double>;
+
+/// Errors of several motions for each text.
+class SampledErrors {
+ public:
+  SampledErrors(const JointErrors& none, Index samples)
+      : of_sample_(static_cast<std::size_t>(samples), none), best_(none), worst_(none) {}
+
+  /// samples  one motion for each of the samples
+  void add(const std::vector<JointFrames>& samples, const JointFrames& truth);
+
+  Index samples() const { return std::ssize(of_sample_); }
+  /// The errors of the first motion of each text.
+  ApeAve first() const { return of_sample_.front().result(); }
+  /// The mean over the samples.
+  ApeAve mean() const;
+  /// The errors of the best and of the worst motion of each text.
+  ApeAve best() const { return best_.result(); }
+  ApeAve worst() const { return worst_.result(); }
+
+ private:
+  std::vector<JointErrors> of_sample_;
+  JointErrors best_, worst_;
+};
+
+/// Errors of motions that know no text: the mean of all poses, seen from the body, standing still, and another, random
+/// motion.
+class BlindErrors {
+ public:
+  using Motions = std::function<JointFrames(Index)>;
+
+  /// joints_of(i): those of motion i of so many to train on
+  BlindErrors(const RifkeVariant& variant, const JointErrors& none, Index motions, Motions joints_of,
+              std::uint64_t seed);
+
+  /// own: the number of the motion itself, if it is among those to train on; it is not drawn where there are others.
+  void add(const JointFrames& truth, Index own = -1);
+
+  ApeAve mean_pose() const { return pose_.result(); }
+  ApeAve random_clip() const { return clip_.result(); }
+
+ private:
+  JointErrors pose_, clip_;
+  Index motions_;
+  Motions joints_of_;
+  JointFrames mean_;
+  Philox draws_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_METRICS_SAMPLED_ERRORS_IPP  // <motionlang/metrics/sampled_errors.ipp>
+#define MOTIONLANG_HAS_METRICS_SAMPLED_ERRORS_IPP
+// Bodies of sampled_errors.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The mean of the poses of all motions, as a body that faces ahead is seen.
+inline JointFrames mean_pose(const RifkeVariant& variant, Index motions, const BlindErrors::Motions& joints_of) {
+  const auto n = static_cast<std::size_t>(variant.joints);
+  JointFrames sum(n);
+  double frames = 0;
+  for (Index i = 0; i < motions; ++i) {
+    const JointFrames joints = joints_of(i);
+    const auto c = canonical_motion(variant, std::span<const Vec3<double>>(joints));
+    for (Index t = 0; t < c.frames(); ++t, ++frames) {
+      const auto frame = static_cast<std::size_t>(t);
+      const Vec3<double>& root = c.root[frame];
+      sum[0] = sum[0] + (variant.z_up ? Vec3<double>{0, 0, root.z} : Vec3<double>{0, root.y, 0});
+      for (std::size_t j = 1; j < n; ++j) sum[j] = sum[j] + c.local[frame * (n - 1) + j - 1];
+    }
+  }
+  for (auto& p : sum) p = (1 / frames) * p;
+  return sum;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY void SampledErrors::add(const std::vector<JointFrames>& samples, const JointFrames& truth) {
+  const std::vector<JointErrors::Joints> all(samples.begin(), samples.end());
+  for (std::size_t k = 0; k < of_sample_.size(); ++k) of_sample_[k].add(all[k], truth);
+  best_.add_best(all, truth);
+  worst_.add_worst(all, truth);
+}
+
+MOTIONLANG_BODY ApeAve SampledErrors::mean() const {
+  std::vector<ApeAve> results;
+  for (const JointErrors& e : of_sample_) results.push_back(e.result());
+  return mean_errors(results);
+}
+
+MOTIONLANG_BODY BlindErrors::BlindErrors(const RifkeVariant& variant, const JointErrors& none, Index motions,
+                                         Motions joints_of, std::uint64_t seed)
+    : pose_(none),
+      clip_(none),
+      motions_(motions),
+      joints_of_(std::move(joints_of)),
+      mean_(detail::mean_pose(variant, motions, joints_of_)),
+      draws_(Philox{.seed = seed}.split("random clips")) {}
+
+MOTIONLANG_BODY void BlindErrors::add(const JointFrames& truth, Index own) {
+  JointFrames standing;
+  while (standing.size() < truth.size()) standing.insert(standing.end(), mean_.begin(), mean_.end());
+  pose_.add(standing, truth);
+  JointFrames other;  // that is long enough, if one of a hundred is
+  for (int tries = 0; tries < 100 && other.size() < truth.size(); ++tries) {
+    const Index any = draws_.below(static_cast<std::uint32_t>(motions_));
+    if (any != own || motions_ == 1) other = joints_of_(any);
+  }
+  clip_.add(other, truth);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_METRICS_STGCN_HPP  // <motionlang/metrics/stgcn.hpp>
 #define MOTIONLANG_HAS_METRICS_STGCN_HPP
 /// ST-GCN: a classifier of motions by convolutions over a skeleton's graph and over time. Judges ACTOR's motions on
 /// UESTC, and shows what generated motions are worth as training data.
 ///
 /// Source  Yan, Xiong, Lin: "Spatial temporal graph convolutional networks for skeleton-based action recognition" (AAAI
-///         2018); ACTOR, src/recognition/models/stgcn.py, whose keys are the field names; spec actor.md 7.3
+///         2018); ACTOR, src/recognition/models/stgcn.py, whose keys are the field names
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -29628,6 +31211,7 @@ struct TemporalConv {
   Index out() const { return weight.size(0); }
 
   Sequences<B> operator()(const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
     const Index kernel = weight.size(2);
     return conv1d(x, reshape<3>(weight, {out(), weight.size(1), kernel}), &bias,
                   {.stride = stride, .padding = kernel / 2});
@@ -29663,6 +31247,7 @@ struct StGcnBlock {
   /// statistics.
   template <class Self>
   static Sequences<B> run(Self& self, const Sequences<B>& x, const Tensor<B, 3>& edges) {
+    const ModuleScope scope(self);
     const Index joints = edges.size(1), out = self.tcn.out(), rows = x.offsets.rows(), each = rows / joints * out;
     const auto parts = permute(reshape<3>(self.gcn(x).rows, {rows, 3, out}), {1, 0, 2});
     const auto mixed =
@@ -29751,11 +31336,10 @@ struct StGcn {
  private:
   template <class Self>
   static Recognition<B> run(Self& self, const Sequences<B>& x) {
+    const ModuleScope scope(self);
     auto y = joint_sequences(self, x);
-    for (std::size_t i = 0; i < self.st_gcn_networks.size(); ++i) {
-      const ModuleScope scope("st_gcn_networks.", i);
+    for (std::size_t i = 0; i < self.st_gcn_networks.size(); ++i)
       y = StGcnBlock<B>::run(self.st_gcn_networks[i], y, self.graph.A * self.edge_importance[i]);
-    }
     const Index joints = self.joints();
     const auto features = mean(reshape<3>(mean_rows(y), {joints, x.count(), y.width()}), 0);
     return {features, self.fcn(Sequences<B>(features, Offsets::equal(x.count(), 1))).rows};
@@ -29810,13 +31394,12 @@ struct MeanInterval {
 };
 
 /// mean +- 1.96 std / sqrt(n), the std of the population: Guo et al., over 20 replications.
-/// Source  text-to-motion final_evaluations.py get_metric_statistics; spec evaluation-guo.md 4. Throws numeric_error
-///         302.
+/// Source  text-to-motion final_evaluations.py get_metric_statistics. Throws numeric_error 302.
 MeanInterval replication_interval(std::span<const double> values);
 
 /// mean +- 1.96 variance, rounded: to 2 places, the mean of an accuracy, in percent, to 1. The name tells which:
 /// whether it contains "accuracy", as in ACTOR's files of results ("accuracy_gen", "fid_gt2").
-/// Source  ACTOR src/evaluate/tables/easy_table.py; spec actor.md 7.1. Throws numeric_error 302.
+/// Source  thesis 3.3.1; ACTOR src/evaluate/tables/easy_table.py format_values. Throws numeric_error 302.
 /// Differs from the paper: it speaks of a 95 % confidence interval, which would need std / sqrt(n) in place of the
 /// variance
 MeanInterval actor_summary(std::string_view metric, std::span<const double> values);
@@ -29865,7 +31448,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_METRICS_TEMOS_SCORE_HPP
 /// How alike two motions are to a motion encoder: SINC's TEMOS score.
 ///
-/// Source  SINC (Athanasiou et al., ICCV 2023), section 5.1; sample_eval_latent.py; spec sinc.md 9
+/// Source  thesis B.3.1; SINC (Athanasiou et al., ICCV 2023) sample_eval_latent.py
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -29907,7 +31490,7 @@ MOTIONLANG_NAMESPACE_END
 ///     const auto line = interpolate_actions(actor, 3, 7, 5, 60, rng);
 ///
 /// Source  Petrovich, Black, Varol: "Action-conditioned 3D human motion synthesis with transformer VAE" (ICCV 2021);
-///         spec actor.md
+///         thesis, chapter 3
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -29917,7 +31500,8 @@ enum class ActorDecoderKind { transformer, gru, fully_connected, autoregressive 
 
 /// Published sizes; 13 classes for NTU-13, 40 for UESTC.
 struct ActorConfig {
-  Index njoints = 25, nfeats = 6;  // rows of a frame, and numbers of each: a translation is a row
+  static constexpr bool is_option = true;  // holds no tensors
+  Index njoints = 25, nfeats = 6;          // rows of a frame, and numbers of each: a translation is a row
   Index num_classes = 12;
   Index latent_dim = 256, ff_size = 1024, num_layers = 8, num_heads = 4;
   double dropout = 0.1;
@@ -30077,16 +31661,16 @@ MOTIONLANG_NAMESPACE_END
 ///     const std::string text = join_labels(labels, Conjunction::same_time);            // text/joined_labels.hpp
 ///     const Sequences<B> states = distilbert(tokenize(tokenizer, std::vector{text})).tokens;      // text/bert.hpp
 ///     const auto motions = text_to_motion(sinc, states, Offsets{90}, Philox{.seed = 7});
-///     const auto motion = sinc_motion(normalizer, motions[0][0]);       // rotations and translation, 30 frames per
-///     second
+///     const auto motion = sinc_motion(normalizer, motions[0][0]);  // rotations and translation, 30 frames per second
 ///
 /// Source  Athanasiou, Petrovich, Black, Varol: "SINC: Spatial composition of 3D human motions for simultaneous action
-///         generation" (ICCV 2023); spec sinc.md
+///         generation" (ICCV 2023); thesis, annex B
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes. (The published configuration says six heads under a name that nobody reads; there are four.)
 struct SincConfig {
+  static constexpr bool is_option = true;  // holds no tensors
   Index nfeats = 135, text_dim = 768;
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
   double dropout = 0.1;
@@ -30179,12 +31763,13 @@ struct Sinc {
 /// per second.
 template <Backend B>
 SmplVelpMotion<typename B::scalar> sinc_motion(const Normalizer<B>& normalizer, const Tensor<B, 2>& features) {
-  return smplvelp_inverse(normalizer.denormalize(features).span());
+  const auto rows = normalizer.denormalize(features);
+  return smplvelp_inverse(rows.span());
 }
 
 /// The baseline that composes two motions, each generated from one label, by the body parts of the labels (published as
 /// "gpt").
-/// Source  SINC, section 3.2; spec sinc.md 8
+/// Source  thesis B.2.1 and B.3.2; SINC sinc/model/sinc.py text_to_motion_forward
 template <Backend B>
 SmplVelpMotion<typename B::scalar> sinc_composed(const Normalizer<B>& normalizer, const Tensor<B, 2>& first,
                                                  SincParts first_parts, const Tensor<B, 2>& second,
@@ -30196,37 +31781,113 @@ SmplVelpMotion<typename B::scalar> sinc_composed(const Normalizer<B>& normalizer
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_SYSTEMS_SINC_BASELINE_HPP  // <motionlang/systems/sinc_baseline.hpp>
+#define MOTIONLANG_HAS_SYSTEMS_SINC_BASELINE_HPP
+/// The baseline that STMC is compared with: every text of a timeline is sampled alone, on its own noise, and the
+/// motions are stitched once at the end, body part by body part, with hard cuts.
+///
+///     const auto motions = sinc_baseline(stmc, std::span(&timeline, 1), Philox{.seed = 7});
+///     const auto soft = sinc_baseline(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, SincCuts::interpolated);
+///
+/// Source  SINC (Athanasiou et al. 2023) on a timeline, as STMC (Petrovich et al. 2024) has it in section 4.2
+
+#ifndef MOTIONLANG_HAS_SYSTEMS_STMC_IPP  // <motionlang/systems/stmc.ipp>
+#define MOTIONLANG_HAS_SYSTEMS_STMC_IPP
+// Bodies of the templates of stmc.hpp, for every backend, denoiser and text encoder. Any header may include them.
+
+#ifndef MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_PARTS_HPP  // <motionlang/systems/detail/stmc_parts.hpp>
+#define MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_PARTS_HPP
+/// What Stmc needs that depends on no backend.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The texts of a plan, each once; "" is the first one.
+struct DifferentTexts {
+  std::vector<std::string> texts{""};
+  std::vector<Index> which;  // of every interval
+
+  explicit DifferentTexts(const BatchPlan& plan);
+};
+
+/// SMPL RIFKE features as a motion that starts facing pi.
+Motion published_motion(std::span<const double> features, double fps);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_PARTS_IPP  // <motionlang/systems/detail/stmc_parts.ipp>
+#define MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_PARTS_IPP
+// Bodies of stmc_parts.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY DifferentTexts::DifferentTexts(const BatchPlan& plan) {
+  std::map<std::string_view, Index> known{{"", 0}};
+  for (const TimelinePlan& p : plan.timelines) {
+    for (const Interval& i : p.timeline.intervals) {
+      const auto [place, is_new] = known.emplace(i.text, std::ssize(texts));
+      if (is_new) texts.push_back(i.text);
+      which.push_back(place->second);
+    }
+  }
+}
+
+MOTIONLANG_BODY Motion published_motion(std::span<const double> features, double fps) {
+  return smplrifke_to_motion<double>(features, {.first_angle = std::numbers::pi}, fps);
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_HPP  // <motionlang/systems/stmc.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_STMC_HPP
 /// STMC: spatio-temporal motion collage. A timeline of texts on several tracks in, one motion out.
 ///
 /// Source  Petrovich, Litany, Iqbal, Black, Varol, Peng, Rempe: "Multi-track timeline control for text-driven 3D human
-///         motion generation" (2024). Works at test time with any denoiser of explicit poses; no training.
-
-#ifndef MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_CLASS_HPP  // <motionlang/systems/detail/stmc_class.hpp>
-#define MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_CLASS_HPP
-/// What a caller sees of STMC: the model and its options. The bodies are in <motionlang/systems/stmc.hpp>.
+///         motion generation" (2024). Works at test time with any denoiser of explicit poses; no training
+/// Bodies  motionlang::instantiated has those of Stmc<EigenBackend<float>>. A unit that is compiled with
+///         MOTIONLANG_INSTANTIATED and uses another Stmc also includes <motionlang/systems/stmc.ipp>; the compiler says
+///         so
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct BatchPlan;
 
-/// How crops become one motion.
-///   stmc        one noise for the timeline, stitched at every step
-///   sinc        every text on its own noise, stitched once at the end with hard cuts (SINC, Athanasiou et al. 2023)
-///   sinc_lerp   the same, interpolated around the cuts
-enum class StmcMode { stmc, sinc, sinc_lerp };
+namespace detail {
+
+/// Complete where the bodies of Stmc are.
+template <class T>
+struct StmcBodies;
+/// Whether motionlang::instantiated has the bodies.
+template <class T>
+inline constexpr bool is_compiled_stmc = false;
+
+}  // namespace detail
 
 struct StmcOptions {
   Index overlap = 10;                // frames around a cut, in total
   std::optional<double> guidance{};  // weight of classifier-free guidance, 1: none; the model's own unless given
   std::optional<Index> steps{};      // of sampling, 0: all of the process; the model's own unless given
   std::optional<SamplingOptions> sampling{};  // the model's own unless given
-  StmcMode mode = StmcMode::stmc;
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
   Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Changes the memory only
   Progress progress{};                      // called after every step; may cancel
+};
+
+/// Clean motions, normalised, one below the other.
+template <Backend B>
+struct CleanMotions {
+  Tensor<B, 2> rows{};  // (motions * stride, features); those behind the end of a motion mean nothing
+  Index stride = 0;     // rows of every motion
 };
 
 /// The denoiser and encoder may be any models of `Denoiser<B>` and `TextEncoder<B>`.
@@ -30236,6 +31897,10 @@ struct StmcOptions {
 ///     Tensor<B, 2> motion = stmc.generate(timeline, Philox{.seed = 7});      // (frames, features)
 template <Backend B, Denoiser<B> D = MdmSmplDenoiser<B>, TextEncoder<B> E = CaptionEncoder<B>>
 struct Stmc {
+  static_assert(
+      detail::is_compiled_stmc<Stmc> || requires { sizeof(detail::StmcBodies<Stmc>); },
+      "motionlang: for this backend, denoiser or encoder include <motionlang/systems/stmc.ipp>");
+
   D denoiser;
   E text_encoder;
   Normalizer<B> motion_normalizer, text_normalizer;
@@ -30246,9 +31911,14 @@ struct Stmc {
   Index steps = 0;             // the same; 0: all of the process
   double fps = 20;             // of its motions
 
+  /// A text encoder without fields has its weights in files of its own.
   static constexpr auto fields() {
-    return motionlang::fields("denoiser", &Stmc::denoiser, "text_encoder", &Stmc::text_encoder, "motion_normalizer",
-                              &Stmc::motion_normalizer, "text_normalizer", &Stmc::text_normalizer);
+    if constexpr (Module<E>)
+      return motionlang::fields("denoiser", &Stmc::denoiser, "text_encoder", &Stmc::text_encoder, "motion_normalizer",
+                                &Stmc::motion_normalizer, "text_normalizer", &Stmc::text_normalizer);
+    else
+      return motionlang::fields("denoiser", &Stmc::denoiser, "motion_normalizer", &Stmc::motion_normalizer,
+                                "text_normalizer", &Stmc::text_normalizer);
   }
 
   /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends
@@ -30258,14 +31928,13 @@ struct Stmc {
   Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const;
 
   /// The same with the caller's noise: noise(draw, shape) for draw 0 (initial), 1, 2, ... (steps) is a tensor
-  /// (sequences, frames, features) as `shape` says; in the SINC modes every text is a sequence.
+  /// (sequences, frames, features) as `shape` says.
   template <class Noise>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options = {}) const;
 
   /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape
-  /// (rows of the collage, features); whole(collage, x, t) is what a plain run takes. In the SINC modes the collage is
-  /// that of the texts alone, and what is estimated is not yet the motion.
+  /// (rows of the collage, features); whole(collage, x, t) is what a plain run takes.
   template <class Noise, class Estimate>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options, Estimate&& estimate) const;
@@ -30273,6 +31942,12 @@ struct Stmc {
   template <class Noise, class Estimate>
   std::vector<Tensor<B, 2>> generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                           Estimate&& estimate) const;
+
+  /// The same motions as they are sampled: still normalised.
+  template <class Noise, class Estimate>
+  CleanMotions<B> sample(BatchPlan plan, Noise&& noise, const StmcOptions& options, Estimate&& estimate) const;
+  /// Each of them by itself, not normalised: (frames of its timeline in the plan, features).
+  std::vector<Tensor<B, 2>> separate(const CleanMotions<B>& clean, const BatchPlan& plan) const;
 
   /// How timelines are planned for this model.
   PlanOptions plan_options(const StmcOptions& options) const;
@@ -30291,7 +31966,6 @@ struct Stmc {
     TextFeatures<B> text, null;
   };
   PlanTexts encode(const BatchPlan& plan) const;
-  Tensor<B, 2> stitch_independent(const BatchPlan& plan, const Tensor<B, 2>& x0, Index stride) const;
 };
 
 /// Generated features (frames, 205) as a motion of the 24-joint skeleton, Y up, metres. Bone lengths are the
@@ -30300,25 +31974,15 @@ template <Backend B>
 Motion stmc_motion(const Tensor<B, 2>& features, double fps = 20);
 
 MOTIONLANG_NAMESPACE_END
+
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// The texts of a plan, each once; "" is the first one.
-struct DifferentTexts {
-  std::vector<std::string> texts{""};
-  std::vector<Index> which;  // of every interval
-
-  explicit DifferentTexts(const BatchPlan& plan);
-};
-
-/// Frames of all crops, in batch order.
-std::vector<Index> crop_lengths(const BatchPlan& plan);
-
-/// SMPL RIFKE features as a motion that starts facing pi.
-Motion published_motion(std::span<const double> features, double fps);
+template <class T>
+struct StmcBodies {};
 
 }  // namespace detail
 
@@ -30336,10 +32000,7 @@ Tensor<B, 2> Stmc<B, D, E>::generate(const Timeline& timeline, const Philox& rng
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 PlanOptions Stmc<B, D, E>::plan_options(const StmcOptions& options) const {
-  const bool hard_cuts = options.mode != StmcMode::stmc;
   return {.overlap = options.overlap,
-          .extend = !hard_cuts,
-          .transition_crops = !hard_cuts,
           .gaps = options.gaps,
           .hidden = options.hidden,
           .longest_crop = denoiser.traits().longest()};
@@ -30365,17 +32026,16 @@ template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 template <class Noise, class Estimate>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                                        Estimate&& estimate) const {
-  const bool hard_cuts = options.mode != StmcMode::stmc;
-  const DenoiserTraits traits = denoiser.traits();
-  BatchPlan together;  // what is stitched at the end where every text is sampled alone
+  return separate(sample(plan, noise, options, estimate), plan);
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+template <class Noise, class Estimate>
+CleanMotions<B> Stmc<B, D, E>::sample(BatchPlan plan, Noise&& noise, const StmcOptions& options,
+                                      Estimate&& estimate) const {
   const auto [text, null] = encode(plan);
-  if (hard_cuts) {
-    together = std::move(plan);
-    plan = independent_plan(together, traits.uses_lengths ? 0 : traits.crop_frames);
-  }
   const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
                               options.rows_at_once);
-  const BatchPlan& wanted = hard_cuts ? together : collage.plan();
   const auto sequences = static_cast<Index>(collage.plan().timelines.size());
   const Shape shape{sequences, collage.stride(), layout.size};
   auto rows = [&](Index draw) {
@@ -30385,21 +32045,20 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(BatchPlan plan, Noise&& n
   };
   const GaussianDiffusion kept = process(options.steps);
   const auto whole = [&](const Collage<B, D>& c, const Tensor<B, 2>& x, Index t) {
-    return clean_motion(c, kept, traits.prediction, x, t);
+    return clean_motion(c, kept, denoiser.traits().prediction, x, t);
   };
   auto x0 = sample_clean_motions<B>(
       kept, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); }, rows,
       options.sampling.value_or(sampling), options.progress);
-  Index stride = collage.stride();
-  if (hard_cuts) {
-    x0 = stitch_independent(wanted, x0, stride);
-    stride = wanted.frames;
-    if (options.mode == StmcMode::sinc_lerp) x0 = interpolate_transitions(wanted, layout, x0, stride);
-  }
+  return {std::move(x0), collage.stride()};
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::vector<Tensor<B, 2>> Stmc<B, D, E>::separate(const CleanMotions<B>& clean, const BatchPlan& plan) const {
   std::vector<Tensor<B, 2>> out;
-  for (std::size_t m = 0; m < wanted.timelines.size(); ++m) {
-    const Index first = static_cast<Index>(m) * stride;
-    out.push_back(motion_normalizer.denormalize(slice(x0, 0, first, first + wanted.timelines[m].frames)));
+  for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
+    const Index first = static_cast<Index>(m) * clean.stride;
+    out.push_back(motion_normalizer.denormalize(slice(clean.rows, 0, first, first + plan.timelines[m].frames)));
   }
   return out;
 }
@@ -30426,14 +32085,6 @@ auto Stmc<B, D, E>::encode(const BatchPlan& plan) const -> PlanTexts {
     features.tokens.rows = features.tokens.rows * Tensor<B, 2>::from(keep, {std::ssize(keep), 1});
   }
   return {gather(features, different.which), gather(features, std::vector<Index>{0})};
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-Tensor<B, 2> Stmc<B, D, E>::stitch_independent(const BatchPlan& plan, const Tensor<B, 2>& x0, Index stride) const {
-  const std::vector<Index> lengths = detail::crop_lengths(plan);
-  const auto all = reshape<3>(x0, {static_cast<Index>(lengths.size()), stride, layout.size});
-  const auto clips = from_padded(all, std::span<const Index>(lengths));
-  return Stitcher<B>(plan, layout, clips.offsets, plan.frames)(clips.rows);
 }
 
 template <Backend B>
@@ -30465,25 +32116,72 @@ void prepare(Stmc<B, D, E>& stmc) {
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
 
-#ifndef MOTIONLANG_HAS_SYSTEMS_STMC_IPP  // <motionlang/systems/stmc.ipp>
-#define MOTIONLANG_HAS_SYSTEMS_STMC_IPP
-// Bodies of stmc.hpp.
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// What happens where one text hands a body part over to another: nothing, or an interpolation around the cut.
+enum class SincCuts { hard, interpolated };
+
+namespace detail {
+
+/// Frames of all crops, in batch order.
+std::vector<Index> crop_lengths(const BatchPlan& plan);
+
+}  // namespace detail
+
+/// How timelines are planned for the baseline: intervals do not reach into each other.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+PlanOptions sinc_plan_options(const Stmc<B, D, E>& stmc, const StmcOptions& options) {
+  PlanOptions out = stmc.plan_options(options);
+  out.extend = out.transition_crops = false;
+  return out;
+}
+
+/// From a plan made with `sinc_plan_options`, the caller's noise and clean estimates, as Stmc::generate_from takes
+/// them: every text is a sequence, and the collage is that of the texts alone. One motion for each timeline, (frames,
+/// features), not normalised.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E, class Noise, class Estimate>
+std::vector<Tensor<B, 2>> sinc_baseline_from(const Stmc<B, D, E>& stmc, const BatchPlan& plan, Noise&& noise,
+                                             const StmcOptions& options, SincCuts cuts, Estimate&& estimate) {
+  const DenoiserTraits traits = stmc.denoiser.traits();
+  const auto alone =
+      stmc.sample(independent_plan(plan, traits.uses_lengths ? 0 : traits.crop_frames), noise, options, estimate);
+  const std::vector<Index> lengths = detail::crop_lengths(plan);
+  const auto texts = reshape<3>(alone.rows, {std::ssize(lengths), alone.stride, stmc.layout.size});
+  const auto clips = from_padded(texts, std::span<const Index>(lengths));
+  CleanMotions<B> whole{Stitcher<B>(plan, stmc.layout, clips.offsets, plan.frames)(clips.rows), plan.frames};
+  if (cuts == SincCuts::interpolated) whole.rows = interpolate_transitions(plan, stmc.layout, whole.rows, whole.stride);
+  return stmc.separate(whole, plan);
+}
+
+/// The same with the model's own estimates.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E, class Noise>
+std::vector<Tensor<B, 2>> sinc_baseline_from(const Stmc<B, D, E>& stmc, const BatchPlan& plan, Noise&& noise,
+                                             const StmcOptions& options = {}, SincCuts cuts = SincCuts::hard) {
+  return sinc_baseline_from(
+      stmc, plan, noise, options, cuts,
+      [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
+}
+/// The same from timelines and a generator. Throws what Stmc::generate throws.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::vector<Tensor<B, 2>> sinc_baseline(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                                        const Philox& rng, const StmcOptions& options = {},
+                                        SincCuts cuts = SincCuts::hard) {
+  return sinc_baseline_from(
+      stmc, plan_timelines(timelines, sinc_plan_options(stmc, options)),
+      [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape); }, options, cuts);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SYSTEMS_SINC_BASELINE_IPP  // <motionlang/systems/sinc_baseline.ipp>
+#define MOTIONLANG_HAS_SYSTEMS_SINC_BASELINE_IPP
+// Bodies of sinc_baseline.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
-
-MOTIONLANG_BODY DifferentTexts::DifferentTexts(const BatchPlan& plan) {
-  std::map<std::string_view, Index> known{{"", 0}};
-  for (const TimelinePlan& p : plan.timelines) {
-    for (const Interval& i : p.timeline.intervals) {
-      const auto [place, is_new] = known.emplace(i.text, std::ssize(texts));
-      if (is_new) texts.push_back(i.text);
-      which.push_back(place->second);
-    }
-  }
-}
 
 MOTIONLANG_BODY std::vector<Index> crop_lengths(const BatchPlan& plan) {
   std::vector<Index> lengths;
@@ -30491,10 +32189,6 @@ MOTIONLANG_BODY std::vector<Index> crop_lengths(const BatchPlan& plan) {
     for (const Crop& c : p.crops) lengths.push_back(c.range.size());
   }
   return lengths;
-}
-
-MOTIONLANG_BODY Motion published_motion(std::span<const double> features, double fps) {
-  return smplrifke_to_motion<double>(features, {.first_angle = std::numbers::pi}, fps);
 }
 
 }  // namespace detail
@@ -30511,9 +32205,9 @@ MOTIONLANG_NAMESPACE_END
 ///     auto motion = generate_recorded(stmc, timelines, Philox{.seed = 7}, {.steps = 10}, record);
 ///     timelines[0].intervals[2].text = "run";
 ///     StmcReuse reuse;
-///     motion = regenerate(stmc, record, timelines, {}, &reuse);           // the bits of generate(timelines, ...)
-///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);  // other motion than that, but only near
-///     the edit
+///     // The bits of generate(timelines, ...); then another motion than that, but only near the edit.
+///     motion = regenerate(stmc, record, timelines, {}, &reuse);
+///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);
 ///
 /// What the mathematics allows (compose/edits.hpp): an edit goes one crop further with every step. Texts that follow
 /// each other with an overlap are one chain of crops, so after as many steps as the chain has crops beside the edit
@@ -30522,6 +32216,24 @@ MOTIONLANG_NAMESPACE_END
 /// For the rest there is an approximation, named `within`: frames further than that from the edit keep their clean
 /// estimates of every step, as if painted over, and the frames between are made to fit to them.
 /// Memory   a record has (steps, frames, 205) numbers: 20 MB for 12 s and 100 steps, 2 MB with 10
+
+#ifndef MOTIONLANG_HAS_SYSTEMS_STMC_REUSE_HPP  // <motionlang/systems/stmc_reuse.hpp>
+#define MOTIONLANG_HAS_SYSTEMS_STMC_REUSE_HPP
+/// What a run of STMC took over from the run before (systems/stmc_edit.hpp).
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// What a run took over.
+struct StmcReuse {
+  Index frames = 0, kept = 0;      // of the result; those that have the numbers of before
+  Index work = 0, whole_work = 0;  // rows through the network in all steps; in a run that takes nothing over
+  Index steps = 0;                 // of the run
+  Index everywhere = 0;  // the step (from 1) after which no frame of an edited timeline is that of before; 0: none is
+  bool exact = true;     // the result is that of a run that takes nothing over, bit for bit
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -30539,15 +32251,6 @@ struct StmcRecord {
 struct RegenerateOptions {
   std::optional<Index> within{};  // frames; approximation: what is further from the edit stays as it was
   Progress progress{};
-};
-
-/// What a run took over.
-struct StmcReuse {
-  Index frames = 0, kept = 0;      // of the result; those that have the numbers of before
-  Index work = 0, whole_work = 0;  // rows through the network in all steps; in a run that takes nothing over
-  Index steps = 0;                 // of the run
-  Index everywhere = 0;  // the step (from 1) after which no frame of an edited timeline is that of before; 0: none is
-  bool exact = true;     // the result is that of a run that takes nothing over, bit for bit
 };
 
 namespace detail {
@@ -30616,13 +32319,10 @@ void require_own_results(const Collage<B, D>& collage) {
 }  // namespace detail
 
 /// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, config_error 102
-/// for another mode than StmcMode::stmc (in the SINC modes every text is sampled alone) and where crops depend on each
-/// other (BatchMates).
+/// where crops depend on each other (BatchMates).
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                             const Philox& rng, const StmcOptions& options, StmcRecord<B>& record) {
-  if (options.mode != StmcMode::stmc)
-    raise<config_error>(102, "generate_recorded: only StmcMode::stmc can be recorded");
   StmcRecord<B> made{.timelines = {timelines.begin(), timelines.end()}, .rng = rng, .options = options};
   made.options.progress = {};
   const auto note = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
@@ -30681,22 +32381,24 @@ MOTIONLANG_NAMESPACE_END
 /// STMC around a motion that is there already: frames or body parts of it are kept, texts make the rest.
 ///
 ///     KeptMotion<B> clip{features};                            // (frames, 205), not normalised
-///     clip.parts = {{{0, 20}}, {{100, 120}}};                  // its first and last second: what is between is made
-///     clip.parts = {{{0, 120}, BodyParts{}.with(legs)}};       // or its way and its steps: texts move the rest of the
-///     body auto motions = generate_around(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, std::span(&clip, 1));
+///     // Its first and last second: what is between is made. Or its way and steps: texts move the rest.
+///     clip.parts = {{{0, 20}}, {{100, 120}}};
+///     clip.parts = {{{0, 120}, BodyParts{}.with(BodyPart::legs)}};
+///     const std::span<const KeptMotion<B>> kept(&clip, 1);     // one for each timeline
+///     auto motions = generate_around(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, kept);
 ///
 /// Rule    after every step the clean estimate is overwritten where something is kept; x_t stays as it is
-/// Source  MDM (Tevet et al. 2023), section 3 "Editing", sample/edit.py; spec diffusion.md 6.4
+/// Source  MDM (Tevet et al. 2023), section 3 "Editing", MDM sample/edit.py
 /// Note    features tell the way over the ground by its velocity: frames that are kept at the end move as they did,
 ///         from wherever the frames before them have led. Models that do not look at what is kept jump where it begins
 ///         and ends: `without_jump` (kinematics/blend.hpp), as in the program
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Frames and body parts that are kept. The way over the ground belongs to the legs.
+/// Frames and body parts that are kept. The way over the ground belongs to the part with the path: the legs of a human.
 struct KeptPart {
   IndexRange frames;
-  BodyParts parts = BodyParts::all();
+  BodyParts parts = BodyParts::every();
 };
 
 /// What is kept of a motion; nothing without parts. Frame 0 is that of the timeline.
@@ -30769,14 +32471,11 @@ class KeptRows {
 
 /// As stmc.generate, with one motion to keep for each timeline. What is kept comes back as it was, except for the
 /// rounding of the normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline
-/// does not have, 102 for another number of motions and for other modes than StmcMode::stmc, shape_error 205 for other
-/// features, numeric_error 301.
+/// does not have, 102 for another number of motions, shape_error 205 for other features, numeric_error 301.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                           const Philox& rng, const StmcOptions& options,
                                           std::span<const KeptMotion<B>> kept) {
-  if (options.mode != StmcMode::stmc)
-    raise<config_error>(102, "generate_around: only StmcMode::stmc can keep a motion");
   std::optional<detail::KeptRows<B>> rows;
   const auto estimate = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
     if (!rows) rows.emplace(kept, collage.plan(), collage.stride(), stmc.layout, stmc.motion_normalizer);
@@ -30798,7 +32497,7 @@ namespace detail {
 
 MOTIONLANG_BODY std::vector<Index> positions_of(const FeatureLayout& layout, BodyParts parts) {
   std::vector<Index> out;
-  for (int p = 0; p < body_part_count; ++p) {
+  for (int p = 0; p < layout.body.size(); ++p) {
     if (!parts.has(static_cast<BodyPart>(p))) continue;
     const std::vector<Index> own = layout.indices(static_cast<BodyPart>(p));
     out.insert(out.end(), own.begin(), own.end());
@@ -30820,17 +32519,18 @@ MOTIONLANG_NAMESPACE_END
 ///     const std::vector<std::string> actions{"walk", "turn left", "sit"};
 ///     const Sequences<B> states = distilbert(tokenize(tokenizer, actions)).tokens;    // text/bert.hpp
 ///     const auto parts = actions_to_motion(teach, states, Offsets{60, 40, 90}, Philox{.seed = 7});
-///     const auto motion = teach_motion(normalizer, parts, teach_window);      // rotations and translation, 30 frames
-///     per second
+///     // Rotations and translation, 30 frames per second.
+///     const auto motion = teach_motion(normalizer, parts, teach_window);
 ///
 /// A single action is text_to_motion(teach, states, lengths, rng).
-/// Source  Athanasiou, Petrovich, Black, Varol: "TEACH: Temporal action composition for 3D humans" (3DV 2022); spec
-///         teach.md
+/// Source  Athanasiou, Petrovich, Black, Varol: "TEACH: Temporal action composition for 3D humans" (3DV 2022);
+///         thesis, annex A
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes. (The published configuration says six heads under a name that nobody reads; there are four.)
 struct TeachConfig {
+  static constexpr bool is_option = true;  // holds no tensors
   Index nfeats = 135, text_dim = 768;
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
   double dropout = 0.1;
@@ -30910,7 +32610,7 @@ struct Teach {
 
   /// Both actions of a training step, for teach_losses. The second text sees the end of the first motion as it was
   /// decoded from the first text, and gradients pass through it; `teacher_forcing`: as it is in the data.
-  /// Source  spec teach.md 3
+  /// Source  thesis A.2.3; TEACH teach/model/teach.py allsplit_step
   TeachBranches<B> branches(const TeachPairs<B>& pairs, const TeachNoise<B>& noise, const Context& context = {},
                             bool teacher_forcing = false) const {
     auto branch = [&](LatentGaussian<B> g, const Tensor<B, 2>& eps, double fact, const Sequences<B>& motion) {
@@ -30937,7 +32637,7 @@ struct Teach {
   /// lengths  frames of the parts, each with the gap of `window` frames before it; the gaps are rows of 0
   /// eps      (texts, latent), standard normal
   /// Throws   shape_error 204, 207; config_error 101 for a part of fewer than two frames behind its gap
-  /// Source   spec teach.md 5.1
+  /// Source   thesis A.2.3, A.3.4; TEACH teach/model/teach.py forward_seq
   Sequences<B> generate(const Sequences<B>& texts, const Offsets& lengths, const Tensor<B, 2>& eps,
                         Index window = 0) const {
     if (lengths.count() != texts.count() || eps.size(0) != texts.count())
@@ -30978,7 +32678,8 @@ Sequences<B> actions_to_motion(const Teach<B>& model, const Sequences<B>& texts,
 template <Backend B>
 SmplVelpMotion<typename B::scalar> teach_motion(const Normalizer<B>& normalizer, const Sequences<B>& parts,
                                                 Index window = 0, Alignment alignment = Alignment::full) {
-  auto motion = smplvelp_inverse(normalizer.denormalize(parts.rows).span());
+  const auto features = normalizer.denormalize(parts.rows);
+  auto motion = smplvelp_inverse(features.span());
   PoolVector<Index> lengths;
   for (Index i = 0; i < parts.count(); ++i) lengths.push_back(parts.offsets.length(i));
   join_parts(motion, std::span<const Index>(lengths), window, alignment);
@@ -31022,7 +32723,7 @@ MOTIONLANG_NAMESPACE_END
 ///     const auto joints = temos_joints(normalizer, motions[0][0]);
 ///
 /// Source  Petrovich, Black, Varol: "TEMOS: Generating diverse human motions from textual descriptions" (ECCV 2022);
-///         spec temos.md
+///         thesis, chapter 4
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -31030,7 +32731,8 @@ enum class TemosNetwork { transformer, gru, none };  // none: no motion encoder 
 
 /// Published sizes.
 struct TemosConfig {
-  Index nfeats = 64;  // 135 for SMPL
+  static constexpr bool is_option = true;  // holds no tensors
+  Index nfeats = 64;                       // 135 for SMPL
   Index text_dim = 768;
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
   double dropout = 0.1;
@@ -31104,12 +32806,14 @@ struct Temos {
 /// per second.
 template <Backend B>
 std::vector<Vec3<typename B::scalar>> temos_joints(const Normalizer<B>& normalizer, const Tensor<B, 2>& features) {
-  return rifke_joints(temos_rifke(), normalizer.denormalize(features).span());
+  const auto rows = normalizer.denormalize(features);
+  return rifke_joints(temos_rifke(), rows.span());
 }
 /// The same of an SMPL model, (frames, 135): rotations of 22 joints and translation, metres, Z up.
 template <Backend B>
 SmplVelpMotion<typename B::scalar> temos_smpl(const Normalizer<B>& normalizer, const Tensor<B, 2>& features) {
-  return smplvelp_inverse(normalizer.denormalize(features).span());
+  const auto rows = normalizer.denormalize(features);
+  return smplvelp_inverse(rows.span());
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -31120,19 +32824,18 @@ MOTIONLANG_NAMESPACE_END
 /// TM2T: motions to texts and texts to motions, both by way of motion tokens. Assembly; the parts are in
 /// vae/motion_tokenizer.hpp, nn/seq2seq_transformer.hpp, nn/seq2seq_gru.hpp and nn/decoding.hpp.
 ///
-///     for (const auto& text : tm2t.describe(features, glove)) ...                    // "a person walk forward"
-///     const auto motions = tm2t.generate(glove.encode<B>(texts), rng);               // features, four frames for each
-///     token
+///     for (const auto& text : tm2t.describe(features, glove)) use(text);             // "a person walk forward"
+///     const auto motions = tm2t.generate(glove.encode<B>(texts), rng);               // features, four frames a token
 ///
 /// Source  Guo, Zuo, Wang, Cheng, "TM2T: stochastic and tokenized modeling for the reciprocal generation of 3D human
-///         motions and texts" (ECCV 2022); spec tm2t.md
+///         motions and texts" (ECCV 2022), section 3
 
 #ifndef MOTIONLANG_HAS_DATASETS_TM2T_DATA_HPP  // <motionlang/datasets/tm2t_data.hpp>
 #define MOTIONLANG_HAS_DATASETS_TM2T_DATA_HPP
 /// What TM2T's tokenizer is trained on: its statistics, the windows of the clips, the frames that become tokens. And
 /// how often its decoder is shown the truth.
 ///
-/// Source  TM2T (Guo et al., ECCV 2022), data/dataset.py, networks/trainers.py; spec tm2t.md 1, 2, 5.1
+/// Source  TM2T (Guo et al., ECCV 2022), data/dataset.py MotionDataset, networks/trainers.py schedule_tf; appendix B
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -31395,8 +33098,10 @@ struct Tm2t {
 /// of the description, whose gradient reaches the recurrent model by a Gumbel sample; the model from motion to text is
 /// not to be changed by it.
 ///     text: word vectors; described: ids of the words with their marks
-/// Source  TM2T, section 3.4; spec tm2t.md 5.1. As published a step of its own after that of the tokens, each with
-///         gradients clipped at norm 0.5, not the sum of the paper
+/// Source   TM2T, section 3.3: the second sum of TM2T eq. 7; TM2T networks/trainers.py Seq2SeqT2MJointTrainer
+///          forward_cycle
+/// Differs  from TM2T eq. 7, which adds both sums: as published, this is a step of its own after that of the tokens
+///          (the first sum, `next_symbol_loss`), each with gradients clipped at norm 0.5
 template <AutodiffBackend A>
 Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTransformer<A>& m2t,
                                     const Sequences<A>& text, const IdSequences& described,
@@ -31405,6 +33110,7 @@ Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTrans
   const auto sample =
       gumbel_sample(t2m, text, options, [&](Index) { return gumbel_noise<A>(text.count(), symbols, rng); });
   const auto memory = m2t.encode_shares(sample.rows(), context);
+  // the second sum of TM2T eq. 7
   return next_symbol_loss(m2t.logits(described.without_ends(0, 1), memory, context), described);
 }
 
@@ -31421,12 +33127,14 @@ MOTIONLANG_NAMESPACE_END
 ///     const auto score = tmr_score(similarity);                       // in [0, 1], for people
 ///
 /// Source  Petrovich, Black, Varol: "TMR: Text-to-motion retrieval using contrastive 3D human motion synthesis" (ICCV
-///         2023); spec tmr.md. It holds TEMOS as well, in the form of TMR's repository: losses without contrastive term
+///         2023); thesis, chapter 5. It holds TEMOS as well, in the form of TMR's repository: losses without
+///         contrastive term
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes (16,130,823 parameters).
 struct TmrConfig {
+  static constexpr bool is_option = true;  // holds no tensors
   Index motion_nfeats = 263, text_nfeats = 768;
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
   double dropout = 0.1;
@@ -31498,7 +33206,8 @@ Tensor<B, 2> tmr_score(const Tensor<B, 2>& similarity) {
 /// Normalised features of one motion, (frames, 263), to 22 joints: metres, Z up, 20 frames per second.
 template <Backend B>
 std::vector<Vec3<typename B::scalar>> tmr_joints(const Normalizer<B>& normalizer, const Tensor<B, 2>& features) {
-  auto joints = guoh3d_joints(normalizer.denormalize(features).span());
+  const auto rows = normalizer.denormalize(features);
+  auto joints = guoh3d_joints(rows.span());
   for (auto& p : joints) p = {p.x, -p.z, p.y};
   return joints;
 }
@@ -31850,14 +33559,14 @@ MOTIONLANG_NAMESPACE_END
 /// Clips, moments and captions of a MotionIndex that are nearest to a vector: of a text, of a motion.
 ///
 ///     const MotionSearch search(index);
-///     for (const MotionHit& hit : search.moments(vector_of("a person waves"), 10)) ...
+///     for (const MotionHit& hit : search.moments(vector_of("a person waves"), 10)) use(hit);
 
 #ifndef MOTIONLANG_HAS_SEARCH_VECTOR_SCAN_HPP  // <motionlang/search/vector_scan.hpp>
 #define MOTIONLANG_HAS_SEARCH_VECTOR_SCAN_HPP
 /// Exact search: every vector of the gallery is compared with every query.
 ///
 ///     const VectorScan gallery(rows, 256);                  // rows of length 1, not copied
-///     for (const Neighbour& n : gallery.search(query, 10)[0]) ...
+///     for (const Neighbour& n : gallery.search(query, 10)[0]) use(n);
 ///
 /// Many queries are a matrix product whose scores are looked at while they lie in a cache; few are read past the
 /// gallery once. These fast scores (float sums in the kernel's order, rows or both sides rounded to bfloat16) only say
@@ -39735,6 +41444,75 @@ MOTIONLANG_BODY std::vector<Neighbour> MotionSearch::nearest(const VectorSearch&
 MOTIONLANG_BODY MotionHit MotionSearch::whole(Index clip, float score) const {
   const IndexedClip& c = index_.clips()[static_cast<std::size_t>(clip)];
   return {clip, c.start, c.end, score};
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_SEARCH_SEARCH_ENCODER_HPP  // <motionlang/search/search_encoder.hpp>
+#define MOTIONLANG_HAS_SEARCH_SEARCH_ENCODER_HPP
+/// A model that puts texts and motions into one space, as an index and its searches use it. TMR is one
+/// (search/tmr_search_encoder.hpp); an index of another model is built the same way.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Laws  equal inputs give equal vectors, whatever else is encoded with them; all functions may be called by several
+///       threads at once
+class SearchEncoder {
+ public:
+  virtual ~SearchEncoder() = default;
+
+  /// Where the vectors come from: id of the weights, path, text encoder, width and frames per second. No windows.
+  virtual const IndexModel& model() const = 0;
+  /// (texts, width).
+  virtual std::vector<float> encode_texts(std::span<const std::string> texts) const = 0;
+  /// What the model sees of a clip on any skeleton that can be retargeted: normalised features, (frames, features).
+  virtual std::vector<float> rows_of(const Motion& motion) const = 0;
+  /// The frames of such rows.
+  virtual Index frames(std::span<const float> rows) const = 0;
+  /// (windows, width): windows of the frames of `rows`.
+  virtual std::vector<float> encode_windows(std::span<const float> rows, std::span<const FrameSlice> windows) const = 0;
+
+ protected:
+  SearchEncoder() = default;
+  SearchEncoder(const SearchEncoder&) = default;
+  SearchEncoder& operator=(const SearchEncoder&) = default;
+};
+
+/// (width): a whole clip. One of more than ten seconds, which is longer than what such models are trained on, is cut
+/// into equal parts and has the mean of their directions.
+std::vector<float> encode_clip(const SearchEncoder& encoder, std::span<const float> rows);
+/// The vector of a motion as a query or as a clip of an index. Throws what SearchEncoder::rows_of throws.
+std::vector<float> encode_motion(const SearchEncoder& encoder, const Motion& motion);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SEARCH_SEARCH_ENCODER_IPP  // <motionlang/search/search_encoder.ipp>
+#define MOTIONLANG_HAS_SEARCH_SEARCH_ENCODER_IPP
+// Bodies of search_encoder.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<float> encode_clip(const SearchEncoder& encoder, std::span<const float> rows) {
+  const Index width = encoder.model().width, all = encoder.frames(rows),
+              longest = std::max<Index>(1, std::lround(10 * encoder.model().fps)),
+              count = (all + longest - 1) / longest;
+  std::vector<FrameSlice> stretches;
+  for (Index i = 0; i < count; ++i) {
+    const Index first = all * i / count;
+    stretches.push_back({first, all * (i + 1) / count - first});
+  }
+  auto vectors = encoder.encode_windows(rows, stretches);
+  if (count == 1) return vectors;
+  vectors = unit_rows(vectors, width);
+  std::vector<float> mean(static_cast<std::size_t>(width));
+  for (std::size_t i = 0; i < vectors.size(); ++i) mean[i % mean.size()] += vectors[i] / static_cast<float>(count);
+  return mean;
+}
+
+MOTIONLANG_BODY std::vector<float> encode_motion(const SearchEncoder& encoder, const Motion& motion) {
+  return encode_clip(encoder, encoder.rows_of(motion));
 }
 
 MOTIONLANG_NAMESPACE_END

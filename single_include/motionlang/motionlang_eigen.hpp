@@ -18,8 +18,11 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+namespace detail {
+
+/// Functions and maxima of the Eigen backend.
 template <Scalar S>
-struct EigenBackend : DenseOps<S>, KernelOps<S> {
+struct EigenFunctions {
   using tensor = Dense<S>;
 
   static tensor atan2(tensor a, tensor b);
@@ -32,6 +35,45 @@ struct EigenBackend : DenseOps<S>, KernelOps<S> {
   static tensor cos(tensor a);
   static tensor where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y);
   static tensor max(const tensor& a, int axis);
+};
+
+/// Complete where the bodies of these functions are.
+template <Scalar S>
+struct EigenBodies;
+
+/// The functions for units that may lack their bodies: the compiler says it, not the linker.
+template <Scalar S>
+struct CheckedEigenFunctions {
+  using tensor = Dense<S>;
+
+  static tensor atan2(tensor a, tensor b) { return checked().atan2(std::move(a), std::move(b)); }
+  static tensor exp(tensor a) { return checked().exp(std::move(a)); }
+  static tensor log(tensor a) { return checked().log(std::move(a)); }
+  static tensor sqrt(tensor a) { return checked().sqrt(std::move(a)); }
+  static tensor tanh(tensor a) { return checked().tanh(std::move(a)); }
+  static tensor erf(tensor a) { return checked().erf(std::move(a)); }
+  static tensor sin(tensor a) { return checked().sin(std::move(a)); }
+  static tensor cos(tensor a) { return checked().cos(std::move(a)); }
+  static tensor where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y) {
+    return checked().where_less(a, b, x, y);
+  }
+  static tensor max(const tensor& a, int axis) { return checked().max(a, axis); }
+
+ private:
+  template <class T = S>
+  static EigenFunctions<T> checked() {
+    static_assert(
+        requires { sizeof(EigenBodies<T>); },
+        "motionlang: this calculates with tensors of EigenBackend, so include <motionlang/backend/eigen.hpp>");
+    return {};
+  }
+};
+
+}  // namespace detail
+
+template <Scalar S>
+struct EigenBackend : DenseOps<S>, KernelOps<S>, detail::CheckedEigenFunctions<S> {
+  using tensor = Dense<S>;
 };
 
 MOTIONLANG_NAMESPACE_END
@@ -73,10 +115,13 @@ Dense<S> eigen_unary(Dense<S> a, F f) {
   return out;
 }
 
+template <Scalar S>
+struct EigenBodies {};
+
 }  // namespace detail
 
 template <Scalar S>
-Dense<S> EigenBackend<S>::atan2(tensor a, tensor b) {
+Dense<S> detail::EigenFunctions<S>::atan2(tensor a, tensor b) {
   const Shape s = broadcast_shapes(a.shape(), b.shape(), "atan2");
   a = DenseOps<S>::broadcast(a, s), b = DenseOps<S>::broadcast(b, s);
   tensor out(s);
@@ -85,38 +130,38 @@ Dense<S> EigenBackend<S>::atan2(tensor a, tensor b) {
   return out;
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::exp(tensor a) {
+Dense<S> detail::EigenFunctions<S>::exp(tensor a) {
   return detail::eigen_unary(std::move(a), [](const auto& x) { return x.exp(); });
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::log(tensor a) {
+Dense<S> detail::EigenFunctions<S>::log(tensor a) {
   return detail::eigen_unary(std::move(a), [](const auto& x) { return x.log(); });
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::sqrt(tensor a) {
+Dense<S> detail::EigenFunctions<S>::sqrt(tensor a) {
   // Eigen's own root of a packet is rounded otherwise than its root of a single number
   return detail::eigen_unary(std::move(a), [](const auto& x) { return x.unaryExpr([](S v) { return std::sqrt(v); }); });
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::tanh(tensor a) {
+Dense<S> detail::EigenFunctions<S>::tanh(tensor a) {
   return detail::eigen_unary(std::move(a), [](const auto& x) { return x.tanh(); });
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::erf(tensor a) {  // Eigen's is in an unsupported module
+Dense<S> detail::EigenFunctions<S>::erf(tensor a) {  // Eigen's is in an unsupported module
   tensor out(a.shape());
   detail::kernels<S>().error_function(std::as_const(a).data(), a.count(), out.data());
   return out;
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::sin(tensor a) {
+Dense<S> detail::EigenFunctions<S>::sin(tensor a) {
   return detail::eigen_unary(std::move(a), [](const auto& x) { return x.sin(); });
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::cos(tensor a) {
+Dense<S> detail::EigenFunctions<S>::cos(tensor a) {
   return detail::eigen_unary(std::move(a), [](const auto& x) { return x.cos(); });
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y) {
+Dense<S> detail::EigenFunctions<S>::where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y) {
   const Shape s = broadcast_shapes(broadcast_shapes(a.shape(), b.shape(), "where_less"),
                                    broadcast_shapes(x.shape(), y.shape(), "where_less"), "where_less");
   const Index n = s.count();
@@ -130,7 +175,7 @@ Dense<S> EigenBackend<S>::where_less(const tensor& a, const tensor& b, const ten
   return out;
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::max(const tensor& a, int axis) {
+Dense<S> detail::EigenFunctions<S>::max(const tensor& a, int axis) {
   const Shape& s = a.shape();
   const Index n = s[axis], inner = s.count(axis + 1, s.rank());
   tensor out = tensor::full(s.without(axis), -std::numeric_limits<S>::infinity());

@@ -18,7 +18,7 @@
 /// The concepts on which everything rests. Each one states: idea, what a model must provide, the laws (run on every
 /// model in tests/laws), and the models.
 
-#include <concepts>     // same_as, convertible_to
+#include <concepts>     // same_as, semiregular
 #include <cstdint>      // uint64_t
 #include <span>         // views of values and rows
 #include <string_view>  // names of random streams
@@ -36,6 +36,10 @@
 #ifndef MOTIONLANG_HAS_VERSION_HPP  // <motionlang/version.hpp>
 #define MOTIONLANG_HAS_VERSION_HPP
 /// Version of the library and the inline namespace that carries it.
+
+#if __cplusplus < 202002L
+#error "motionlang needs C++20: compile with -std=c++20 (GCC 12 or Clang 14 and later)"
+#endif
 
 #define MOTIONLANG_VERSION_MAJOR 0
 #define MOTIONLANG_VERSION_MINOR 1
@@ -689,22 +693,38 @@ TextPart text_part(const T& value) {
 }
 std::string concat_parts(std::initializer_list<TextPart> parts);
 
+/// A module that is being evaluated. Its name is given, or known by the fields of the module around it.
+struct ModuleStep {
+  std::string name;
+  const void* module = nullptr;  // null: the name is given
+  const void* type = nullptr;    // tells a module from its first member, which lies in the same place
+  /// Path from `module` to one inside of it, "" if it has none such.
+  std::string (*path_to)(const void* module, const void* inner, const void* inner_type) = nullptr;
+};
+
+/// The step into a module (core/fields.hpp).
+template <class M>
+struct StepInto;
+
 /// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
 struct ModulePath {
-  static std::vector<std::string>& names() { return thread_object<std::vector<std::string>, ModulePath>(); }
+  using Steps = std::vector<ModuleStep>;
+  static Steps& steps() { return thread_object<Steps, ModulePath>(); }
+  /// "layers.3.linear1"
+  static std::string text();
   /// As long as it lives, the thread is inside the modules of another one, a part of whose work it does.
   class Continued {
    public:
 #ifdef MOTIONLANG_DIAGNOSTICS
-    explicit Continued(std::vector<std::string> other) : own_(std::exchange(names(), std::move(other))) {}
-    ~Continued() { names() = std::move(own_); }
+    explicit Continued(Steps other) : own_(std::exchange(steps(), std::move(other))) {}
+    ~Continued() { steps() = std::move(own_); }
     Continued(const Continued&) = delete;
     Continued& operator=(const Continued&) = delete;
 
    private:
-    std::vector<std::string> own_;
+    Steps own_;
 #else
-    explicit Continued(const std::vector<std::string>&) {}
+    explicit Continued(const Steps&) {}
     ~Continued() {}
 #endif
   };
@@ -744,14 +764,18 @@ std::string counted(N n, std::string_view one, std::string_view several = {}) {
   return out;
 }
 
-/// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
+/// Names the module that is evaluated as long as the object lives: ModuleScope scope(*this) in its functions, or the
+/// text of all arguments. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
 struct ModuleScope {
 #ifdef MOTIONLANG_DIAGNOSTICS
   template <class... T>
   explicit ModuleScope(const T&... name) {
-    detail::ModulePath::names().push_back(concat_text(name...));
+    detail::ModulePath::steps().push_back({.name = concat_text(name...)});
   }
-  ~ModuleScope() { detail::ModulePath::names().pop_back(); }
+  template <class M>
+  requires requires { M::fields(); }
+  explicit ModuleScope(const M& module) { detail::ModulePath::steps().push_back(detail::StepInto<M>::step(module)); }
+  ~ModuleScope() { detail::ModulePath::steps().pop_back(); }
 #else
   template <class... T>
   explicit ModuleScope(const T&...) {}
@@ -849,11 +873,26 @@ MOTIONLANG_BODY std::string concat_parts(std::initializer_list<TextPart> parts) 
   return out;
 }
 
+MOTIONLANG_BODY std::string ModulePath::text() {
+  std::string path;
+  const ModuleStep* around = nullptr;
+  for (const ModuleStep& step : steps()) {
+    std::string name = step.name;
+    if (step.module != nullptr) {
+      if (around != nullptr) name = around->path_to(around->module, step.module, step.type);
+      around = &step;
+    }
+    if (!path.empty() && !name.empty()) path += '.';
+    path += name;
+  }
+  return path;
+}
+
 MOTIONLANG_BODY std::string error_text(std::string_view family, int id, std::initializer_list<TextPart> parts) {
   std::string text = concat_text("[motionlang.", family, ".", id, "] ") + printable(concat_parts(parts), "\n");
 #ifdef MOTIONLANG_DIAGNOSTICS
-  const auto& path = ModulePath::names();
-  for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
+  const std::string path = ModulePath::text();
+  if (!path.empty()) text += "; at " + path;
 #endif
   return text;
 }
@@ -1004,15 +1043,21 @@ concept ScalarLike = std::copyable<S> && requires(const S& a, const S& b) {
 /// backend only computes. Everything else (softmax, attention, ...) has a default in these primitives; a backend may
 /// add its own version under the same name (see tensor/fused.hpp).
 ///
+/// tensor    can be made without anything, copied and moved. One that is made so is no tensor yet: its shape is (0) and
+///           to_span gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
+///           an operation of the backend sees it. A list of no values has the shape (0) too; `bool defined() const`,
+///           if the tensor has it, tells one from the other
 /// Minimum   data      full, from_span, to_span, shape
 ///           elements  add sub mul div maximum atan2 (broadcasting), exp log sqrt tanh erf sin cos, where_less
 ///           reduce    sum max (one axis, which disappears)
 ///           product   matmul(a, b, transpose_a, transpose_b), equal leading axes
 ///           movement  reshape permute broadcast slice concat gather scatter_add
-/// Laws      every operation equals the one of ReferenceBackend (tests/ops); operands are never changed visibly
+/// Left out  which device, threads, in-place operations, other scalars than float and double, views of memory of others
+/// Laws      every operation equals the one of ReferenceBackend (tests/ops); operands are never changed visibly; the
+///           algebra of tests/laws. examples/11_own_backend has a backend of one's own, and how to run the laws on it
 /// Models    ReferenceBackend<S>, EigenBackend<S>, XtensorBackend<S>, Autodiff<B>
 template <class B>
-concept Backend = Scalar<typename B::scalar> && std::copyable<typename B::tensor> &&
+concept Backend = Scalar<typename B::scalar> && std::semiregular<typename B::tensor> &&
     requires(const typename B::tensor a, const Shape s, int axis, Index n, std::span<const typename B::scalar> values,
              std::span<const Index> rows, std::span<const int> axes, std::span<const typename B::tensor> list) {
   { B::full(s, typename B::scalar{}) } -> std::same_as<typename B::tensor>;
@@ -1133,6 +1178,7 @@ template <class S>
 struct Rigid;
 
 // kinematics
+class BodyPartition;
 struct BodyParts;
 struct Motion;
 struct Skeleton;

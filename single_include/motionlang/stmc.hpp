@@ -11,16 +11,15 @@
 ///     const auto stmc = ml::load_stmc<B>("stmc_free.safetensors");
 ///     const auto timeline = ml::parse_timeline("walk forward # 0.0 # 6.0 # legs\n"
 ///                                              "raise both arms # 2.0 # 5.0 # left arm # right arm\n");
-///     const ml::Tensor<B, 2> features = stmc.generate(timeline, ml::Philox{.seed = 7});
-///     const ml::Motion motion = ml::stmc_motion(features);
+///     const ml::Motion motion = ml::generate_motion(stmc, timeline, {.seed = 7});
 ///
-/// Writers of BVH, GLB, NPZ and pages are in <motionlang/formats/...> and <motionlang/view/...>. Who calculates with
-/// the features (exp, sum, ...) includes <motionlang/backend/eigen.hpp> as well; without it the linker misses those
-/// functions.
+/// What the model itself makes, before it is smoothed and put on its feet: stmc.generate and stmc_motion. Writers of
+/// BVH, GLB, NPZ and pages are in <motionlang/formats/...> and <motionlang/view/...>. Who calculates with the features
+/// (exp, max, ...) includes <motionlang/backend/eigen.hpp> as well; the compiler says so.
 ///
 /// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library
-/// then, and this header only says what can be called. For other backends, and for `generate_from`, include
-/// <motionlang/weights/stmc_file.hpp> as well.
+/// then, and this header only says what can be called. For other backends (the compiler says so), and for
+/// `generate_from`, include <motionlang/generate/generate_motion.ipp> and <motionlang/weights/stmc_file.hpp> as well.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP  // <motionlang/backend/detail/eigen_class.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP
@@ -44,6 +43,7 @@
 /// Always contiguous: reshaping and taking leading rows are views, everything else copies.
 
 #include <span>       // values
+#include <utility>    // exchange
 
 #ifndef MOTIONLANG_HAS_CORE_BUFFER_POOL_HPP  // <motionlang/core/buffer_pool.hpp>
 #define MOTIONLANG_HAS_CORE_BUFFER_POOL_HPP
@@ -59,7 +59,6 @@
 #include <memory>       // owner of foreign memory
 #include <new>          // objects in memory that is there
 #include <type_traits>  // is_trivially_copyable
-#include <utility>      // exchange
 
 #ifndef MOTIONLANG_HAS_CORE_ERROR_HPP  // <motionlang/core/error.hpp>
 #define MOTIONLANG_HAS_CORE_ERROR_HPP
@@ -95,6 +94,10 @@
 #ifndef MOTIONLANG_HAS_VERSION_HPP  // <motionlang/version.hpp>
 #define MOTIONLANG_HAS_VERSION_HPP
 /// Version of the library and the inline namespace that carries it.
+
+#if __cplusplus < 202002L
+#error "motionlang needs C++20: compile with -std=c++20 (GCC 12 or Clang 14 and later)"
+#endif
 
 #define MOTIONLANG_VERSION_MAJOR 0
 #define MOTIONLANG_VERSION_MINOR 1
@@ -673,22 +676,38 @@ TextPart text_part(const T& value) {
 }
 std::string concat_parts(std::initializer_list<TextPart> parts);
 
+/// A module that is being evaluated. Its name is given, or known by the fields of the module around it.
+struct ModuleStep {
+  std::string name;
+  const void* module = nullptr;  // null: the name is given
+  const void* type = nullptr;    // tells a module from its first member, which lies in the same place
+  /// Path from `module` to one inside of it, "" if it has none such.
+  std::string (*path_to)(const void* module, const void* inner, const void* inner_type) = nullptr;
+};
+
+/// The step into a module (core/fields.hpp).
+template <class M>
+struct StepInto;
+
 /// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
 struct ModulePath {
-  static std::vector<std::string>& names() { return thread_object<std::vector<std::string>, ModulePath>(); }
+  using Steps = std::vector<ModuleStep>;
+  static Steps& steps() { return thread_object<Steps, ModulePath>(); }
+  /// "layers.3.linear1"
+  static std::string text();
   /// As long as it lives, the thread is inside the modules of another one, a part of whose work it does.
   class Continued {
    public:
 #ifdef MOTIONLANG_DIAGNOSTICS
-    explicit Continued(std::vector<std::string> other) : own_(std::exchange(names(), std::move(other))) {}
-    ~Continued() { names() = std::move(own_); }
+    explicit Continued(Steps other) : own_(std::exchange(steps(), std::move(other))) {}
+    ~Continued() { steps() = std::move(own_); }
     Continued(const Continued&) = delete;
     Continued& operator=(const Continued&) = delete;
 
    private:
-    std::vector<std::string> own_;
+    Steps own_;
 #else
-    explicit Continued(const std::vector<std::string>&) {}
+    explicit Continued(const Steps&) {}
     ~Continued() {}
 #endif
   };
@@ -728,14 +747,18 @@ std::string counted(N n, std::string_view one, std::string_view several = {}) {
   return out;
 }
 
-/// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
+/// Names the module that is evaluated as long as the object lives: ModuleScope scope(*this) in its functions, or the
+/// text of all arguments. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
 struct ModuleScope {
 #ifdef MOTIONLANG_DIAGNOSTICS
   template <class... T>
   explicit ModuleScope(const T&... name) {
-    detail::ModulePath::names().push_back(concat_text(name...));
+    detail::ModulePath::steps().push_back({.name = concat_text(name...)});
   }
-  ~ModuleScope() { detail::ModulePath::names().pop_back(); }
+  template <class M>
+  requires requires { M::fields(); }
+  explicit ModuleScope(const M& module) { detail::ModulePath::steps().push_back(detail::StepInto<M>::step(module)); }
+  ~ModuleScope() { detail::ModulePath::steps().pop_back(); }
 #else
   template <class... T>
   explicit ModuleScope(const T&...) {}
@@ -833,17 +856,98 @@ MOTIONLANG_BODY std::string concat_parts(std::initializer_list<TextPart> parts) 
   return out;
 }
 
+MOTIONLANG_BODY std::string ModulePath::text() {
+  std::string path;
+  const ModuleStep* around = nullptr;
+  for (const ModuleStep& step : steps()) {
+    std::string name = step.name;
+    if (step.module != nullptr) {
+      if (around != nullptr) name = around->path_to(around->module, step.module, step.type);
+      around = &step;
+    }
+    if (!path.empty() && !name.empty()) path += '.';
+    path += name;
+  }
+  return path;
+}
+
 MOTIONLANG_BODY std::string error_text(std::string_view family, int id, std::initializer_list<TextPart> parts) {
   std::string text = concat_text("[motionlang.", family, ".", id, "] ") + printable(concat_parts(parts), "\n");
 #ifdef MOTIONLANG_DIAGNOSTICS
-  const auto& path = ModulePath::names();
-  for (std::size_t i = 0; i < path.size(); ++i) text += (i == 0 ? "; at " : ".") + path[i];
+  const std::string path = ModulePath::text();
+  if (!path.empty()) text += "; at " + path;
 #endif
   return text;
 }
 
 }  // namespace detail
 
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_CORE_LIFETIME_HPP  // <motionlang/core/lifetime.hpp>
+#define MOTIONLANG_HAS_CORE_LIFETIME_HPP
+/// Help against memory that is used after its end: a mark for compilers, and marks of free memory for the address
+/// sanitizer.
+
+/// Behind the declaration of a member function or of a parameter: the result refers to it. Clang warns where it is a
+/// temporary, or a variable whose function returns the result. GCC has no such mark.
+#if defined(__has_cpp_attribute)
+#if __has_cpp_attribute(clang::lifetimebound)
+#define MOTIONLANG_LIFETIMEBOUND [[clang::lifetimebound]]
+#endif
+#endif
+#ifndef MOTIONLANG_LIFETIMEBOUND
+#define MOTIONLANG_LIFETIMEBOUND
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+/// Whether this unit is compiled for the address sanitizer (-fsanitize=address).
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool address_sanitizer = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+inline constexpr bool address_sanitizer = true;
+#else
+inline constexpr bool address_sanitizer = false;
+#endif
+#else
+inline constexpr bool address_sanitizer = false;
+#endif
+
+/// Memory that nobody may use until allow_access: the sanitizer reports whoever does. Nothing happens where the bodies
+/// of the library are compiled without the sanitizer.
+void forbid_access(const void* memory, std::size_t bytes);
+void allow_access(const void* memory, std::size_t bytes);
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_LIFETIME_IPP  // <motionlang/core/lifetime.ipp>
+#define MOTIONLANG_HAS_CORE_LIFETIME_IPP
+// Bodies of lifetime.hpp.
+
+// Functions of the sanitizer.
+extern "C" {
+void __asan_poison_memory_region(const volatile void* memory, std::size_t bytes);    // NOLINT
+void __asan_unpoison_memory_region(const volatile void* memory, std::size_t bytes);  // NOLINT
+}
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+MOTIONLANG_BODY void forbid_access([[maybe_unused]] const void* memory, [[maybe_unused]] std::size_t bytes) {
+  if constexpr (address_sanitizer) __asan_poison_memory_region(memory, bytes);
+}
+
+MOTIONLANG_BODY void allow_access([[maybe_unused]] const void* memory, [[maybe_unused]] std::size_t bytes) {
+  if constexpr (address_sanitizer) __asan_unpoison_memory_region(memory, bytes);
+}
+
+}  // namespace detail
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
@@ -867,7 +971,7 @@ struct alignas(64) Buffer {
 
 /// Free buffers of this thread, in buckets of four sizes per power of two. A pool keeps only what it made itself:
 /// buffers that one thread makes and another frees do not pile up. Once the pool of an ending thread is gone, memory
-/// comes from the system and returns to it.
+/// comes from the system and returns to it. Under the address sanitizer, who uses a free buffer is reported.
 class BufferPool {
  public:
   static BufferPool& local() { return thread_object<BufferPool>(); }
@@ -880,6 +984,7 @@ class BufferPool {
   static void give_back(detail::Buffer* b) {
     if (gone_ || b->pool != local().number_) return release(b);
     b->packed.reset();
+    if constexpr (detail::address_sanitizer) detail::forbid_access(b->data, bucket_bytes(b->bucket));
     b->next = std::exchange(local().free_[static_cast<std::size_t>(b->bucket)], b);
   }
 
@@ -905,6 +1010,7 @@ class BufferPool {
     if (head != nullptr) {
       detail::Buffer* b = std::exchange(head, head->next);
       b->references.store(1, std::memory_order_relaxed);
+      if constexpr (detail::address_sanitizer) detail::allow_access(b->data, bucket_bytes(bucket));
       return b;
     }
     ++system_allocations_;
@@ -943,7 +1049,7 @@ class BufferHandle {
     buffer_->data = const_cast<void*>(data);
     buffer_->owner = std::move(owner);
   }
-  BufferHandle(const BufferHandle& o) : buffer_(o.buffer_) {
+  BufferHandle(const BufferHandle& o) noexcept : buffer_(o.buffer_) {
     if (buffer_ != nullptr) buffer_->references.fetch_add(1, std::memory_order_relaxed);
   }
   BufferHandle(BufferHandle&& o) noexcept : buffer_(std::exchange(o.buffer_, nullptr)) {}
@@ -959,7 +1065,7 @@ class BufferHandle {
       ::operator delete (destroyed(buffer_), std::align_val_t{64});
   }
 
-  void* data() const { return buffer_ == nullptr ? nullptr : buffer_->data; }
+  void* data() const MOTIONLANG_LIFETIMEBOUND { return buffer_ == nullptr ? nullptr : buffer_->data; }
   /// Nobody else sees this memory, and it may be written.
   bool unique() const {
     return buffer_ != nullptr && buffer_->bucket >= 0 && buffer_->references.load(std::memory_order_acquire) == 1;
@@ -1144,6 +1250,7 @@ MOTIONLANG_BODY void BufferPool::trim() {
 
 MOTIONLANG_BODY void BufferPool::release(detail::Buffer* b) {
   const int bucket = b->bucket;
+  if constexpr (detail::address_sanitizer) detail::allow_access(b->data, bucket_bytes(bucket));
   b->~Buffer();
   give_memory(b, sizeof(detail::Buffer) + bucket_bytes(bucket));
 }
@@ -1362,15 +1469,21 @@ concept ScalarLike = std::copyable<S> && requires(const S& a, const S& b) {
 /// backend only computes. Everything else (softmax, attention, ...) has a default in these primitives; a backend may
 /// add its own version under the same name (see tensor/fused.hpp).
 ///
+/// tensor    can be made without anything, copied and moved. One that is made so is no tensor yet: its shape is (0) and
+///           to_span gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
+///           an operation of the backend sees it. A list of no values has the shape (0) too; `bool defined() const`,
+///           if the tensor has it, tells one from the other
 /// Minimum   data      full, from_span, to_span, shape
 ///           elements  add sub mul div maximum atan2 (broadcasting), exp log sqrt tanh erf sin cos, where_less
 ///           reduce    sum max (one axis, which disappears)
 ///           product   matmul(a, b, transpose_a, transpose_b), equal leading axes
 ///           movement  reshape permute broadcast slice concat gather scatter_add
-/// Laws      every operation equals the one of ReferenceBackend (tests/ops); operands are never changed visibly
+/// Left out  which device, threads, in-place operations, other scalars than float and double, views of memory of others
+/// Laws      every operation equals the one of ReferenceBackend (tests/ops); operands are never changed visibly; the
+///           algebra of tests/laws. examples/11_own_backend has a backend of one's own, and how to run the laws on it
 /// Models    ReferenceBackend<S>, EigenBackend<S>, XtensorBackend<S>, Autodiff<B>
 template <class B>
-concept Backend = Scalar<typename B::scalar> && std::copyable<typename B::tensor> &&
+concept Backend = Scalar<typename B::scalar> && std::semiregular<typename B::tensor> &&
     requires(const typename B::tensor a, const Shape s, int axis, Index n, std::span<const typename B::scalar> values,
              std::span<const Index> rows, std::span<const int> axes, std::span<const typename B::tensor> list) {
   { B::full(s, typename B::scalar{}) } -> std::same_as<typename B::tensor>;
@@ -1458,6 +1571,19 @@ class Dense {
   Dense(const S* values, const Shape& shape, std::shared_ptr<const void> owner)
       : buffer_(values, std::move(owner)), shape_(shape) {}
 
+  Dense(const Dense&) = default;
+  Dense& operator=(const Dense&) = default;
+  /// What was moved from is again nothing.
+  Dense(Dense&& o) noexcept
+      : buffer_(std::move(o.buffer_)), shape_(std::exchange(o.shape_, nothing)), offset_(std::exchange(o.offset_, 0)) {}
+  Dense& operator=(Dense&& o) noexcept {
+    buffer_ = std::move(o.buffer_);
+    shape_ = std::exchange(o.shape_, nothing);
+    offset_ = std::exchange(o.offset_, 0);
+    return *this;
+  }
+  ~Dense() = default;
+
   static Dense full(const Shape& shape, S value) {
     Dense d(shape);
     std::fill_n(d.data(), d.count(), value);
@@ -1469,12 +1595,13 @@ class Dense {
     return d;
   }
 
-  const Shape& shape() const { return shape_; }
+  const Shape& shape() const MOTIONLANG_LIFETIMEBOUND { return shape_; }
   Index count() const { return shape_.count(); }
-  const S* data() const { return static_cast<const S*>(buffer_.data()) + offset_; }
+  const S* data() const MOTIONLANG_LIFETIMEBOUND { return static_cast<const S*>(buffer_.data()) + offset_; }
   /// For writing: only right after construction or when `unique()`.
-  S* data() { return static_cast<S*>(buffer_.data()) + offset_; }
-  std::span<const S> span() const { return {data(), static_cast<std::size_t>(count())}; }
+  S* data() MOTIONLANG_LIFETIMEBOUND { return static_cast<S*>(buffer_.data()) + offset_; }
+  std::span<const S> span() const MOTIONLANG_LIFETIMEBOUND { return {data(), static_cast<std::size_t>(count())}; }
+  /// Whether there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
   bool defined() const { return static_cast<bool>(buffer_); }
 
   /// Nobody else can see the numbers, so an operation may overwrite them.
@@ -1499,8 +1626,10 @@ class Dense {
   const void* attached() const { return buffer_ && offset_ == 0 ? buffer_.packed().get() : nullptr; }
 
  private:
+  static constexpr Shape nothing{0};
+
   detail::BufferHandle buffer_;
-  Shape shape_{0};
+  Shape shape_ = nothing;
   Index offset_ = 0;
 };
 
@@ -1509,7 +1638,18 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
 #define MOTIONLANG_HAS_CORE_PARALLEL_HPP
-/// A small pool of threads and `parallel_for`.
+/// Threads: a small pool of them and `parallel_for`, how many are used, and what threads of a program may share.
+///
+/// How many   processor_count() threads calculate (core/processors.hpp: what the process is given, in a container too),
+///            at most 256. set_thread_count(n) changes that for the whole process. The results are the same bits
+/// From several threads of a program at once
+///   may be shared    everything that is const: models, tensors, skeletons, indices, text encoders. Copying a handle of
+///                    the same tensor, and using it, too. One call calculates in the pool at a time, others wait for it
+///   may not          what is written: a tensor that is assigned to, a generator that draws, an AdamW that steps, a
+///                    KeptMotion that is filled. Give each thread its own, or a lock. A Context counts its masks: one
+///                    for each call
+///   Autodiff         variables may be shared; operations behind a loss belong to the thread that calls `backward`
+///   at rest          set_thread_count and set_product_precision (backend/precision.hpp): while no work is running
 ///
 /// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
 /// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and
@@ -1879,7 +2019,7 @@ struct DenseOps {
 
   static tensor full(const Shape& shape, S value) { return tensor::full(shape, value); }
   static tensor from_span(std::span<const S> values, const Shape& shape) { return tensor::from_span(values, shape); }
-  static std::span<const S> to_span(const tensor& a) { return a.span(); }
+  static std::span<const S> to_span(const tensor& a MOTIONLANG_LIFETIMEBOUND) { return a.span(); }
   static const Shape& shape(const tensor& a) { return a.shape(); }
 
   static tensor reshape(const tensor& a, const Shape& s) { return a.reshaped(s); }
@@ -2284,7 +2424,8 @@ class Tensor {
   using scalar = typename B::scalar;
   static constexpr int rank = Rank;
 
-  /// No tensor yet: its shape is (0) whatever the rank, it has no numbers, and operations refuse it.
+  /// No tensor yet: its shape is (0) whatever the rank, it has no numbers, and operations refuse it. A tensor that was
+  /// moved from is the same.
   Tensor() = default;
   /// Wraps a backend's tensor. Throws shape_error 206 if its rank is another.
   explicit Tensor(typename B::tensor data) : data_(std::move(data)) {
@@ -2320,17 +2461,23 @@ class Tensor {
                    [&](scalar* to) { rng.normal(std::span<scalar>(to, static_cast<std::size_t>(shape.count()))); });
   }
 
-  const typename B::tensor& data() const& { return data_; }
+  const typename B::tensor& data() const& MOTIONLANG_LIFETIMEBOUND { return data_; }
   typename B::tensor data() && { return std::move(data_); }
   /// For code that replaces the value in place (optimisers, loaders).
-  typename B::tensor& mutable_data() { return data_; }
+  typename B::tensor& mutable_data() MOTIONLANG_LIFETIMEBOUND { return data_; }
 
   Shape shape() const { return B::shape(data_); }
   Index size(int axis) const { return shape()[normalize_axis(axis, Rank, "Tensor::size")]; }
   Index count() const { return shape().count(); }
+  /// Whether there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
+  bool defined() const {
+    if constexpr (Rank == 1 && requires(const typename B::tensor& t) { t.defined(); }) return data_.defined();
+    return shape().rank() == Rank;
+  }
 
   /// The numbers, row-major; valid as long as this tensor lives and is not assigned to.
-  std::span<const scalar> span() const { return B::to_span(data_); }
+  std::span<const scalar> span() const& MOTIONLANG_LIFETIMEBOUND { return B::to_span(data_); }
+  std::span<const scalar> span() const&& = delete;  // values of a temporary end with it: name it, or to_vector()
   std::vector<scalar> to_vector() const {
     const auto s = span();
     return {s.begin(), s.end()};
@@ -2339,6 +2486,23 @@ class Tensor {
   scalar item() const {
     if (count() != 1) raise<shape_error>(205, "Tensor::item: shape ", shape(), " has ", count(), " elements");
     return span()[0];
+  }
+  /// The value at an index for each axis: t.at(0, 2). For many values take span(). Throws shape_error 203 for an index
+  /// outside its axis, 206 if there is no tensor.
+  template <std::integral... I>
+  requires(sizeof...(I) == Rank) scalar at(I... index)
+  const {
+    const Shape sizes = shape();
+    if (!defined()) raise<shape_error>(206, "Tensor::at: no tensor yet, or moved from; rank ", Rank, " expected");
+    const std::array<Index, static_cast<std::size_t>(Rank)> place{static_cast<Index>(index)...};
+    Index number = 0;
+    for (int axis = 0; axis < Rank; ++axis) {
+      const Index i = place[static_cast<std::size_t>(axis)];
+      if (i < 0 || i >= sizes[axis])
+        raise<shape_error>(203, "Tensor::at: index ", i, " of axis ", axis, " of shape ", sizes);
+      number = number * sizes[axis] + i;
+    }
+    return span()[static_cast<std::size_t>(number)];
   }
 
  private:
@@ -2356,10 +2520,10 @@ class Tensor {
 
 namespace detail {
 
-/// For operations whose result would not show it. Throws shape_error 206 for a tensor without numbers.
+/// Throws shape_error 206 for a tensor that is not made yet, or was moved from.
 template <Backend B, int R>
 void require_tensor(std::string_view op, const Tensor<B, R>& t) {
-  if (t.shape().rank() != R) raise<shape_error>(206, op, ": no tensor yet, rank ", R, " expected");
+  if (!t.defined()) raise<shape_error>(206, op, ": no tensor yet, or moved from; rank ", R, " expected");
 }
 
 }  // namespace detail
@@ -2381,6 +2545,8 @@ inline constexpr int larger(int a, int b) { return a > b ? a : b; }
 template <class B, int P, int Q, class F>
 auto binary(const char* name, Tensor<B, P>&& a, Tensor<B, Q>&& b, F f) {
   if (a.shape() != b.shape()) broadcast_shapes(a.shape(), b.shape(), name);
+  require_tensor(name, a);
+  require_tensor(name, b);
   return Tensor<B, larger(P, Q)>(f(std::move(a).data(), std::move(b).data()));
 }
 
@@ -2456,30 +2622,37 @@ Tensor<B, R> operator-(Tensor<B, R> a) {
 
 template <Backend B, int R>
 Tensor<B, R> exp(Tensor<B, R> a) {
+  detail::require_tensor("exp", a);
   return Tensor<B, R>(B::exp(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> log(Tensor<B, R> a) {
+  detail::require_tensor("log", a);
   return Tensor<B, R>(B::log(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> sqrt(Tensor<B, R> a) {
+  detail::require_tensor("sqrt", a);
   return Tensor<B, R>(B::sqrt(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> tanh(Tensor<B, R> a) {
+  detail::require_tensor("tanh", a);
   return Tensor<B, R>(B::tanh(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> erf(Tensor<B, R> a) {
+  detail::require_tensor("erf", a);
   return Tensor<B, R>(B::erf(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> sin(Tensor<B, R> a) {
+  detail::require_tensor("sin", a);
   return Tensor<B, R>(B::sin(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> cos(Tensor<B, R> a) {
+  detail::require_tensor("cos", a);
   return Tensor<B, R>(B::cos(std::move(a).data()));
 }
 template <Backend B, int R>
@@ -2498,6 +2671,7 @@ template <Backend B, int R>
 Tensor<B, R> where_less(const Tensor<B, R>& a, const Tensor<B, R>& b, const Tensor<B, R>& x, const Tensor<B, R>& y) {
   broadcast_shapes(broadcast_shapes(a.shape(), b.shape(), "where_less"),
                    broadcast_shapes(x.shape(), y.shape(), "where_less"), "where_less");
+  for (const auto* t : {&a, &b, &x, &y}) detail::require_tensor("where_less", *t);
   return Tensor<B, R>(B::where_less(a.data(), b.data(), x.data(), y.data()));
 }
 
@@ -2564,6 +2738,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sequence i has the rows offsets[i] ... offsets[i + 1] - 1. Cheap to copy; whoever keeps a copy keeps the list alive.
+/// To move is to copy: what was moved from keeps its list.
 class Offsets {
  public:
   Offsets() : Offsets(std::span<const Index>()) {}
@@ -2580,6 +2755,9 @@ class Offsets {
   }
   explicit Offsets(const std::vector<Index>& lengths) : Offsets(std::span<const Index>(lengths)) {}
   Offsets(std::initializer_list<Index> lengths) : Offsets(std::span<const Index>(lengths.begin(), lengths.size())) {}
+  Offsets(const Offsets&) = default;
+  Offsets& operator=(const Offsets&) = default;
+  ~Offsets() = default;
   /// `count` sequences of equal length. Throws shape_error 207 if either is negative.
   static Offsets equal(Index count, Index length);
 
@@ -2589,7 +2767,9 @@ class Offsets {
   Index end(Index i) const { return first()[i + 1]; }
   Index length(Index i) const { return end(i) - begin(i); }
   Index longest() const;
-  std::span<const Index> list() const { return {first(), static_cast<std::size_t>(count_) + 1}; }
+  std::span<const Index> list() const MOTIONLANG_LIFETIMEBOUND {
+    return {first(), static_cast<std::size_t>(count_) + 1};
+  }
   bool operator==(const Offsets& o) const {
     return count_ == o.count_ &&
            std::memcmp(first(), o.first(), (static_cast<std::size_t>(count_) + 1) * sizeof(Index)) == 0;
@@ -2673,6 +2853,7 @@ template <int New, Backend B, int R>
 requires(New >= R) Tensor<B, New> broadcast_to(const Tensor<B, R>& a, const Shape& s) {
   if (broadcast_shapes(a.shape(), s, "broadcast_to") != s)
     raise<shape_error>(202, "broadcast_to: ", a.shape(), " does not become ", s);
+  detail::require_tensor("broadcast_to", a);
   return Tensor<B, New>(B::broadcast(a.data(), s));
 }
 
@@ -2699,6 +2880,7 @@ Tensor<B, R> concat(std::span<const Tensor<B, R>> list, int axis) {
     if (t.shape().without(axis) != list.front().shape().without(axis)) {
       raise<shape_error>(204, "concat along axis ", axis, ": shapes ", list.front().shape(), " and ", t.shape());
     }
+    detail::require_tensor("concat", t);
     data.push_back(t.data());
   }
   return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data), axis));
@@ -2706,11 +2888,13 @@ Tensor<B, R> concat(std::span<const Tensor<B, R>> list, int axis) {
 template <Backend B, int R, class... T>
 Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
   axis = normalize_axis(axis, R, "concat");
+  detail::require_tensor("concat", first);
   const Shape rest = first.shape().without(axis);
   auto check = [&](const Tensor<B, R>& t) {
     if (t.shape().without(axis) != rest) {
       raise<shape_error>(204, "concat along axis ", axis, ": shapes ", first.shape(), " and ", t.shape());
     }
+    detail::require_tensor("concat", t);
   };
   (check(more), ...);
   const std::array<typename B::tensor, 1 + sizeof...(T)> data{first.data(), more.data()...};
@@ -2724,12 +2908,14 @@ void check_rows(const char* op, std::span<const Index> rows, Index n);
 /// out[i] = a[rows[i]]: picks along the first axis; rows may repeat. Throws shape_error 203.
 template <Backend B, int R>
 requires(R > 0) Tensor<B, R> gather(const Tensor<B, R>& a, std::span<const Index> rows) {
+  detail::require_tensor("gather", a);
   detail::check_rows("gather", rows, a.size(0));
   return Tensor<B, R>(B::gather(a.data(), rows));
 }
 /// out[rows[i]] += a[i] into n rows of zeros. The adjoint of gather. Throws shape_error 203, 204.
 template <Backend B, int R>
 requires(R > 0) Tensor<B, R> scatter_add(const Tensor<B, R>& a, std::span<const Index> rows, Index n) {
+  detail::require_tensor("scatter_add", a);
   if (static_cast<Index>(rows.size()) != a.size(0)) {
     raise<shape_error>(204, "scatter_add: ", Index(rows.size()), " rows for shape ", a.shape());
   }
@@ -3029,6 +3215,7 @@ inline void check_dropout(const Dropout& d) {
 /// x times the mask of core/dropout.hpp; positions are row-major. Throws config_error 101 unless 0 <= p < 1.
 template <Backend B, int R>
 Tensor<B, R> dropout(const Tensor<B, R>& x, const Dropout& d) {
+  detail::require_tensor("dropout", x);
   detail::check_dropout(d);
   if (d.p == 0) return x;
   if constexpr (requires { B::dropout(x.data(), d); }) {
@@ -3043,6 +3230,7 @@ Tensor<B, R> dropout(const Tensor<B, R>& x, const Dropout& d) {
 /// Applies a nonlinearity element by element (core/activation.hpp has the formulas).
 template <Backend B, int R>
 Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
+  detail::require_tensor("activate", x);
   if constexpr (requires { B::activate(x.data(), act); }) {
     return Tensor<B, R>(B::activate(x.data(), act));
   } else {
@@ -3083,6 +3271,9 @@ void check_linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tenso
     raise<shape_error>(204, "linear: residual ", residual->shape(), " for input ", x.shape(), " and weight ",
                        weight.shape());
   }
+  require_tensor("linear", x);
+  require_tensor("linear", weight);
+  if (bias != nullptr) require_tensor("linear", *bias);
 }
 
 }  // namespace detail
@@ -3117,6 +3308,7 @@ Tensor<B, 2> layer_norm(const Tensor<B, 2>& x, const Tensor<B, 1>& weight, const
     raise<shape_error>(204, "layer_norm: weight ", weight.shape(), " and bias ", bias.shape(), " for input ",
                        x.shape());
   }
+  detail::require_tensor("layer_norm", x);
   if constexpr (requires { B::layer_norm(x.data(), weight.data(), bias.data(), eps); }) {
     return Tensor<B, 2>(B::layer_norm(x.data(), weight.data(), bias.data(), eps));
   } else {
@@ -3135,6 +3327,7 @@ Tensor<B, 2> add_layer_norm(const Tensor<B, 2>& x, const Tensor<B, 2>& residual,
       raise<shape_error>(204, "add_layer_norm: input ", x.shape(), ", residual ", residual.shape(), ", weight ",
                          weight.shape());
     }
+    detail::require_tensor("add_layer_norm", x);
     return Tensor<B, 2>(B::add_layer_norm(x.data(), residual.data(), weight.data(), bias.data(), eps));
   } else {
     return layer_norm(x + residual, weight, bias, eps);
@@ -3180,6 +3373,8 @@ void check_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<
       raise<shape_error>(207, "attention: sequence ", s, " has no keys");
     if (k_offsets.length(s) > 65536) raise<shape_error>(207, "attention: sequence ", s, " has more than 65536 keys");
   }
+  require_tensor("attention", q);
+  require_tensor("attention", k);
   if (relative_scores == nullptr) return;
   const Index farthest = std::max(q_offsets.longest(), k_offsets.longest()) - 1;
   if (relative_scores->size(0) != options.heads || relative_scores->size(1) % 2 != 1 ||
@@ -3271,6 +3466,7 @@ Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tenso
 template <Backend B>
 Tensor<B, 2> self_attention(const Tensor<B, 2>& qkv, const Offsets& offsets, const AttentionOptions& options) {
   if (qkv.size(1) % 3 != 0) raise<shape_error>(204, "self_attention: ", qkv.shape(), " is not three parts wide");
+  detail::require_tensor("self_attention", qkv);
   const Index d = qkv.size(1) / 3;
   if constexpr (requires { B::self_attention(qkv.data(), offsets, options); }) {
     if (options.heads < 1 || d % options.heads != 0) {
@@ -10446,8 +10642,11 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+namespace detail {
+
+/// Functions and maxima of the Eigen backend.
 template <Scalar S>
-struct EigenBackend : DenseOps<S>, KernelOps<S> {
+struct EigenFunctions {
   using tensor = Dense<S>;
 
   static tensor atan2(tensor a, tensor b);
@@ -10460,6 +10659,45 @@ struct EigenBackend : DenseOps<S>, KernelOps<S> {
   static tensor cos(tensor a);
   static tensor where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y);
   static tensor max(const tensor& a, int axis);
+};
+
+/// Complete where the bodies of these functions are.
+template <Scalar S>
+struct EigenBodies;
+
+/// The functions for units that may lack their bodies: the compiler says it, not the linker.
+template <Scalar S>
+struct CheckedEigenFunctions {
+  using tensor = Dense<S>;
+
+  static tensor atan2(tensor a, tensor b) { return checked().atan2(std::move(a), std::move(b)); }
+  static tensor exp(tensor a) { return checked().exp(std::move(a)); }
+  static tensor log(tensor a) { return checked().log(std::move(a)); }
+  static tensor sqrt(tensor a) { return checked().sqrt(std::move(a)); }
+  static tensor tanh(tensor a) { return checked().tanh(std::move(a)); }
+  static tensor erf(tensor a) { return checked().erf(std::move(a)); }
+  static tensor sin(tensor a) { return checked().sin(std::move(a)); }
+  static tensor cos(tensor a) { return checked().cos(std::move(a)); }
+  static tensor where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y) {
+    return checked().where_less(a, b, x, y);
+  }
+  static tensor max(const tensor& a, int axis) { return checked().max(a, axis); }
+
+ private:
+  template <class T = S>
+  static EigenFunctions<T> checked() {
+    static_assert(
+        requires { sizeof(EigenBodies<T>); },
+        "motionlang: this calculates with tensors of EigenBackend, so include <motionlang/backend/eigen.hpp>");
+    return {};
+  }
+};
+
+}  // namespace detail
+
+template <Scalar S>
+struct EigenBackend : DenseOps<S>, KernelOps<S>, detail::CheckedEigenFunctions<S> {
+  using tensor = Dense<S>;
 };
 
 MOTIONLANG_NAMESPACE_END
@@ -10492,9 +10730,24 @@ MOTIONLANG_NAMESPACE_END
 /// Times are frames (Index) where motion is made, and seconds (double) where files are written and edited; the two are
 /// different types, so they cannot be mixed.
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_BODY_PARTITION_HPP  // <motionlang/kinematics/body_partition.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_BODY_PARTITION_HPP
+/// The parts that a body is divided into: their names, and the part that carries the path over the floor. Timelines,
+/// plans and feature layouts hold one; the default is the human body of STMC (body_parts.hpp).
+///
+///     const BodyPartition dog({.names = {"front left", "front right", "hind left", "hind right", "trunk"},
+///                              .path = "trunk",
+///                              .synonyms = {{"tail", "trunk"}},
+///                              .words = {{"wag", {"trunk"}}, {"dig", {"front left", "front right"}}}});
+///     const auto timeline = parse_timeline("trot # 0 # 4\nshake hands # 1 # 2 # front left\n", {.body = dog});
+///
+/// Differs  from STMC (Petrovich et al. 2024), which knows the human body only. Its base texts are those with legs.
+///          Here they are those with the part that carries the path
+
 #ifndef MOTIONLANG_HAS_KINEMATICS_BODY_PARTS_HPP  // <motionlang/kinematics/body_parts.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_BODY_PARTS_HPP
-/// Named body parts: the five of STMC, and the joints of each on a skeleton.
+/// Body parts: the five of STMC with their names, sets of parts, and the joints of each part on a skeleton. Parts of
+/// other bodies are named by a BodyPartition (body_partition.hpp).
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_HPP  // <motionlang/kinematics/skeleton.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SKELETON_HPP
@@ -10700,18 +10953,33 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The five parts in the order that STMC uses everywhere.
+/// The number of a body part. The enumerators are the five human parts, in the order that STMC uses everywhere. Other
+/// bodies have BodyPart{0}, BodyPart{1}, ... in the order of their BodyPartition.
 /// Source  STMC (Petrovich et al., CVPR workshops 2024); the thesis says "torso" for `spine`; neck and head are `head`.
 enum class BodyPart : int { left_arm, right_arm, legs, head, spine };
 inline constexpr int body_part_count = 5;
 inline constexpr std::array<std::string_view, body_part_count> body_part_names{"left arm", "right arm", "legs", "head",
                                                                                "spine"};
+/// Other names of the human parts.
+inline constexpr std::array<std::pair<std::string_view, BodyPart>, 6> body_part_synonyms{{
+    {"torso", BodyPart::spine},
+    {"neck", BodyPart::head},
+    {"left hand", BodyPart::left_arm},
+    {"right hand", BodyPart::right_arm},
+    {"left leg", BodyPart::legs},
+    {"right leg", BodyPart::legs},
+}};
+/// A body has this many parts at most.
+inline constexpr int most_body_parts = 32;
 
-/// A set of body parts.
+/// A set of body parts, one bit for each.
 struct BodyParts {
   unsigned bits = 0;
 
+  /// The five human parts. BodyPartition::all() gives those of another body.
   static constexpr BodyParts all() { return {(1u << body_part_count) - 1}; }
+  /// All parts of any body, for callers that do not know the body.
+  static constexpr BodyParts every() { return {~0u}; }
   constexpr bool has(BodyPart p) const { return (bits >> static_cast<unsigned>(p) & 1u) != 0; }
   constexpr BodyParts with(BodyPart p) const { return {bits | 1u << static_cast<unsigned>(p)}; }
   constexpr int count() const {
@@ -10723,20 +10991,22 @@ struct BodyParts {
   constexpr bool operator==(const BodyParts&) const = default;
 };
 
-/// Part of a name as it stands in a timeline file; synonyms: torso = spine, neck = head, left hand = left arm, right
-/// hand = right arm, left leg = right leg = legs. Case-sensitive, as published. Nothing for an unknown name.
+/// The human part that a timeline file names, also by a synonym. Case-sensitive, as published. Nothing for an unknown
+/// name.
 constexpr std::optional<BodyPart> parse_body_part(std::string_view name) {
   for (int p = 0; p < body_part_count; ++p) {
     if (name == body_part_names[static_cast<std::size_t>(p)]) return static_cast<BodyPart>(p);
   }
-  if (name == "torso") return BodyPart::spine;
-  if (name == "neck") return BodyPart::head;
-  if (name == "left hand") return BodyPart::left_arm;
-  if (name == "right hand") return BodyPart::right_arm;
-  if (name == "left leg" || name == "right leg") return BodyPart::legs;
+  for (const auto& [synonym, part] : body_part_synonyms) {
+    if (name == synonym) return part;
+  }
   return std::nullopt;
 }
-inline std::string to_string(BodyPart part) { return std::string(body_part_names[static_cast<std::size_t>(part)]); }
+/// The name of a human part. Any other number gives "part 7"; BodyPartition::name knows the names of other bodies.
+inline std::string to_string(BodyPart part) {
+  const auto p = static_cast<std::size_t>(part);
+  return p < body_part_names.size() ? std::string(body_part_names[p]) : concat_text("part ", static_cast<int>(part));
+}
 
 /// Part of each SMPL joint (24; the first 22 are HumanML3D's). Collars belong to the arms, the pelvis to the legs.
 inline constexpr std::array<BodyPart, 24> smpl_part_of_joint = [] {
@@ -10762,6 +11032,216 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// Another name of a part.
+struct PartSynonym {
+  std::string name, part;
+};
+
+/// A word that tells which parts a text moves: lower-case letters, the beginning of the word ("walk" for "walking").
+struct PartWord {
+  std::string stem;
+  std::vector<std::string> parts;
+};
+
+/// What a BodyPartition is made of.
+struct BodyPartNames {
+  std::vector<std::string> names;       // in the order of their numbers
+  std::string path;                     // the part that carries the others over the floor
+  std::vector<PartSynonym> synonyms{};  // for reading
+  std::vector<PartWord> words{};        // for guesses, see guess_body_parts
+};
+
+/// A value that copies share; it never changes.
+class BodyPartition {
+ public:
+  /// The human body: the five parts of STMC, whose legs carry the path.
+  BodyPartition() = default;
+  /// Throws config_error 101 without a part, for more than `most_body_parts`, for a name that a timeline file cannot
+  /// hold (it is empty, has '#', a line end or outer blanks, or is not UTF-8) and for a word of other characters than
+  /// a ... z; 102 for a name that is duplicated; 103 for a part that is not one of the names.
+  explicit BodyPartition(const BodyPartNames& names);
+
+  int size() const { return static_cast<int>(names().size()); }
+  const std::vector<std::string>& names() const { return state().names; }
+  /// Throws config_error 101 for a number that the body does not have.
+  const std::string& name(BodyPart part) const;
+  /// The part that carries the path: its texts are preferred as base texts, and features of the root belong to it.
+  BodyPart path() const { return state().path; }
+  /// The set of all parts.
+  BodyParts all() const { return {~0u >> (most_body_parts - size())}; }
+  /// The part of this name or synonym, case-sensitive. Nothing for an unknown name.
+  std::optional<BodyPart> find(std::string_view name) const;
+  /// The set of these parts, by name or synonym. Throws config_error 103 for an unknown name.
+  BodyParts parts(std::span<const std::string> names) const;
+  BodyParts parts(std::initializer_list<std::string> names) const {
+    return parts(std::span(names.begin(), names.size()));
+  }
+
+  struct Named {
+    std::string name;
+    BodyPart part;
+  };
+  struct Word {
+    std::string stem;
+    BodyParts parts;
+  };
+  const std::vector<Named>& synonyms() const { return state().synonyms; }
+  /// Empty for the human body, whose lexicon is in compose/body_part_lexicon.hpp.
+  const std::vector<Word>& words() const { return state().words; }
+
+  /// The same names in the same order, and the same part for the path. Synonyms and words do not count.
+  bool operator==(const BodyPartition& other) const;
+
+ private:
+  struct State {
+    std::vector<std::string> names;
+    BodyPart path{};
+    std::vector<Named> synonyms;
+    std::vector<Word> words;
+  };
+  static const State& human();
+  const State& state() const { return state_ ? *state_ : human(); }
+
+  std::shared_ptr<const State> state_;  // none: the human body
+};
+
+/// "front left, front right, hind left, hind right, trunk (with the path)"
+std::string to_string(const BodyPartition& body);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_BODY_PARTITION_IPP  // <motionlang/kinematics/body_partition.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_BODY_PARTITION_IPP
+// Bodies of body_partition.hpp.
+
+#ifndef MOTIONLANG_HAS_CORE_TEXT_LINES_HPP  // <motionlang/core/text_lines.hpp>
+#define MOTIONLANG_HAS_CORE_TEXT_LINES_HPP
+/// Texts line by line, their blanks and small letters.
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+/// A letter of ASCII in small, whatever the locale.
+constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+/// Without the blanks at both ends.
+constexpr std::string_view trim(std::string_view s) {
+  constexpr std::string_view blanks = " \t\r\n\v\f";
+  const std::size_t first = s.find_first_not_of(blanks);
+  return first == s.npos ? s.substr(0, 0) : s.substr(first, s.find_last_not_of(blanks) - first + 1);
+}
+
+/// Calls on_line(line, number) for every line, without its end (LF, CRLF, CR); numbers count from 1. A byte order mark
+/// is skipped.
+template <class F>
+void for_each_line(std::string_view text, F on_line) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  for (Index number = 1; !text.empty(); ++number) {
+    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+    on_line(text.substr(0, end), number);
+    text.remove_prefix(std::min(text.size(), end + (text.substr(end).starts_with("\r\n") ? 2 : 1)));
+  }
+}
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Throws config_error 101 unless a line of a timeline can hold the name.
+inline void check_part_name(std::string_view name) {
+  if (name.empty() || name != trim(name) || name.find_first_of("#\r\n") != name.npos || !is_utf8(name))
+    raise<config_error>(101, "BodyPartition: '", name, "' cannot be the name of a body part in a timeline");
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY BodyPartition::BodyPartition(const BodyPartNames& names) {
+  if (names.names.empty() || names.names.size() > most_body_parts)
+    raise<config_error>(101, "BodyPartition: ", counted(names.names.size(), "part"), ", expected 1 to ",
+                        most_body_parts);
+  const auto made = std::make_shared<State>();
+  state_ = made;  // find and parts look at what is there so far
+  const auto check_new = [&](const std::string& name) {
+    detail::check_part_name(name);
+    if (find(name)) raise<config_error>(102, "BodyPartition: '", name, "' is the name of two body parts");
+  };
+  for (const std::string& name : names.names) {
+    check_new(name);
+    made->names.push_back(name);
+  }
+  const auto known = [&](std::string_view name) {
+    const auto part = find(name);
+    if (!part) raise<config_error>(103, "BodyPartition: '", name, "' is not one of ", join_text(made->names));
+    return *part;
+  };
+  made->path = known(names.path);
+  for (const PartSynonym& s : names.synonyms) {
+    check_new(s.name);
+    made->synonyms.push_back({s.name, known(s.part)});
+  }
+  for (const PartWord& w : names.words) {
+    if (w.stem.empty() || std::any_of(w.stem.begin(), w.stem.end(), [](char c) { return c < 'a' || c > 'z'; }))
+      raise<config_error>(101, "BodyPartition: the word '", w.stem, "' has other characters than a to z");
+    made->words.push_back({w.stem, parts(w.parts)});
+  }
+}
+
+MOTIONLANG_BODY const std::string& BodyPartition::name(BodyPart part) const {
+  const auto p = static_cast<std::size_t>(part);
+  if (p >= names().size())
+    raise<config_error>(101, "BodyPartition: part ", static_cast<int>(part), " of a body of ",
+                        counted(names().size(), "part"));
+  return names()[p];
+}
+
+MOTIONLANG_BODY std::optional<BodyPart> BodyPartition::find(std::string_view name) const {
+  const auto found = std::find(names().begin(), names().end(), name);
+  if (found != names().end()) return static_cast<BodyPart>(found - names().begin());
+  for (const Named& s : synonyms()) {
+    if (s.name == name) return s.part;
+  }
+  return std::nullopt;
+}
+
+MOTIONLANG_BODY BodyParts BodyPartition::parts(std::span<const std::string> names) const {
+  BodyParts out;
+  for (const std::string& name : names) {
+    const auto part = find(name);
+    if (!part) raise<config_error>(103, "BodyPartition: '", name, "' is not one of ", join_text(this->names()));
+    out = out.with(*part);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY bool BodyPartition::operator==(const BodyPartition& other) const {
+  return state_ == other.state_ || (path() == other.path() && names() == other.names());
+}
+
+MOTIONLANG_BODY const BodyPartition::State& BodyPartition::human() {
+  static const State human = [] {
+    State s{std::vector<std::string>(body_part_names.begin(), body_part_names.end()), BodyPart::legs, {}, {}};
+    for (const auto& [name, part] : body_part_synonyms) s.synonyms.push_back({std::string(name), part});
+    return s;
+  }();
+  return human;
+}
+
+MOTIONLANG_BODY std::string to_string(const BodyPartition& body) {
+  return join_text(body.names(), ", ", [&](const std::string& name) {
+    return name == body.name(body.path()) ? name + " (with the path)" : name;
+  });
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
 /// Where an interval was read, for messages. It says nothing about the interval: all places are equal.
 struct TextPlace {
   Index line = 0, column = 0;  // from 1; 0: not from a text
@@ -10782,6 +11262,7 @@ struct BasicInterval {
 template <class T>
 struct BasicTimeline {
   std::vector<BasicInterval<T>> intervals;
+  BodyPartition body{};  // whose parts the intervals move; the human body unless given
 
   /// End of the last interval.
   T end() const {
@@ -10835,7 +11316,7 @@ MOTIONLANG_BODY Index frame_at(double seconds, double fps) {
 }
 
 MOTIONLANG_BODY Timeline to_frames(const TimelineInSeconds& timeline, double fps) {
-  Timeline out;
+  Timeline out{{}, timeline.body};
   for (const auto& i : timeline.intervals) {
     out.intervals.push_back({i.text, frame_at(i.start, fps), frame_at(i.end, fps), i.parts, i.place});
   }
@@ -10849,7 +11330,7 @@ MOTIONLANG_BODY TimelineInSeconds to_seconds(const Timeline& timeline, double fp
     while (frame_at(t, fps) < frame) t = std::nextafter(t, HUGE_VAL);  // the quotient was rounded down
     return t;
   };
-  TimelineInSeconds out;
+  TimelineInSeconds out{{}, timeline.body};
   for (const auto& i : timeline.intervals)
     out.intervals.push_back({i.text, seconds(i.start), seconds(i.end), i.parts, i.place});
   return out;
@@ -10866,6 +11347,7 @@ struct TimelineTextOptions {
   /// Take intervals without a frame and texts without parts as they are. Else texts without parts move the whole body.
   bool as_published = false;
   std::string_view name = "timeline";  // of the file, for messages
+  BodyPartition body{};                // whose parts the texts move
 };
 
 /// A text with a length, for motions of one text each: it moves the whole body.
@@ -10963,39 +11445,6 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_CORE_TEXT_LINES_HPP  // <motionlang/core/text_lines.hpp>
-#define MOTIONLANG_HAS_CORE_TEXT_LINES_HPP
-/// Texts line by line, their blanks and small letters.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail {
-
-/// A letter of ASCII in small, whatever the locale.
-constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-/// Without the blanks at both ends.
-constexpr std::string_view trim(std::string_view s) {
-  constexpr std::string_view blanks = " \t\r\n\v\f";
-  const std::size_t first = s.find_first_not_of(blanks);
-  return first == s.npos ? s.substr(0, 0) : s.substr(first, s.find_last_not_of(blanks) - first + 1);
-}
-
-/// Calls on_line(line, number) for every line, without its end (LF, CRLF, CR); numbers count from 1. A byte order mark
-/// is skipped.
-template <class F>
-void for_each_line(std::string_view text, F on_line) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  for (Index number = 1; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
-    on_line(text.substr(0, end), number);
-    text.remove_prefix(std::min(text.size(), end + (text.substr(end).starts_with("\r\n") ? 2 : 1)));
-  }
-}
-
-}  // namespace detail
-MOTIONLANG_NAMESPACE_END
-#endif
-
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
@@ -11047,11 +11496,12 @@ class TimelineLine {
     return *t;
   }
 
-  BodyParts parts(std::size_t first) const {
+  /// The parts that the fields from `first` on name.
+  BodyParts parts(std::size_t first, const BodyPartition& body) const {
     BodyParts parts;
     for (std::size_t i = first; i < fields_.size(); ++i) {
-      const auto part = parse_body_part(fields_[i]);
-      if (!part) fail(503, i, "'", fields_[i], "' is not a body part (left arm, right arm, legs, head, spine)");
+      const auto part = body.find(fields_[i]);
+      if (!part) fail(503, i, "'", fields_[i], "' is not a body part (", join_text(body.names()), ")");
       parts = parts.with(*part);
     }
     return parts;
@@ -11066,6 +11516,36 @@ class TimelineLine {
 
 }  // namespace detail
 
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_CORE_SORT_HPP  // <motionlang/core/sort.hpp>
+#define MOTIONLANG_HAS_CORE_SORT_HPP
+/// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty
+/// functions.
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+/// Sorts by `less`, which leaves no two elements equal or does not care for their order. Heap sort: n log n steps
+/// whatever the list. `List` is a vector.
+template <class List, class Less>
+void sort(List& list, Less less) {
+  const auto sift_down = [&](std::size_t i, std::size_t size) {
+    for (std::size_t child; (child = 2 * i + 1) < size; i = child) {
+      if (child + 1 < size && less(list[child], list[child + 1])) ++child;
+      if (!less(list[i], list[child])) return;
+      std::swap(list[i], list[child]);
+    }
+  };
+  for (std::size_t i = list.size() / 2; i-- > 0;) sift_down(i, list.size());
+  for (std::size_t size = list.size(); size-- > 1;) {
+    std::swap(list[0], list[size]);
+    sift_down(0, size);
+  }
+}
+
+}  // namespace detail
 MOTIONLANG_NAMESPACE_END
 #endif
 
@@ -11086,8 +11566,8 @@ BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOpti
       return line.seconds(i);
     }
   };
-  BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3), line.place(0)};
-  if (out.parts == BodyParts{} && !options.as_published) out.parts = BodyParts::all();
+  BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3, options.body), line.place(0)};
+  if (out.parts == BodyParts{} && !options.as_published) out.parts = options.body.all();
   if (!(out.start < out.end) && !options.as_published) {
     line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s ",
               line.seconds(1) < line.seconds(2) ? "has no frame" : "is empty or ends before it starts");
@@ -11103,7 +11583,7 @@ std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const Ti
   for_each_line(text, [&](std::string_view line, Index number) {
     const bool blank = trim(line).empty();
     if (!blank) {
-      if (!inside) out.emplace_back();
+      if (!inside) out.push_back({{}, options.body});
       out.back().intervals.push_back(parse_interval<T>(TimelineLine(line, number, options.name), options));
     }
     inside = !blank;
@@ -11145,7 +11625,7 @@ MOTIONLANG_BODY bool is_text_list(std::string_view text, const TimelineTextOptio
     const detail::TimelineLine line(content, number, options.name);
     if (line.fields() < 3)
       ++short_lines;
-    else if (parse_body_part(line.field(2)))
+    else if (options.body.find(line.field(2)))
       ++lines_with_parts;
   });
   return options.as_published ? short_lines > 0 : lines > 0 && short_lines + lines_with_parts == lines;
@@ -11157,7 +11637,7 @@ MOTIONLANG_BODY std::vector<TimedText> parse_text_list(std::string_view text, co
     if (detail::trim(content).empty()) return;
     const detail::TimelineLine line(content, number, options.name);
     if (line.fields() < 2) line.fail(501, line.fields(), "expected 'text # duration'");
-    if (!options.as_published) line.parts(2);
+    if (!options.as_published) line.parts(2, options.body);
     const double seconds = line.seconds(1);
     if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, 1, "'", line.field(1), "' is too long");
     const Index frames = frame_at(seconds, options.fps);
@@ -11169,9 +11649,13 @@ MOTIONLANG_BODY std::vector<TimedText> parse_text_list(std::string_view text, co
 }
 
 MOTIONLANG_BODY std::string write_timelines(std::span<const TimelineInSeconds> timelines) {
-  using enum BodyPart;
   std::string out;
   for (const TimelineInSeconds& timeline : timelines) {
+    const BodyPartition& body = timeline.body;
+    std::vector<BodyPart> alphabetical;
+    alphabetical.reserve(static_cast<std::size_t>(body.size()));
+    for (int p = 0; p < body.size(); ++p) alphabetical.push_back(static_cast<BodyPart>(p));
+    detail::sort(alphabetical, [&](BodyPart a, BodyPart b) { return body.name(a) < body.name(b); });
     for (const IntervalInSeconds& i : timeline.intervals) {
       if (i.text.find_first_of("#\r\n") != i.text.npos) {
         raise<timeline_error>(510, "write_timelines: the text '", i.text, "' contains '#' or a line end");
@@ -11180,8 +11664,8 @@ MOTIONLANG_BODY std::string write_timelines(std::span<const TimelineInSeconds> t
       detail::append_python_float(out, i.start);
       out += " # ";
       detail::append_python_float(out, i.end);
-      for (BodyPart part : {head, left_arm, legs, right_arm, spine}) {
-        if (i.parts.has(part)) out += " # " + to_string(part);
+      for (BodyPart part : alphabetical) {
+        if (i.parts.has(part)) out += " # " + body.name(part);
       }
       out += '\n';
     }
@@ -11237,201 +11721,74 @@ class FilePath {
 MOTIONLANG_NAMESPACE_END
 #endif
 
-#ifndef MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_CLASS_HPP  // <motionlang/systems/detail/stmc_class.hpp>
-#define MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_CLASS_HPP
-/// What a caller sees of STMC: the model and its options. The bodies are in <motionlang/systems/stmc.hpp>.
+#ifndef MOTIONLANG_HAS_GENERATE_GENERATE_MOTION_HPP  // <motionlang/generate/generate_motion.hpp>
+#define MOTIONLANG_HAS_GENERATE_GENERATE_MOTION_HPP
+/// From a timeline of texts to a finished motion, as the program `motionlang generate` makes it: texts are cut where a
+/// model does them best in parts, all are sampled together, the motion is smoothed and put on its feet.
+///
+///     const auto stmc = load_stmc<EigenBackend<float>>("stmc_free.safetensors");
+///     const auto timeline = parse_timeline("walk forward # 0 # 6 # legs\nwave # 2 # 5 # left arm\n");
+///     const Motion motion = generate_motion(stmc, timeline, {.seed = 7});
+///
+/// Motion  Y up, metres, on SMPL's 24 joints (KIT's 21 by a model of KIT-ML); of the bundled model it starts facing -Z
+/// Models  any Stmc; every other system behind MotionModel (generate/motion_model.hpp)
+/// Bodies  motionlang::instantiated has those for Stmc<EigenBackend<float>>. A unit that is compiled with
+///         MOTIONLANG_INSTANTIATED and uses another Stmc also includes <motionlang/generate/generate_motion.ipp>
 
-#ifndef MOTIONLANG_HAS_COMPOSE_PLAN_OPTIONS_HPP  // <motionlang/compose/plan_options.hpp>
-#define MOTIONLANG_HAS_COMPOSE_PLAN_OPTIONS_HPP
-/// What a caller can choose when timelines are planned.
+#ifndef MOTIONLANG_HAS_GENERATE_GENERATE_OPTIONS_HPP  // <motionlang/generate/generate_options.hpp>
+#define MOTIONLANG_HAS_GENERATE_GENERATE_OPTIONS_HPP
+/// What a caller can choose when a motion is generated from a timeline, in one struct for every model.
+///
+///     const Motion a = generate_motion(stmc, timeline, {.seed = 7});
+///     const Motion b = generate_motion(stmc, timeline, {.seed = 7, .steps = 10, .smooth = false});
+///
+/// The defaults are those of the program `motionlang generate`.
+
+#ifndef MOTIONLANG_HAS_DIFFUSION_SAMPLER_HPP  // <motionlang/diffusion/sampler.hpp>
+#define MOTIONLANG_HAS_DIFFUSION_SAMPLER_HPP
+/// From noise to a sample: ancestral (DDPM), DDIM with its inversion, and PLMS.
+///
+/// The loops know nothing of motion. They call
+///     network(x, t) -> what the network predicts at index t of the process (already guided), same shape as x
+///     noise(draw)   -> standard normal numbers of that shape; draw 0 is the first after the initial tensor
+///     fix(x0, t)    -> the clean estimate that is used (inpainting, stitching); identity if not given
+
+#ifndef MOTIONLANG_HAS_CORE_PROGRESS_HPP  // <motionlang/core/progress.hpp>
+#define MOTIONLANG_HAS_CORE_PROGRESS_HPP
+/// How long work tells its caller where it is, and how the caller stops it.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What to do where no text is active: let the model move freely, or throw timeline_error 505.
-enum class Gaps { fill, refuse };
-/// What to do at a cut at which no part changes its owner, because a text is hidden behind others: throw timeline_error
-/// 506, or leave the transition out (the result is the same without it).
-enum class HiddenTexts { refuse, ignore };
+/// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. May be empty.
+/// Without exceptions false ends the program, like an error: there the C functions can be cancelled (motionlang/c).
+/// Like a pointer: the callable must outlive it, so a temporary one does not compile.
+class Progress {
+ public:
+  Progress() = default;
+  template <class F>
+  requires(!std::is_same_v<std::remove_cv_t<F>, Progress> && std::is_invocable_r_v<bool, F&, Index, Index>)
+      Progress(F& f)
+      : object_(address(f)), call_([](void* object, Index done, Index total) -> bool {
+          return (*reinterpret_cast<F*>(object))(done, total);
+        }) {}
 
-/// Frames that go through the denoiser together unless told otherwise: more than 12 s on five tracks have, with and
-/// without their texts. The published network holds some 90 MB for them.
-inline constexpr Index usual_rows_at_once = 4096;
-
-struct PlanOptions {
-  Index overlap = 10;            // frames in total around a cut; 0.5 s at 20 fps
-  bool extend = true;            // intervals reach into their neighbours by the overlap
-  bool transition_crops = true;  // an unconditional crop around every cut. Both off: SINC, hard cuts
-  Gaps gaps = Gaps::fill;
-  HiddenTexts hidden = HiddenTexts::refuse;
-  Index longest_crop = 0;  // frames that the denoiser accepts; 0: any
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_DIFFUSION_MDM_SMPL_HPP  // <motionlang/diffusion/mdm_smpl.hpp>
-#define MOTIONLANG_HAS_DIFFUSION_MDM_SMPL_HPP
-/// MDM-SMPL: the denoiser of the STMC paper.
-
-#ifndef MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP  // <motionlang/diffusion/denoiser.hpp>
-#define MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP
-/// What a denoising network must be, for samplers and for STMC.
-
-#ifndef MOTIONLANG_HAS_CORE_CONTEXT_HPP  // <motionlang/core/context.hpp>
-#define MOTIONLANG_HAS_CORE_CONTEXT_HPP
-/// What a call of a model may be given besides its inputs. Nothing by default: then no dropout runs.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Dropout runs only if the context carries a generator: there is no train or eval flag to forget.
-///
-///     model(x, t, text, {.dropout = rng.split("dropout").split(step)});
-struct Context {
-  std::optional<Philox> dropout{};
-  mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
-  bool recompute = false;  // training keeps what enters a layer and calculates its inside again: less memory, more time
-
-  /// The generator of the next dropout mask. Only when `dropout` is set.
-  Philox next_mask() const { return dropout->split(drawn++); }
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_CORE_FIELDS_HPP  // <motionlang/core/fields.hpp>
-#define MOTIONLANG_HAS_CORE_FIELDS_HPP
-/// Member lists: what a module is made of, and how to walk over it.
-///
-///     struct Linear {
-///       Tensor<B, 2> weight;
-///       Tensor<B, 1> bias;
-///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias);
-///       }
-///     };
-///     visit(model, [](const std::string& path, auto& tensor) { ... });   // "layers.0.linear1.weight"
-///
-/// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
-/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here, and be empty where
-/// the fields of a member have no level of their own (the statistics of a BatchNorm).
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-template <class M, class T>
-struct Field {
-  const char* name;
-  T M::*member;
-};
-
-/// The fields of a module, first and rest; `NoFields` ends the list. (A std::tuple compiles several times slower.)
-struct NoFields {};
-template <class First, class Rest>
-struct FieldList {
-  First first;
-  Rest rest;
-};
-
-/// Pairs (name, pointer to member) to a list of `Field`.
-constexpr NoFields fields() { return {}; }
-template <class M, class T, class... Others>
-constexpr auto fields(const char* name, T M::*member, Others... others) {
-  return FieldList<Field<M, T>, decltype(fields(others...))>{{name, member}, fields(others...)};
-}
-
-namespace detail {
-
-template <class T>
-inline constexpr bool is_vector = false;
-template <class T>
-inline constexpr bool is_vector<std::vector<T>> = true;
-template <class T>
-inline constexpr bool is_optional = false;
-template <class T>
-inline constexpr bool is_optional<std::optional<T>> = true;
-
-inline std::string join_path(const std::string& prefix, std::string_view name) {
-  std::string path = prefix;
-  if (!path.empty() && !name.empty()) path += '.';
-  return path += name;
-}
-
-template <class F, class... Objects>
-void visit_fields(const std::string& prefix, F& f, Objects&... objects);
-
-/// Walks over one member, or over the same member of several objects of the same structure.
-template <class F, class First, class... Others>
-void visit_member(const std::string& path, F& f, First& first, Others&... others) {
-  using T = std::remove_const_t<First>;
-  if constexpr (Module<T>) {
-    visit_fields(path, f, first, others...);
-  } else if constexpr (is_vector<T>) {
-    if (((others.size() != first.size()) || ...)) {
-      raise<shape_error>(204, "zip: numbers of ", path, " differ: ", Index(first.size()), ", ",
-                         Index(others.size())...);
-    }
-    for (std::size_t i = 0; i < first.size(); ++i)
-      visit_member(join_path(path, std::to_string(i)), f, first[i], others[i]...);
-  } else if constexpr (is_optional<T>) {
-    if (((others.has_value() != first.has_value()) || ...)) raise<shape_error>(204, "zip: only one side has ", path);
-    if (first) visit_member(path, f, *first, (*others)...);
-  } else {
-    f(path, first, others...);
+  /// Throws `cancelled` if the caller answers false.
+  void operator()(Index done, Index total) const {
+    if (call_ != nullptr && !call_(object_, done, total)) detail::throw_exception(cancelled());
   }
-}
 
-/// An object and those of its fields that are still to be walked over.
-template <class List, class Object>
-struct Walk {
-  List list;
-  Object& object;
-  auto& member() const { return object.*(list.first.member); }
-  auto rest() const { return Walk<decltype(list.rest), Object>{list.rest, object}; }
+ private:
+  template <class F>
+  static void* address(F& f) {
+    if constexpr (std::is_function_v<F>)
+      return reinterpret_cast<void*>(&f);
+    else
+      return const_cast<void*>(static_cast<const void*>(std::addressof(f)));
+  }
+
+  void* object_ = nullptr;
+  bool (*call_)(void*, Index, Index) = nullptr;
 };
-template <class Object>
-auto walk(Object& object) {
-  return Walk<decltype(Object::fields()), Object>{Object::fields(), object};
-}
-
-/// Calls f(name, member of first, members of others...) for all fields. The others may be the same template over
-/// another backend: fields are matched by position.
-template <class F, class First, class... Walks>
-void each_field(F& f, const First& first, const Walks&... others) {
-  if constexpr (!std::is_same_v<decltype(first.list), NoFields>) {
-    f(first.list.first.name, first.member(), others.member()...);
-    each_field(f, first.rest(), others.rest()...);
-  }
-}
-
-template <class F, class First, class... Walks>
-void visit_walks(const std::string& prefix, F& f, const First& first, const Walks&... others) {
-  if constexpr (!std::is_same_v<decltype(first.list), NoFields>) {
-    visit_member(join_path(prefix, first.list.first.name), f, first.member(), others.member()...);
-    visit_walks(prefix, f, first.rest(), others.rest()...);
-  }
-}
-template <class F, class... Objects>
-void visit_fields(const std::string& prefix, F& f, Objects&... objects) {
-  visit_walks(prefix, f, walk(objects)...);
-}
-
-}  // namespace detail
-
-/// Calls f(path, leaf) for every leaf below the module, in the order of the fields.
-template <class M, class F>
-requires Module<std::remove_const_t<M>>
-void visit(M& module, F f) { detail::visit_fields("", f, module); }
-
-/// Calls f(path, leaf of a, leaf of b) for two modules of the same structure, perhaps over different backends.
-template <class M, class N, class F>
-requires Module<std::remove_const_t<M>> && Module<std::remove_const_t<N>>
-void zip(M& a, N& b, F f) { detail::visit_fields("", f, a, b); }
-
-/// Number of leaves.
-template <Module M>
-Index count_leaves(const M& module) {
-  Index n = 0;
-  visit(module, [&](const std::string&, const auto&) { ++n; });
-  return n;
-}
 
 MOTIONLANG_NAMESPACE_END
 #endif
@@ -11453,7 +11810,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A forward process q(x_t | x_{t-1}) = N(sqrt(1 - beta_t) x_{t-1}, beta_t I), t = 0 ... steps-1.
+/// A forward process q(x_t | x_{t-1}) = N(sqrt(1 - beta_t) x_{t-1}, beta_t I), t = 0 ... steps-1 (thesis eq. 6.1).
 /// Minimum   steps, beta(t)
 /// Deduced   everything in gaussian.hpp
 /// Laws      0 < beta(t) <= 1 (checked where the tables are built)
@@ -11593,12 +11950,12 @@ class GaussianDiffusion {
   double inverse_abar(Index t) const;
   double abarp(Index t) const { return t == 0 ? 1 : abar_[at(t) - 1]; }
   double abarn(Index t) const { return t + 1 == steps() ? 0 : abar_[at(t) + 1]; }
-  /// Variance of the posterior: beta_t (1 - abarp_t) / (1 - abar_t); 0 at t = 0.
+  /// Variance of the posterior (thesis eq. 6.4): beta_t (1 - abarp_t) / (1 - abar_t); 0 at t = 0.
   double posterior_variance(Index t) const { return beta(t) * (1 - abarp(t)) / (1 - abar(t)); }
   /// Its logarithm, with index 1 in place of index 0.
   double posterior_log_variance(Index t) const;
   double large_variance(Index t) const;
-  /// Weights of x0 and x_t in the posterior mean.
+  /// Weights of x0 and x_t in the posterior mean (thesis eq. 6.3).
   double c0(Index t) const { return beta(t) * std::sqrt(abarp(t)) / (1 - abar(t)); }
   double ct(Index t) const { return (1 - abarp(t)) * std::sqrt(alpha(t)) / (1 - abar(t)); }
 
@@ -11626,7 +11983,8 @@ Tensor<B, R> coefficients(std::span<const Index> t, F f) {
   return Tensor<B, R>::from(std::span<const typename B::scalar>(values), s);
 }
 
-/// x_t = sqrt(abar_t) x0 + sqrt(1 - abar_t) eps.   (Ho et al. 2020, eq. 4) One t per leading index, or one for all.
+/// x_t = sqrt(abar_t) x0 + sqrt(1 - abar_t) eps: the steps 0 ... t of thesis eq. 6.1 at once (Ho et al. 2020, eq. 4).
+/// One t per leading index, or one for all.
 template <Backend B, int R>
 Tensor<B, R> q_sample(const GaussianDiffusion& d, const Tensor<B, R>& x0, std::span<const Index> t,
                       const Tensor<B, R>& eps) {
@@ -11634,14 +11992,14 @@ Tensor<B, R> q_sample(const GaussianDiffusion& d, const Tensor<B, R>& x0, std::s
          coefficients<B, R>(t, [&](Index i) { return std::sqrt(1 - d.abar(i)); }) * eps;
 }
 
-/// Mean of q(x_{t-1} | x_t, x0): c0 x0 + ct x_t.   (eq. 7)
+/// Mean of q(x_{t-1} | x_t, x0): c0 x0 + ct x_t.   (thesis eq. 6.3; Ho et al. 2020, eq. 7)
 template <Backend B, int R>
 Tensor<B, R> posterior_mean(const GaussianDiffusion& d, const Tensor<B, R>& x0, const Tensor<B, R>& x_t,
                             std::span<const Index> t) {
   return coefficients<B, R>(t, [&](Index i) { return d.c0(i); }) * x0 +
          coefficients<B, R>(t, [&](Index i) { return d.ct(i); }) * x_t;
 }
-/// The same mean from the noise: (x_t - beta_t / sqrt(1 - abar_t) eps) / sqrt(alpha_t).   (eq. 11)
+/// The same mean from the noise: (x_t - beta_t / sqrt(1 - abar_t) eps) / sqrt(alpha_t).   (Ho et al. 2020, eq. 11)
 template <Backend B, int R>
 Tensor<B, R> posterior_mean_from_eps(const GaussianDiffusion& d, const Tensor<B, R>& eps, const Tensor<B, R>& x_t,
                                      std::span<const Index> t) {
@@ -11854,1455 +12212,6 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP  // <motionlang/nn/text_features.hpp>
-#define MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP
-/// What a text encoder gives and a denoiser takes: some token vectors for every text.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-template <Backend B>
-struct TextFeatures {
-  Sequences<B> tokens;                // one sequence per text; a pooled encoder gives one row each
-  std::vector<Index> end_position{};  // of each text: the row of its end token, for models that read it (MotionDiffuse)
-  Index padded_tokens = 0;            // of a batch that is padded beyond its longest text: MDM-SMPL counts padding
-
-  Index count() const { return tokens.count(); }
-
-  /// From one vector per text.
-  static TextFeatures pooled(const Tensor<B, 2>& rows) { return {{rows, Offsets::equal(rows.size(0), 1)}}; }
-};
-
-/// Texts picked by number, with repetition.
-template <Backend B>
-TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which) {
-  TextFeatures<B> out;
-  for (Index i : which) {
-    if (i < 0 || i >= text.count()) raise<shape_error>(203, "gather: text ", i, " of ", text.count());
-    if (!text.end_position.empty()) out.end_position.push_back(text.end_position[static_cast<std::size_t>(i)]);
-  }
-  out.tokens = detail::some_sequences(text.tokens, which);
-  out.padded_tokens = text.padded_tokens;
-  return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// What of the other sequences of its batch a result depends on: a batch of such a denoiser cannot be divided.
-///     longest_text   the length of the longest text (MDM-SMPL with texts of several lengths)
-///     all            everything (the released GRU of MDM)
-enum class BatchMates { none, longest_text, all };
-
-/// Properties of a denoiser that a host has to know.
-struct DenoiserTraits {
-  Prediction prediction = Prediction::x0;
-  Index crop_frames = 0;            // > 0: every crop has exactly this many frames (MDM and MotionDiffuse: 196)
-  Index longest_crop = 0;           // > 0: no crop has more frames
-  bool uses_lengths = true;         // false: crops of fixed size are not masked
-  bool empty_text_is_null = false;  // MDM: the text "" is the unconditional one, in both calls
-  BatchMates mates = BatchMates::none;
-
-  /// Frames that a crop may have; 0: any number.
-  Index longest() const { return crop_frames > 0 ? crop_frames : longest_crop; }
-};
-
-/// A network that cleans noisy sequences given a text for each.
-///     x (frames of all sequences, features), t (one step number per sequence), text (one per sequence) -> as x
-/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), except
-///          the last digits in bf16x3 (core/precision.hpp)
-/// Models   MdmSmplDenoiser, MdmDenoiser, MotionDiffuseDenoiser, and yours
-template <class D, class B>
-concept Denoiser = Module<D> &&
-    requires(const D& d, const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) {
-  { d(x, t, text) } -> std::same_as<Sequences<B>>;
-  { d.traits() } -> std::same_as<DenoiserTraits>;
-};
-
-/// A denoiser that does a part of its work on the texts alone, which is the same at every step:
-///     d(x, t, d.encode(text)) == d(x, t, text)
-/// Models   MdmSmplDenoiser, MotionDiffuseDenoiser, AnyDenoiser
-template <class D, class B>
-concept EncodesText = Denoiser<D, B> &&
-    requires(const D& d, const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) {
-  { d(x, t, d.encode(text)) } -> std::same_as<Sequences<B>>;
-};
-
-/// What a denoiser makes of frames with several texts each: of sequence i of x with the texts uses.begin(i) ...
-/// uses.end(i) - 1, such as a text and none, for guidance. t: a step for each text. Throws shape_error 204 for other
-/// numbers of sequences, texts or steps. A denoiser that computes once what the texts of a sequence have in common
-/// takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
-///     d(x, uses, t, text) == d(repeat_sequences(x, uses), t, text)
-template <Backend B, Denoiser<B> D, class Text>
-Sequences<B> denoise_with_texts(const D& denoiser, const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
-                                const Text& text) {
-  if constexpr (requires { denoiser(x, uses, t, text); })
-    return denoiser(x, uses, t, text);
-  else
-    return denoiser(repeat_sequences(x, uses), t, text);
-}
-
-/// The texts as they are passed to a denoiser at every step.
-template <Backend B, Denoiser<B> D>
-auto encoded_text(const D& denoiser, TextFeatures<B> text) {
-  if constexpr (EncodesText<D, B>)
-    return denoiser.encode(text);
-  else
-    return text;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_NN_POSITIONAL_ENCODING_HPP  // <motionlang/nn/positional_encoding.hpp>
-#define MOTIONLANG_HAS_NN_POSITIONAL_ENCODING_HPP
-/// Sinusoidal positions.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-///     pe[p, 2i] = sin(p w_i),   pe[p, 2i + 1] = cos(p w_i),   w_i = exp(-2i ln(10000) / width)
-/// Source  Vaswani et al. (2017), section 3.5. Every intermediate is rounded to float, as in the published tables,
-///         whose last digits depend on it. Throws config_error 101 for an odd width.
-template <Backend B>
-Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
-  if (width % 2 != 0) raise<config_error>(101, "sinusoidal_positions: odd width ", width);
-  std::vector<float> frequencies(static_cast<std::size_t>(width / 2));
-  const auto c = static_cast<float>(-std::log(10000.0) / static_cast<double>(width));
-  for (std::size_t i = 0; i < frequencies.size(); ++i) frequencies[i] = torch_exp(static_cast<float>(2 * i) * c);
-  using S = typename B::scalar;
-  return Tensor<B, 2>::written({rows, width}, [&](S* table) {
-    parallel_ranges(rows, 16 * width, [&](Index first, Index last) {
-      S* at = table + first * width;
-      for (Index p = first; p < last; ++p) {
-        for (const float w : frequencies) {
-          const float angle = static_cast<float>(p) * w;
-          *at++ = static_cast<S>(std::sin(angle));
-          *at++ = static_cast<S>(std::cos(angle));
-        }
-      }
-    });
-  });
-}
-
-/// The table of a model: computed from its size, so it is neither saved nor loaded.
-template <Backend B>
-class PositionTable {
- public:
-  PositionTable() = default;
-  PositionTable(Index rows, Index width) : rows_(sinusoidal_positions<B>(rows, width)) {}
-  template <Backend C>
-  explicit PositionTable(const PositionTable<C>& other) : PositionTable(other.rows().size(0), other.rows().size(1)) {}
-
-  const Tensor<B, 2>& rows() const { return rows_; }
-
- private:
-  Tensor<B, 2> rows_;
-};
-
-/// Positions of a sequence that are left out, as if padding stood there: `rows` of them before row `before`.
-struct PositionGap {
-  Index before = 0, rows = 0;
-};
-
-namespace detail {
-
-/// Throws shape_error 203.
-template <Backend B>
-void require_positions(std::string_view op, const Tensor<B, 2>& table, Index wanted) {
-  if (wanted > table.size(0))
-    raise<shape_error>(203, op, ": a sequence of ", wanted, " rows; the model has positions for ", table.size(0));
-}
-
-}  // namespace detail
-
-/// Adds row i of the table to row i of each sequence; with `gaps`, one for each sequence, later rows move up.
-/// Throws shape_error 203 for a sequence longer than the table, 204 for another number of gaps.
-template <Backend B>
-Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std::span<const PositionGap> gaps = {}) {
-  if (!gaps.empty() && static_cast<Index>(gaps.size()) != x.count()) {
-    raise<shape_error>(204, "add_positions: ", gaps.size(), " gaps for ", x.count(), " sequences");
-  }
-  PoolVector<Index> rows;
-  rows.reserve(static_cast<std::size_t>(x.offsets.rows()));
-  for (Index s = 0; s < x.count(); ++s) {
-    const PositionGap gap = gaps.empty() ? PositionGap{} : gaps[static_cast<std::size_t>(s)];
-    const Index length = x.offsets.length(s);
-    detail::require_positions("add_positions", table, length > gap.before ? length + gap.rows : length);
-    for (Index i = 0; i < length; ++i) rows.push_back(i < gap.before ? i : i + gap.rows);
-  }
-  return x.with(gather(table, rows) + x.rows);
-}
-
-/// How far each row is through its sequence, (rows, 1): t / (length - 1). Differs from published code where a sequence
-/// has one row: 0 instead of a division by 0.
-template <Backend B>
-Tensor<B, 2> relative_time(const Offsets& offsets) {
-  std::vector<typename B::scalar> time;
-  for (Index s = 0; s < offsets.count(); ++s) {
-    const auto last = static_cast<double>(std::max<Index>(1, offsets.length(s) - 1));
-    for (Index t = 0; t < offsets.length(s); ++t)
-      time.push_back(static_cast<typename B::scalar>(static_cast<double>(t) / last));
-  }
-  return Tensor<B, 2>::from(time, {offsets.rows(), 1});
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_NN_TIMESTEP_EMBEDDING_HPP  // <motionlang/nn/timestep_embedding.hpp>
-#define MOTIONLANG_HAS_NN_TIMESTEP_EMBEDDING_HPP
-/// The token that tells a denoiser which diffusion step it is at.
-
-#ifndef MOTIONLANG_HAS_NN_LINEAR_HPP  // <motionlang/nn/linear.hpp>
-#define MOTIONLANG_HAS_NN_LINEAR_HPP
-/// Linear layer: y = x W^T + b.
-
-#ifndef MOTIONLANG_HAS_NN_INIT_HPP  // <motionlang/nn/init.hpp>
-#define MOTIONLANG_HAS_NN_INIT_HPP
-/// Initial values of parameters, as PyTorch draws them (the distributions, not the same numbers).
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// While it lives, this thread makes no more parameters than a file of weights justifies: twice its numbers and 16 Mi.
-/// So a small file whose sizes are huge is refused before memory is taken for them.
-class ParameterRoom {
- public:
-  /// file: its name in messages; numbers: of all its tensors
-  ParameterRoom(std::string file, Index numbers);
-  ~ParameterRoom();
-  ParameterRoom(const ParameterRoom&) = delete;
-  ParameterRoom& operator=(const ParameterRoom&) = delete;
-
-  /// Throws config_error 102 if there is no room for a parameter of this shape.
-  static void take(const Shape& shape);
-
- private:
-  static ParameterRoom*& innermost();
-  void take_numbers(const Shape& shape);
-
-  std::string file_;
-  Index numbers_;
-  double taken_ = 0;
-  ParameterRoom* before_;
-};
-
-/// A generator that gives zeros at no cost: for models whose parameters are about to be loaded.
-struct NoInit {
-  template <class S>
-  void normal(std::span<S> out) {
-    std::fill(out.begin(), out.end(), S(0));
-  }
-  template <class S>
-  void uniform(std::span<S> out) {
-    std::fill(out.begin(), out.end(), S(0));
-  }
-  NoInit split(std::string_view) const { return {}; }
-  NoInit split(std::uint64_t) const { return {}; }
-};
-static_assert(Rng<NoInit>);
-
-namespace detail {
-
-/// Zeros that take no memory before somebody reads them, where the backend's tensors can lie in memory of others.
-template <Backend B, int R>
-Tensor<B, R> untouched_zeros(const Shape& shape) {
-  using S = typename B::scalar;
-  if constexpr (AutodiffBackend<B>) {
-    return Tensor<B, R>(B::variable(untouched_zeros<typename B::inner, R>(shape).data()));
-  } else if constexpr (std::is_constructible_v<typename B::tensor, const S*, Shape, std::shared_ptr<const void>>) {
-    const std::shared_ptr<void> zeros(std::calloc(static_cast<std::size_t>(shape.count()) + 1, sizeof(S)), std::free);
-    if (zeros == nullptr) raise_bad_alloc();
-    return Tensor<B, R>(typename B::tensor(static_cast<const S*>(zeros.get()), shape, zeros));
-  } else {
-    return Tensor<B, R>::zeros(shape);
-  }
-}
-
-template <class G>
-inline constexpr bool is_no_init = std::is_same_v<std::remove_cvref_t<G>, NoInit>;
-
-}  // namespace detail
-
-/// Uniform in [-bound, bound].
-template <Backend B, int R>
-Tensor<B, R> uniform_init(const Shape& shape, double bound, Rng auto& rng) {
-  ParameterRoom::take(shape);
-  if constexpr (detail::is_no_init<decltype(rng)>) return detail::untouched_zeros<B, R>(shape);
-  std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
-  rng.uniform(std::span<typename B::scalar>(values));
-  for (auto& v : values) v = static_cast<typename B::scalar>((2 * static_cast<double>(v) - 1) * bound);
-  Tensor<B, R> t = Tensor<B, R>::from(values, shape);
-  if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
-  return t;
-}
-/// Glorot and Bengio (2010): bound sqrt(6 / (fan in + fan out)). shape is (out, in).
-template <Backend B>
-Tensor<B, 2> xavier_uniform(const Shape& shape, Rng auto& rng) {
-  return uniform_init<B, 2>(shape, std::sqrt(6.0 / static_cast<double>(shape[0] + shape[1])), rng);
-}
-/// Normal with the given standard deviation.
-template <Backend B, int R>
-Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
-  ParameterRoom::take(shape);
-  if constexpr (detail::is_no_init<decltype(rng)>) return detail::untouched_zeros<B, R>(shape);
-  std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
-  rng.normal(std::span<typename B::scalar>(values));
-  for (auto& v : values) v = static_cast<typename B::scalar>(static_cast<double>(v) * std);
-  Tensor<B, R> t = Tensor<B, R>::from(values, shape);
-  if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
-  return t;
-}
-/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), with the kernel behind it if
-/// there is one.
-template <Backend B, int R>
-Tensor<B, R> xavier_normal(const Shape& shape, Rng auto& rng) {
-  const Index kernel = shape.count(2, shape.rank());
-  return normal_init<B, R>(shape, std::sqrt(2.0 / static_cast<double>((shape[0] + shape[1]) * kernel)), rng);
-}
-template <Backend B, int R>
-Tensor<B, R> constant_init(const Shape& shape, double value) {
-  ParameterRoom::take(shape);
-  Tensor<B, R> t = Tensor<B, R>::full(shape, value);
-  if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
-  return t;
-}
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_NN_INIT_IPP  // <motionlang/nn/init.ipp>
-#define MOTIONLANG_HAS_NN_INIT_IPP
-// Bodies of init.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY ParameterRoom::ParameterRoom(std::string file, Index numbers)
-    : file_(std::move(file)), numbers_(numbers), before_(std::exchange(innermost(), this)) {}
-MOTIONLANG_BODY ParameterRoom::~ParameterRoom() { innermost() = before_; }
-
-MOTIONLANG_BODY void ParameterRoom::take(const Shape& shape) {
-  if (innermost() != nullptr) innermost()->take_numbers(shape);
-}
-
-MOTIONLANG_BODY ParameterRoom*& ParameterRoom::innermost() {
-  struct Innermost {
-    ParameterRoom* room = nullptr;
-  };
-  return thread_object<Innermost, ParameterRoom>().room;
-}
-
-MOTIONLANG_BODY void ParameterRoom::take_numbers(const Shape& shape) {
-  double count = 1;  // may be beyond Index
-  for (const Index n : shape.sizes()) count *= static_cast<double>(n);
-  taken_ += count;
-  if (taken_ > 2 * static_cast<double>(numbers_) + (1 << 24))
-    raise<config_error>(102, file_, ": ", counted(numbers_, "number"), ", a network of its sizes has at least ", taken_,
-                        ", with a tensor ", shape);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#ifndef MOTIONLANG_HAS_TENSOR_MODULE_HPP  // <motionlang/tensor/module.hpp>
-#define MOTIONLANG_HAS_TENSOR_MODULE_HPP
-/// What every module can do because it lists its fields: visit tensors, count parameters, move to another backend.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Statistics and tables (`static constexpr bool trainable = false`) are saved and loaded, but get no gradient.
-template <class M>
-inline constexpr bool is_trainable = [] {
-  if constexpr (requires { M::trainable; })
-    return M::trainable;
-  else
-    return true;
-}();
-
-/// A tensor of a module, whatever its rank: its path, and its data to read or replace. (In a const module it is const.)
-template <Backend B, class Data = typename B::tensor>
-struct ModuleTensor {
-  std::string path;
-  int rank = 0;
-  void* tensor = nullptr;  // Tensor<B, rank>
-  Data* data = nullptr;
-
-  Shape shape() const { return B::shape(*data); }
-  /// The numbers, row-major.
-  std::span<const typename B::scalar> span() const { return B::to_span(*data); }
-};
-
-namespace detail {
-
-/// What the tensors below a type have in common: their backend (void: there are none), and which ranks they have, a bit
-/// for each.
-template <class T>
-struct TensorsBelow {
-  using backend = void;
-  static constexpr unsigned ranks = 0;
-};
-template <class B, int R>
-struct TensorsBelow<Tensor<B, R>> {
-  using backend = B;
-  static constexpr unsigned ranks = 1U << R;
-};
-template <class T>
-struct TensorsBelow<std::vector<T>> : TensorsBelow<T> {};
-template <class T>
-struct TensorsBelow<std::optional<T>> : TensorsBelow<T> {};
-template <class M, class T, class Rest>
-struct TensorsBelow<FieldList<Field<M, T>, Rest>> {
-  using first = TensorsBelow<T>;
-  using others = TensorsBelow<Rest>;
-  using backend = std::conditional_t<first::ranks != 0, typename first::backend, typename others::backend>;
-  static constexpr unsigned ranks = first::ranks | others::ranks;
-};
-template <Module M>
-struct TensorsBelow<M> : TensorsBelow<decltype(M::fields())> {};
-
-/// Lists tensors. One function for every type of module, whatever is done with the tensors then: models are large, and
-/// each of their modules would be walked over again for every purpose.
-template <Backend B>
-class TensorLister {
- public:
-  template <Module M>
-  void list(M& module) {
-    list_fields(M::fields(), module);
-  }
-  std::vector<ModuleTensor<B>> tensors;
-
- private:
-  template <class Fields, class M>
-  [[gnu::always_inline]] void list_fields(const Fields& fields, M& module) {
-    if constexpr (!std::is_same_v<Fields, NoFields>) {
-      list_member(fields.first.name, module.*(fields.first.member));
-      list_fields(fields.rest, module);
-    }
-  }
-  template <class T>
-  [[gnu::always_inline]] void list_member(const char* name, T& member) {
-    if constexpr (TensorsBelow<T>::ranks != 0) {
-      const std::size_t length = open(name);
-      if constexpr (is_tensor<T>) {
-        add(T::rank, &member, member.mutable_data());
-      } else if constexpr (is_vector<T>) {
-        for (std::size_t i = 0; i < member.size(); ++i) list_member(std::to_string(i).c_str(), member[i]);
-      } else if constexpr (is_optional<T>) {
-        if (member) list_member("", *member);
-      } else {
-        list(member);
-      }
-      path_.resize(length);
-    }
-  }
-  std::size_t open(std::string_view name) {
-    const std::size_t length = path_.size();
-    if (length != 0 && !name.empty()) path_ += '.';
-    path_ += name;
-    return length;
-  }
-  void add(int rank, void* tensor, typename B::tensor& data) { tensors.push_back({path_, rank, tensor, &data}); }
-
-  std::string path_;
-};
-
-/// f(path, tensor) with the tensor's rank as a type again.
-template <class M, unsigned ranks, Backend B, class F, int R = 0>
-void with_rank(const ModuleTensor<B>& t, F& f) {
-  if constexpr ((ranks >> R & 1) != 0) {
-    using T = std::conditional_t<std::is_const_v<M>, const Tensor<B, R>, Tensor<B, R>>;
-    if (t.rank == R) return f(t.path, *static_cast<T*>(t.tensor));
-  }
-  if constexpr (ranks >> R > 1) with_rank<M, ranks, B, F, R + 1>(t, f);
-}
-
-}  // namespace detail
-
-/// The backend of a module's tensors.
-template <Module M>
-using module_backend = typename detail::TensorsBelow<M>::backend;
-
-/// All tensors of a module in the order of its fields; other fields (sizes, options) are passed over.
-template <Module M>
-std::vector<ModuleTensor<module_backend<M>>> tensors_of(M& module) {
-  detail::TensorLister<module_backend<M>> lister;
-  lister.list(module);
-  return std::move(lister.tensors);
-}
-template <Module M>
-auto tensors_of(const M& module) {
-  using B = module_backend<M>;
-  std::vector<ModuleTensor<B, const typename B::tensor>> out;
-  for (auto& t : tensors_of(const_cast<M&>(module))) out.push_back({std::move(t.path), t.rank, t.tensor, t.data});
-  return out;
-}
-
-/// Calls f(path, tensor) for all tensors of a module.
-template <class M, class F>
-requires Module<std::remove_const_t<M>>
-void visit_tensors(M& module, F f) {
-  using Plain = std::remove_const_t<M>;
-  if constexpr (constexpr unsigned ranks = detail::TensorsBelow<Plain>::ranks; ranks != 0) {
-    for (const auto& t : tensors_of(const_cast<Plain&>(module))) detail::with_rank<M, ranks>(t, f);
-  }
-}
-
-/// Calls f(tensor of a, tensor of b), both `ModuleTensor`, for two modules of the same structure, perhaps over
-/// different backends. Throws shape_error 204 if they are not.
-template <class M, class N, class F>
-void zip_tensors(M& a, N& b, F f) {
-  const auto first = tensors_of(a);
-  const auto second = tensors_of(b);
-  if (first.size() != second.size())
-    raise<shape_error>(204, "zip_tensors: ", Index(first.size()), " and ", Index(second.size()), " tensors");
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    if (first[i].path != second[i].path)
-      raise<shape_error>(204, "zip_tensors: '", first[i].path, "' beside '", second[i].path, "'");
-    f(first[i], second[i]);
-  }
-}
-
-/// Numbers in all tensors of a module.
-template <Module M>
-Index parameter_count(const M& module) {
-  Index n = 0;
-  for (const auto& t : tensors_of(module)) n += t.shape().count();
-  return n;
-}
-
-namespace detail {
-
-template <class To, class From>
-void convert_module(To& to, const From& from);
-
-template <bool trainable, class To, class From>
-void convert_member(To& to, const From& from) {
-  if constexpr (is_tensor<To>) {
-    using B = typename To::backend;
-    const std::vector<typename B::scalar> values(from.span().begin(), from.span().end());
-    to = To::from(values, from.shape());
-    if constexpr (AutodiffBackend<B> && trainable) to = To(B::variable(B::value(to.data())));
-  } else if constexpr (Module<To>) {
-    convert_module(to, from);
-  } else if constexpr (is_vector<To>) {
-    to.resize(from.size());
-    for (std::size_t i = 0; i < from.size(); ++i) convert_member<trainable>(to[i], from[i]);
-  } else if constexpr (is_optional<To>) {
-    to.reset();
-    if (from) convert_member<trainable>(to.emplace(), *from);
-  } else if constexpr (std::is_same_v<To, From>) {
-    to = from;
-  } else {
-    to = To(from);  // tables that are computed, not stored
-  }
-}
-
-template <class To, class From>
-void convert_module(To& to, const From& from) {
-  auto member = [](const char*, auto& t, const auto& f) { convert_member<is_trainable<To>>(t, f); };
-  each_field(member, walk(to), walk(from));
-}
-
-}  // namespace detail
-
-/// The same model over another backend, with copies of all numbers. On an Autodiff backend every trainable tensor
-/// becomes a variable.
-template <Backend To, template <class> class M, class From>
-M<To> convert(const M<From>& model) {
-  M<To> out;
-  detail::convert_module(out, model);
-  return out;
-}
-/// From training to use: the model without a tape.
-template <template <class> class M, AutodiffBackend A>
-M<typename A::inner> to_inner(const M<A>& model) {
-  return convert<typename A::inner>(model);
-}
-
-namespace detail {
-
-/// Matrices, and what has the axes of a convolution's weight: (out, in, taps), (out, in, taps, 1).
-template <class B>
-bool has_panels(int rank) {
-  return PackingBackend<B> && rank >= 2 && rank <= 4;
-}
-
-/// Packs a weight; returns whether all its values are finite.
-template <PackingBackend B>
-bool pack_weight(const typename B::tensor& weight) {
-  const Shape shape = B::shape(weight);
-  if (shape.rank() < 4) return B::prepare(weight);
-  return B::prepare(B::reshape(weight, Shape{shape[0], shape[1], shape[2] * shape[3]}));
-}
-
-}  // namespace detail
-
-/// Makes a model ready for inference: weights of linear layers and convolutions are packed for the backend's kernels
-/// (and whatever else has two to four axes). The model must not be changed afterwards. Nothing happens on backends
-/// without such a layout.
-template <Module M>
-void prepare(M& model) {
-  using B = module_backend<M>;
-  if constexpr (PackingBackend<B>) {
-    for (const auto& t : tensors_of(model)) {
-      if (detail::has_panels<B>(t.rank)) detail::pack_weight<B>(*t.data);
-    }
-  }
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-template <Backend B>
-struct Linear {
-  Tensor<B, 2> weight;  // (out, in)
-  Tensor<B, 1> bias;    // (out)
-
-  static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias); }
-
-  Linear() = default;
-  /// PyTorch's initialisation: weight and bias uniform within 1 / sqrt(in).
-  Linear(Index in, Index out, Rng auto& rng)
-      : weight(uniform_init<B, 2>({out, in}, 1 / std::sqrt(static_cast<double>(in)), rng)),
-        bias(uniform_init<B, 1>({out}, 1 / std::sqrt(static_cast<double>(in)), rng)) {}
-
-  Index in() const { return weight.size(1); }
-  Index out() const { return weight.size(0); }
-
-  /// x (rows, in) -> dropout(act(x W^T + b)) + residual, (rows, out)
-  Tensor<B, 2> operator()(const Tensor<B, 2>& x, Activation act = Activation::none,
-                          const Tensor<B, 2>* residual = nullptr, const Dropout& drop = {}) const {
-    return linear(x, weight, &bias, act, residual, drop);
-  }
-  Sequences<B> operator()(const Sequences<B>& x, Activation act = Activation::none) const {
-    return x.with((*this)(x.rows, act));
-  }
-  /// Any leading axes: (..., in) -> (..., out)
-  template <int R>
-  requires(R == 1 || R > 2) Tensor<B, R>
-  operator()(const Tensor<B, R>& x, Activation act = Activation::none) const {
-    const Shape s = x.shape();
-    Shape to = s;
-    to[R - 1] = out();
-    const Tensor<B, 2> rows(B::reshape(x.data(), Shape{s.count(0, R - 1), s[R - 1]}));
-    return Tensor<B, R>(B::reshape((*this)(rows, act).data(), to));
-  }
-};
-
-/// Linear layer without bias: y = x W^T.
-template <Backend B>
-struct LinearMap {
-  Tensor<B, 2> weight;  // (out, in)
-
-  static constexpr auto fields() { return motionlang::fields("weight", &LinearMap::weight); }
-
-  LinearMap() = default;
-  /// Initialised like the weight of Linear.
-  LinearMap(Index in, Index out, Rng auto& rng)
-      : weight(uniform_init<B, 2>({out, in}, 1 / std::sqrt(static_cast<double>(in)), rng)) {}
-
-  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const { return linear<B>(x, weight, nullptr); }
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-///     e = W2 silu(W1 pe[t])
-/// Source  MDM (Tevet et al. 2023), `TimestepEmbedder`; keys time_embed.0 and time_embed.2. The table pe is the one of
-///         the positions and belongs to the caller.
-template <Backend B>
-struct TimestepEmbedding {
-  Linear<B> in, out;
-
-  static constexpr auto fields() {
-    return motionlang::fields("time_embed.0", &TimestepEmbedding::in, "time_embed.2", &TimestepEmbedding::out);
-  }
-  TimestepEmbedding() = default;
-  TimestepEmbedding(Index width, Rng auto& rng) : in(width, width, rng), out(width, width, rng) {}
-
-  /// t: one step per sequence -> (sequences, width)
-  Tensor<B, 2> operator()(const Tensor<B, 2>& table, std::span<const Index> t) const {
-    return out(in(gather(table, t), Activation::silu));
-  }
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_NN_TRANSFORMER_ENCODER_HPP  // <motionlang/nn/transformer_encoder.hpp>
-#define MOTIONLANG_HAS_NN_TRANSFORMER_ENCODER_HPP
-/// Transformer encoder over packed sequences, post-norm or pre-norm.
-
-#ifndef MOTIONLANG_HAS_NN_FEED_FORWARD_HPP  // <motionlang/nn/feed_forward.hpp>
-#define MOTIONLANG_HAS_NN_FEED_FORWARD_HPP
-/// The second half of a transformer layer.
-
-#ifndef MOTIONLANG_HAS_NN_DROPOUT_HPP  // <motionlang/nn/dropout.hpp>
-#define MOTIONLANG_HAS_NN_DROPOUT_HPP
-/// Dropout that runs only when the call brings a generator.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The next mask of a context: probability 0 when there is no generator. Throws config_error 101 unless 0 <= p < 1.
-inline Dropout next_dropout(double p, const Context& context) {
-  detail::check_dropout({.p = p});
-  if (!context.dropout || p == 0) return {};
-  const Philox g = context.next_mask();
-  return {.p = p, .key = g.stream ^ (g.seed * 0x9E3779B97F4A7C15u)};
-}
-template <Backend B, int R>
-Tensor<B, R> dropout(const Tensor<B, R>& x, double p, const Context& context) {
-  return dropout(x, next_dropout(p, context));
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// dropout(W2 dropout(act(W1 x))) + residual, row by row: Vaswani et al. (2017), equation 2, with PyTorch's dropout.
-template <Backend B>
-Tensor<B, 2> feed_forward(const Linear<B>& linear1, const Linear<B>& linear2, Activation activation,
-                          const Tensor<B, 2>& x, const Tensor<B, 2>& residual, double dropout_p,
-                          const Context& context) {
-  const auto inside = linear1(x, activation, nullptr, next_dropout(dropout_p, context));
-  return linear2(inside, Activation::none, &residual, next_dropout(dropout_p, context));
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_NN_LAYER_NORM_HPP  // <motionlang/nn/layer_norm.hpp>
-#define MOTIONLANG_HAS_NN_LAYER_NORM_HPP
-/// Layer normalisation with gain and bias.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Ba, Kiros, Hinton (2016). eps = 1e-5, as everywhere in the published systems.
-template <Backend B>
-struct LayerNorm {
-  Tensor<B, 1> weight, bias;  // (width)
-  double eps = 1e-5;
-
-  static constexpr auto fields() {
-    return motionlang::fields("weight", &LayerNorm::weight, "bias", &LayerNorm::bias, "eps", &LayerNorm::eps);
-  }
-  LayerNorm() = default;
-  explicit LayerNorm(Index width) : weight(constant_init<B, 1>({width}, 1)), bias(constant_init<B, 1>({width}, 0)) {}
-
-  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const { return layer_norm(x, weight, bias, eps); }
-  /// The norm of x + residual.
-  Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Tensor<B, 2>& residual) const {
-    return add_layer_norm(x, residual, weight, bias, eps);
-  }
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_NN_MULTIHEAD_ATTENTION_HPP  // <motionlang/nn/multihead_attention.hpp>
-#define MOTIONLANG_HAS_NN_MULTIHEAD_ATTENTION_HPP
-/// Multi-head attention with PyTorch's packing of the projections.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Throws config_error 101 if the heads do not divide the width. In a constant expression the compiler refuses it.
-constexpr void check_heads(Index width, Index heads) {
-  if (heads < 1 || width % heads != 0) {
-    raise<config_error>(101, "MultiheadAttention: ", heads, " heads do not divide width ", width);
-  }
-}
-
-/// Vaswani et al. (2017), section 3.2.2. `in_proj_weight` (3 width, width) holds the rows of query, key and value in
-/// that order.
-template <Backend B>
-struct MultiheadAttention {
-  Tensor<B, 2> in_proj_weight;
-  Tensor<B, 1> in_proj_bias;
-  Linear<B> out_proj;
-  Index heads = 1;
-  double dropout_p = 0.1;  // on the attention weights
-
-  static constexpr auto fields() {
-    using M = MultiheadAttention;
-    return motionlang::fields("in_proj_weight", &M::in_proj_weight, "in_proj_bias", &M::in_proj_bias, "out_proj",
-                              &M::out_proj, "heads", &M::heads, "dropout_p", &M::dropout_p);
-  }
-  MultiheadAttention() = default;
-  /// Throws config_error 101 if the heads do not divide the width.
-  MultiheadAttention(Index width, Index heads_, double dropout, Rng auto& rng)
-      : in_proj_weight(xavier_uniform<B>({3 * width, width}, rng)),
-        in_proj_bias(constant_init<B, 1>({3 * width}, 0)),
-        out_proj(width, width, rng),
-        heads(heads_),
-        dropout_p(dropout) {
-    check_heads(width, heads);
-    out_proj.bias = constant_init<B, 1>({width}, 0);
-  }
-
-  /// x (rows, width) attends to itself within each sequence; the result is projected, dropped out with probability
-  /// `drop` (where the context brings a generator) and added to `residual`.
-  Tensor<B, 2> self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context,
-                    const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
-    return attend(project(x), offsets, context, residual, causal, drop);
-  }
-  /// Queries, keys and values of each row, (rows, 3 width).
-  Tensor<B, 2> project(const Tensor<B, 2>& x) const { return linear(x, in_proj_weight, &in_proj_bias); }
-  /// `self` behind `project`.
-  Tensor<B, 2> attend(Tensor<B, 2> qkv, const Offsets& offsets, const Context& context,
-                      const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
-    const auto read = self_attention(std::move(qkv), offsets,
-                                     {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
-    return out_proj(read, Activation::none, residual, next_dropout(drop, context));
-  }
-  /// x attends to `memory`. Where every memory has one row, softmax over one key is 1 and the result is that row's
-  /// value.
-  Tensor<B, 2> cross(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
-                     const Context& context) const {
-    const Index d = x.size(1);
-    auto project = [&](const Tensor<B, 2>& t, Index first, Index last) {
-      const auto bias = slice(in_proj_bias, 0, first * d, last * d);
-      return linear(t, slice(in_proj_weight, 0, first * d, last * d), &bias);
-    };
-    const auto q = project(x, 0, 1), k = project(memory.rows, 1, 2), v = project(memory.rows, 2, 3);
-    return out_proj(
-        attention(q, k, v, offsets, memory.offsets, {.heads = heads, .dropout = next_dropout(dropout_p, context)}));
-  }
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_NN_RECOMPUTE_HPP  // <motionlang/nn/recompute.hpp>
-#define MOTIONLANG_HAS_NN_RECOMPUTE_HPP
-/// Layers whose inside is calculated again in the backward pass, where the context asks for it.
-
-#ifndef MOTIONLANG_HAS_TENSOR_GRADIENT_HPP  // <motionlang/tensor/gradient.hpp>
-#define MOTIONLANG_HAS_TENSOR_GRADIENT_HPP
-/// Differentiation as user code sees it: variables, `backward`, and gradients as a value.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// What `backward` returns: the gradient of every variable, on the inner backend.
-template <AutodiffBackend A>
-class Gradients {
- public:
-  explicit Gradients(typename A::GradientMap map) : map_(std::move(map)) {}
-
-  /// Gradient of a variable; zeros if the loss does not depend on it. Throws config_error 102 for a constant and for
-  /// the result of an operation: only variables have gradients.
-  template <int R>
-  Tensor<typename A::inner, R> operator[](const Tensor<A, R>& variable) const {
-    const auto& node = variable.data().node;
-    if (node == nullptr || !node->variable) {
-      raise<config_error>(102, "Gradients: a tensor ", variable.shape(), " is ",
-                          node == nullptr ? "a constant" : "the result of an operation", ", not a variable");
-    }
-    const auto* g = find(variable.data());
-    return g != nullptr ? Tensor<typename A::inner, R>(*g) : Tensor<typename A::inner, R>::zeros(variable.shape());
-  }
-  /// Null if the loss does not depend on it, or if it is a constant.
-  const typename A::Value* find(const typename A::tensor& variable) const {
-    const auto it = map_.find(variable.node.get());
-    return it == map_.end() ? nullptr : &it->second;
-  }
-
- private:
-  typename A::GradientMap map_;
-};
-
-/// Gradients of a scalar with respect to all variables behind it. Only for Autodiff backends.
-template <Backend A>
-auto backward(const Tensor<A, 0>& loss) {
-  static_assert(AutodiffBackend<A>,
-                "motionlang::backward(loss) requires a loss computed on Autodiff<B>; this backend keeps no graph");
-  return Gradients<A>(A::gradients(loss.data()));
-}
-
-/// y, of which the graph keeps `inputs` and not what led from them to y: the backward pass calls again(inputs...),
-/// which has to give y once more. Training needs the memory of one such piece instead of all, for a second forward
-/// pass.
-/// Source   Chen, Xu, Zhang, Guestrin: "Training deep nets with sublinear memory cost" (2016), section 4.1
-/// Caution  `again` is copied and called by `backward`: it may hold parameters and constants, but what has been
-///          calculated has to be an input (config_error 102). Gradients are the same bits as without
-template <AutodiffBackend A, int R, class F, int... Q>
-Tensor<A, R> keep_inputs(const Tensor<A, R>& y, F again, const Tensor<A, Q>&... inputs) {
-  return Tensor<A, R>(A::checkpoint(
-      y.data(), [again = std::move(again)](const auto&... values) { return again(Tensor<A, Q>(values)...).data(); },
-      inputs.data()...));
-}
-/// f(inputs...), of which the graph keeps the inputs only.
-template <class F, AutodiffBackend A, int... Q>
-auto checkpoint(const F& f, const Tensor<A, Q>&... inputs) {
-  return keep_inputs(f(inputs...), f, inputs...);
-}
-
-/// A leaf that gradients are wanted for.
-template <AutodiffBackend A, int R>
-Tensor<A, R> variable(const Tensor<typename A::inner, R>& value) {
-  return Tensor<A, R>(A::variable(value.data()));
-}
-/// The plain value of a differentiable tensor.
-template <AutodiffBackend A, int R>
-Tensor<typename A::inner, R> value_of(const Tensor<A, R>& t) {
-  return Tensor<typename A::inner, R>(A::value(t.data()));
-}
-/// The same value as a constant: gradients stop here. Where there are none it is the tensor itself.
-template <Backend B, int R>
-Tensor<B, R> stop_gradient(const Tensor<B, R>& t) {
-  if constexpr (AutodiffBackend<B>)
-    return Tensor<B, R>(typename B::tensor{B::value(t.data()), nullptr});
-  else
-    return t;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// layer(x, offsets, context). With `context.recompute` the graph keeps x and a copy of the layer's handles; what
-/// happens inside is calculated once more with the same dropout masks, so gradients are the same bits.
-template <class Layer, Backend B>
-Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets& offsets, const Context& context) {
-  if constexpr (AutodiffBackend<B>) {
-    if (context.recompute) {
-      auto again = [layer, offsets, before = context](const Tensor<B, 2>& rows) {
-        return layer(rows, offsets, Context(before));
-      };
-      return keep_inputs(layer(x, offsets, context), std::move(again), x);
-    }
-  }
-  return layer(x, offsets, context);
-}
-/// The same for layers that read a memory: layer(x, offsets, memory, context).
-template <class Layer, Backend B>
-Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
-                       const Context& context) {
-  if constexpr (AutodiffBackend<B>) {
-    if (context.recompute) {
-      auto again = [layer, offsets, of_memory = memory.offsets, before = context](const Tensor<B, 2>& rows,
-                                                                                  const Tensor<B, 2>& memory_rows) {
-        return layer(rows, offsets, Sequences<B>(memory_rows, of_memory), Context(before));
-      };
-      return keep_inputs(layer(x, offsets, memory, context), std::move(again), x, memory.rows);
-    }
-  }
-  return layer(x, offsets, memory, context);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP  // <motionlang/nn/sequence_groups.hpp>
-#define MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP
-/// A few sequences of a batch at a time through a whole stack of layers, every thread with its own.
-
-#ifndef MOTIONLANG_HAS_CORE_SORT_HPP  // <motionlang/core/sort.hpp>
-#define MOTIONLANG_HAS_CORE_SORT_HPP
-/// Sorting of short lists. std::sort is faster on long ones, but every use of it is compiled with some thirty
-/// functions.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail {
-
-/// Sorts by `less`, which leaves no two elements equal or does not care for their order. Heap sort: n log n steps
-/// whatever the list. `List` is a vector.
-template <class List, class Less>
-void sort(List& list, Less less) {
-  const auto sift_down = [&](std::size_t i, std::size_t size) {
-    for (std::size_t child; (child = 2 * i + 1) < size; i = child) {
-      if (child + 1 < size && less(list[child], list[child + 1])) ++child;
-      if (!less(list[i], list[child])) return;
-      std::swap(list[i], list[child]);
-    }
-  };
-  for (std::size_t i = list.size() / 2; i-- > 0;) sift_down(i, list.size());
-  for (std::size_t size = list.size(); size-- > 1;) {
-    std::swap(list[0], list[size]);
-    sift_down(0, size);
-  }
-}
-
-}  // namespace detail
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail {
-
-/// How threads share sequences: the thread of each of the first ones.
-using SequenceShares = PoolVector<Index>;
-/// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread
-/// has a twentieth more than the mean, and that is at least the 128 rows from which on it pays to read all weights in
-/// every thread. None if there is no such number.
-SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads);
-
-/// All sequences, the longest first: shares become more equal.
-PoolVector<Index> longest_first(const Offsets& offsets);
-
-/// The first sequences that have at most so many rows together; at least one. There must be one.
-std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows);
-
-/// Calls put(group) for the sequences that each thread has, in groups of at most so many rows. All threads at once.
-template <class F>
-void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads,
-                Index rows, const F& put) {
-  const auto modules = ModulePath::names();  // a copy: this thread goes into modules itself
-  parallel_for(threads, [&](Index thread) {
-    const ModulePath::Continued path(modules);
-    PoolVector<Index> mine;
-    for (std::size_t i = 0; i < thread_of.size(); ++i) {
-      if (thread_of[i] == thread) mine.push_back(order[i]);
-    }
-    for (std::span<const Index> left(mine), group; !left.empty(); left = left.subspan(group.size())) {
-      group = first_group(offsets, left, rows);
-      put(group);
-    }
-  });
-}
-
-/// The rows f(which) of the sequences `which` (a span of their numbers), where each has the rows `results` of `width`
-/// numbers. f treats each sequence on its own, so that it can be called for a few at a time, as many as have
-/// B::rows_in_cache() rows (a longer one alone): what one layer writes is still in the cache when the next reads it.
-/// Threads that can share the sequences evenly go through the layers without waiting for each other; what is left over
-/// they do together. The numbers are those of all at once. Where the backend says nothing, gradients are kept or
-/// dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
-template <Backend B, class F>
-Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index width, const Context& context, F f) {
-  const auto whole = [&] {
-    PoolVector<Index> all;
-    for (Index s = 0; s < offsets.count(); ++s) all.push_back(s);
-    return f(std::span<const Index>(all));
-  };
-  if constexpr (requires { B::rows_in_cache(); }) {
-    const RowsTogether in_any_groups(offsets.rows());
-    const Index threads = parallel_width(), at_once = B::rows_in_cache(), together = RowsTogether::count();
-    const PoolVector<Index> order = longest_first(offsets);
-    const bool grouped = offsets.rows() > at_once || !share_sequences(offsets, order, threads).empty();
-    if (grouped && !context.dropout) {
-      typename B::tensor y(Shape{results.rows(), width});
-      const auto put = [&, out = y.data()](std::span<const Index> which) {
-        const RowsTogether as_here(together);
-        const auto rows = f(which);
-        const auto* from = rows.span().data();
-        for (Index s : which) {
-          const Index n = results.length(s) * width;
-          std::copy(from, from + n, out + results.begin(s) * width);
-          from += n;
-        }
-      };
-      for (std::span<const Index> left(order); !left.empty();) {
-        const SequenceShares shares = share_sequences(offsets, left, threads);
-        const auto next = shares.empty() ? first_group(offsets, left, at_once) : left.first(shares.size());
-        if (shares.empty())
-          put(next);
-        else
-          put_shares(offsets, next, shares, threads, at_once / threads, put);
-        left = left.subspan(next.size());
-      }
-      return Tensor<B, 2>(std::move(y));
-    }
-    return whole();
-  }
-  return whole();
-}
-/// The same with f(some), `some` being these sequences of x, and results as wide as x.
-template <Backend B, class F>
-Tensor<B, 2> in_groups(const Sequences<B>& x, const Offsets& results, const Context& context, F f) {
-  const auto some = [&](std::span<const Index> which) { return f(some_sequences(x, which)); };
-  return in_groups<B>(x.offsets, results, x.width(), context, some);
-}
-
-}  // namespace detail
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_IPP  // <motionlang/nn/sequence_groups.ipp>
-#define MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_IPP
-// Bodies of sequence_groups.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-namespace detail {
-
-MOTIONLANG_BODY SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads) {
-  SequenceShares out;
-  if (threads == 1) return out;
-  PoolVector<Index> rows(static_cast<std::size_t>(threads)), thread_of;
-  Index total = 0;
-  std::size_t shared = 0;
-  for (Index s : order) {
-    Index* const fewest = std::min_element(rows.begin(), rows.end());
-    thread_of.push_back(fewest - rows.begin());
-    *fewest += offsets.length(s);
-    total += offsets.length(s);
-    const Index most = *std::max_element(rows.begin(), rows.end());
-    if (total >= 128 * threads && most * threads * 20 <= total * 21) shared = thread_of.size();
-  }
-  for (std::size_t i = 0; i < shared; ++i) out.push_back(thread_of[i]);
-  return out;
-}
-
-MOTIONLANG_BODY PoolVector<Index> longest_first(const Offsets& offsets) {
-  PoolVector<Index> order;
-  for (Index s = 0; s < offsets.count(); ++s) order.push_back(s);
-  sort(order, [&](Index a, Index b) {
-    return offsets.length(a) != offsets.length(b) ? offsets.length(a) > offsets.length(b) : a < b;
-  });
-  return order;
-}
-
-MOTIONLANG_BODY std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows) {
-  std::size_t size = 0;
-  Index sum = 0;
-  do sum += offsets.length(order[size++]);
-  while (size < order.size() && sum + offsets.length(order[size]) <= rows);
-  return order.first(size);
-}
-
-}  // namespace detail
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-struct TransformerConfig {
-  Index d_model = 512;
-  Index heads = 4;
-  Index d_ff = 1024;
-  Index layers = 8;
-  Activation activation = Activation::gelu;
-  bool norm_first = false;
-  double dropout = 0.1;
-  bool causal = false;
-
-  /// Itself. A constant configuration is checked while compiling:
-  ///     constexpr auto config = TransformerConfig{.d_model = 256, .heads = 4}.checked();
-  constexpr const TransformerConfig& checked() const {
-    check_heads(d_model, heads);
-    return *this;
-  }
-};
-
-///     post-norm   x = LN1(x + SA(x));      x = LN2(x + W2 act(W1 x))
-///     pre-norm    x = x + SA(LN1 x);       x = x + W2 act(W1 LN2 x)
-/// Source  Vaswani et al. (2017), section 3.1; pre-norm: Xiong et al. (2020). Parameter names of PyTorch. Dropout (only
-///         with a context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has
-///         it.
-template <Backend B>
-struct TransformerEncoderLayer {
-  MultiheadAttention<B> self_attn;
-  Linear<B> linear1, linear2;
-  LayerNorm<B> norm1, norm2;
-  Activation activation = Activation::gelu;
-  bool norm_first = false, causal = false;
-  double dropout_p = 0.1;
-
-  static constexpr auto fields() {
-    using M = TransformerEncoderLayer;
-    return motionlang::fields("self_attn", &M::self_attn, "linear1", &M::linear1, "linear2", &M::linear2, "norm1",
-                              &M::norm1, "norm2", &M::norm2, "activation", &M::activation, "norm_first", &M::norm_first,
-                              "causal", &M::causal, "dropout_p", &M::dropout_p);
-  }
-  TransformerEncoderLayer() = default;
-  TransformerEncoderLayer(const TransformerConfig& c, Rng auto& rng)
-      : self_attn(c.d_model, c.heads, c.dropout, rng),
-        linear1(c.d_model, c.d_ff, rng),
-        linear2(c.d_ff, c.d_model, rng),
-        norm1(c.d_model),
-        norm2(c.d_model),
-        activation(c.activation),
-        norm_first(c.norm_first),
-        causal(c.causal),
-        dropout_p(c.dropout) {}
-
-  /// x (rows, width) -> (rows, width)
-  Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context = {}) const {
-    return behind_project(x, project(x), offsets, context);
-  }
-  /// Queries, keys and values of each row, (rows, 3 width).
-  Tensor<B, 2> project(const Tensor<B, 2>& x) const { return self_attn.project(norm_first ? norm1(x) : x); }
-  /// The layer behind `project`.
-  Tensor<B, 2> behind_project(const Tensor<B, 2>& x, Tensor<B, 2> qkv, const Offsets& offsets,
-                              const Context& context = {}) const {
-    const auto attended = self_attn.attend(std::move(qkv), offsets, context, &x, causal, dropout_p);
-    if (norm_first) return feed(norm2(attended), attended, context);
-    const auto y = norm1(attended);
-    return norm2(feed(y, y, context));
-  }
-
- private:
-  Tensor<B, 2> feed(const Tensor<B, 2>& x, const Tensor<B, 2>& residual, const Context& context) const {
-    return feed_forward(linear1, linear2, activation, x, residual, dropout_p, context);
-  }
-};
-
-/// A stack of layers. None of the published stacks has a final norm.
-template <Backend B>
-struct TransformerEncoder {
-  std::vector<TransformerEncoderLayer<B>> layers;
-
-  static constexpr auto fields() { return motionlang::fields("layers", &TransformerEncoder::layers); }
-
-  TransformerEncoder() = default;
-  TransformerEncoder(const TransformerConfig& c, Rng auto& rng) {
-    for (Index i = 0; i < c.layers; ++i) layers.emplace_back(c, rng);
-  }
-
-  Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
-    return x.with(detail::in_groups(x, x.offsets, context, [&](Sequences<B> some) {
-      for (std::size_t i = 0; i < layers.size(); ++i) {
-        const ModuleScope scope("layers.", i);
-        some.rows = run_layer(layers[i], some.rows, some.offsets, context);
-      }
-      return some.rows;
-    }));
-  }
-  /// Of sequences that end alike: sequence j has the rows of heads[j], then those of tails[i], where uses.begin(i) <= j
-  /// < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail is computed once.
-  /// No dropout. Throws shape_error 204 for other numbers of heads or tails.
-  Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
-    const Offsets repeated = repeat_lengths(tails.offsets, uses);
-    if (heads.count() != repeated.count())
-      raise<shape_error>(204, "with_tails: ", heads.count(), " heads for ", repeated.count(), " uses of ",
-                         tails.count(), " tails");
-    PoolVector<Index> lengths;
-    for (Index j = 0; j < heads.count(); ++j) lengths.push_back(heads.offsets.length(j) + repeated.length(j));
-    const Offsets offsets{std::span<const Index>(lengths)};
-    const PoolVector<Index> tail_of = sequence_of_row(uses);
-    const auto distinct = concat(0, heads.rows, tails.rows);
-    const auto project = [&] {
-      const ModuleScope scope("layers.", 0);
-      return layers.front().project(distinct);
-    };
-    const auto projected = layers.empty() ? distinct : project();
-    const auto encode = [&](std::span<const Index> which) {
-      PoolVector<Index> pick;
-      for (Index j : which) {
-        const Index i = tail_of[static_cast<std::size_t>(j)];
-        for (Index r = heads.offsets.begin(j); r < heads.offsets.end(j); ++r) pick.push_back(r);
-        for (Index r = tails.offsets.begin(i); r < tails.offsets.end(i); ++r) pick.push_back(heads.offsets.rows() + r);
-      }
-      const Offsets some = detail::some_sequences(offsets, which);
-      auto rows = gather(distinct, pick);
-      for (std::size_t i = 0; i < layers.size(); ++i) {
-        const ModuleScope scope("layers.", i);
-        rows = i == 0 ? layers[i].behind_project(rows, gather(projected, pick), some) : layers[i](rows, some);
-      }
-      return rows;
-    };
-    return {detail::in_groups<B>(offsets, offsets, heads.width(), {}, encode), offsets};
-  }
-  /// (batch, time, width), all of one length.
-  Tensor<B, 3> operator()(const Tensor<B, 3>& x, const Context& context = {}) const {
-    return reshape<3>((*this)(from_equal(x), context).rows, {x.size(0), x.size(1), x.size(2)});
-  }
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Published sizes (27 M parameters).
-struct MdmSmplConfig {
-  Index nfeats = 205;
-  Index tx_dim = 512;
-  Index latent_dim = 512;
-  Index ff_size = 2048;
-  Index num_layers = 8;
-  Index num_heads = 8;
-  Index nb_registers = 2;  // may be none
-  double dropout = 0.1;
-  Activation activation = Activation::gelu;
-  Index max_len = 1024;  // of a sequence with its tokens, and of the diffusion steps
-
-  /// Frames that fit behind the tokens of time and of a text of one token.
-  Index longest_crop() const { return max_len - 2 - nb_registers; }
-};
-
-/// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder;
-/// the frames are read off its end.
-/// Source   Petrovich et al., "Multi-track timeline control" (2024), section 4.3; nv-tlabs/stmc src/model/mdm_smpl.py,
-///          whose state-dict keys (behind "denoiser.") are the field names
-/// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of
-///          the batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) none
-///          does.
-/// Differs  from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
-template <Backend B>
-struct MdmSmplDenoiser {
-  std::optional<Tensor<B, 2>> registers;  // (nb_registers, latent_dim); without any, files have no such tensor
-  Linear<B> text_in, text_out;
-  LayerNorm<B> text_norm;
-  Linear<B> skel_embedding;
-  TimestepEmbedding<B> timestep_encoder;
-  TransformerEncoder<B> seqTransEncoder;
-  Linear<B> to_skel_layer;
-  PositionTable<B> positions;
-  double dropout_p = 0.1;
-
-  static constexpr auto fields() {
-    using M = MdmSmplDenoiser;
-    return motionlang::fields("registers", &M::registers, "tx_embedding.0", &M::text_in, "tx_embedding.2", &M::text_out,
-                              "tx_embedding.3", &M::text_norm, "skel_embedding", &M::skel_embedding, "timestep_encoder",
-                              &M::timestep_encoder, "seqTransEncoder", &M::seqTransEncoder, "to_skel_layer",
-                              &M::to_skel_layer, "positions", &M::positions, "dropout_p", &M::dropout_p);
-  }
-  MdmSmplDenoiser() = default;
-  MdmSmplDenoiser(const MdmSmplConfig& c, Rng auto& rng)
-      : registers(c.nb_registers > 0 ? std::optional(normal_init<B, 2>({c.nb_registers, c.latent_dim}, 1, rng))
-                                     : std::nullopt),
-        text_in(c.tx_dim, 2 * c.latent_dim, rng),
-        text_out(2 * c.latent_dim, c.latent_dim, rng),
-        text_norm(c.latent_dim),
-        skel_embedding(c.nfeats, c.latent_dim, rng),
-        timestep_encoder(c.latent_dim, rng),
-        seqTransEncoder({.d_model = c.latent_dim,
-                         .heads = c.num_heads,
-                         .d_ff = c.ff_size,
-                         .layers = c.num_layers,
-                         .activation = c.activation,
-                         .norm_first = true,
-                         .dropout = c.dropout},
-                        rng),
-        to_skel_layer(c.latent_dim, c.nfeats, rng),
-        positions(c.max_len, c.latent_dim),
-        dropout_p(c.dropout) {}
-
-  /// Behind the tokens for time and text and the registers.
-  DenoiserTraits traits() const {
-    return {.longest_crop =
-                MdmSmplConfig{.nb_registers = register_count(), .max_len = positions.rows().size(0)}.longest_crop(),
-            .mates = BatchMates::longest_text};
-  }
-
-  Index register_count() const { return registers ? registers->size(0) : 0; }
-  /// (sequences, latent)
-  Tensor<B, 2> time_tokens(std::span<const Index> t) const { return timestep_encoder(positions.rows(), t); }
-  /// Token by token.
-  Sequences<B> text_tokens(const TextFeatures<B>& text) const {
-    return text.tokens.with(text_norm(text_out(text_in(text.tokens.rows, Activation::gelu))));
-  }
-  /// The tokens of the texts, which are the same at every step.
-  struct EncodedText {
-    Sequences<B> tokens;
-    Index padded_tokens = 0;  // as in TextFeatures
-
-    Index places() const { return std::max(padded_tokens, tokens.offsets.longest()); }
-  };
-  EncodedText encode(const TextFeatures<B>& text) const { return {text_tokens(text), text.padded_tokens}; }
-
-  /// What enters the first layer.
-  Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text) const {
-    check_counts(x.count(), t, text);
-    const auto tokens = concat_tokens(head_tokens(t, text), x.with(skel_embedding(x.rows)));
-    return add_positions(tokens, positions.rows(), gaps(text));
-  }
-  Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) const {
-    return sequence(x, t, encode(text));
-  }
-  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout: what they have in common is
-  /// computed once. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
-  Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
-                          const EncodedText& text) const {
-    check_counts(uses.rows(), t, text);
-    const Offsets lengths = repeat_lengths(x.offsets, uses);
-    const auto heads = add_positions(head_tokens(t, text), positions.rows(), gaps(text));
-    const PoolVector<PositionGap> before(static_cast<std::size_t>(x.count()),
-                                         {0, 1 + text.places() + register_count()});
-    const auto frames = add_positions(x.with(skel_embedding(x.rows)), positions.rows(), before);
-    return to_skel_layer(last_rows(seqTransEncoder.with_tails(heads, frames, uses), lengths));
-  }
-  Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
-                          const Context& context = {}) const {
-    return (*this)(x, t, encode(text), context);
-  }
-  Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text,
-                          const Context& context = {}) const {
-    auto tokens = sequence(x, t, text);
-    if (context.dropout) tokens = tokens.with(dropout(tokens.rows, dropout_p, context));
-    return to_skel_layer(last_rows(seqTransEncoder(tokens, context), x.offsets));
-  }
-
- private:
-  static void check_counts(Index n, std::span<const Index> t, const EncodedText& text) {
-    if (text.tokens.count() == n && static_cast<Index>(t.size()) == n) return;
-    raise<shape_error>(204, "MdmSmplDenoiser: ", n, " sequences, ", text.tokens.count(), " texts, ", t.size(),
-                       " steps");
-  }
-  /// What stands in front of the frames, without positions.
-  Sequences<B> head_tokens(std::span<const Index> t, const EncodedText& text) const {
-    const Sequences<B> time(time_tokens(t), Offsets::equal(text.tokens.count(), 1));
-    if (!registers) return concat_tokens(time, text.tokens);
-    return concat_tokens(time, text.tokens, repeat_sequence(*registers, text.tokens.count()));
-  }
-  /// What follows a text stands where it would behind the longest text of the batch, and its padding.
-  static PoolVector<PositionGap> gaps(const EncodedText& text) {
-    const Offsets& texts = text.tokens.offsets;
-    PoolVector<PositionGap> out;
-    for (Index s = 0; s < texts.count(); ++s) out.push_back({1 + texts.length(s), text.places() - texts.length(s)});
-    return out;
-  }
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_DIFFUSION_SAMPLER_HPP  // <motionlang/diffusion/sampler.hpp>
-#define MOTIONLANG_HAS_DIFFUSION_SAMPLER_HPP
-/// From noise to a sample: ancestral (DDPM), DDIM with its inversion, and PLMS.
-///
-/// The loops know nothing of motion. They call
-///     network(x, t) -> what the network predicts at index t of the process (already guided), same shape as x
-///     noise(draw)   -> standard normal numbers of that shape; draw 0 is the first after the initial tensor
-///     fix(x0, t)    -> the clean estimate that is used (inpainting, stitching); identity if not given
-
-#ifndef MOTIONLANG_HAS_CORE_PROGRESS_HPP  // <motionlang/core/progress.hpp>
-#define MOTIONLANG_HAS_CORE_PROGRESS_HPP
-/// How long work tells its caller where it is, and how the caller stops it.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// A reference to a caller's `bool f(Index done, Index total)`; false stops the work with `cancelled`. May be empty.
-/// Without exceptions false ends the program, like an error: there the C functions can be cancelled (motionlang/c).
-/// Like a pointer: the callable must outlive it, so a temporary one does not compile.
-class Progress {
- public:
-  Progress() = default;
-  template <class F>
-  requires(!std::is_same_v<std::remove_cv_t<F>, Progress> && std::is_invocable_r_v<bool, F&, Index, Index>)
-      Progress(F& f)
-      : object_(address(f)), call_([](void* object, Index done, Index total) -> bool {
-          return (*reinterpret_cast<F*>(object))(done, total);
-        }) {}
-
-  /// Throws `cancelled` if the caller answers false.
-  void operator()(Index done, Index total) const {
-    if (call_ != nullptr && !call_(object_, done, total)) detail::throw_exception(cancelled());
-  }
-
- private:
-  template <class F>
-  static void* address(F& f) {
-    if constexpr (std::is_function_v<F>)
-      return reinterpret_cast<void*>(&f);
-    else
-      return const_cast<void*>(static_cast<const void*>(std::addressof(f)));
-  }
-
-  void* object_ = nullptr;
-  bool (*call_)(void*, Index, Index) = nullptr;
-};
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct StepOptions {
@@ -13334,6 +12243,7 @@ struct SamplingOptions {
   enum class Sampler { ddpm, ddim };
   Sampler sampler = Sampler::ddpm;
   double eta = 0;  // of ddim
+  /// As in STMC's released code. The noise of thesis eq. 6.2 is NoiseScale::posterior_std.
   NoiseScale noise_scale = NoiseScale::posterior_variance;
   bool clip = false;
 };
@@ -13370,14 +12280,16 @@ Tensor<B, R> clean_estimate(const GaussianDiffusion& d, const Tensor<B, R>& x, c
 
 }  // namespace detail
 
-/// One step of Ho et al. (2020), algorithm 2: x_{t-1} = mean + factor noise.
+/// One step of Ho et al. (2020), algorithm 2: x_{t-1} = mean + factor noise, a sample of thesis eq. 6.2.
 /// t: one index per sample, or one for all. When the network predicts x_{t-1}, that is the mean.
+/// Differs from thesis eq. 6.2 with NoiseScale::posterior_variance: the factor is the variance, as STMC's code has it.
 template <Backend B, int R, class Fix = detail::KeepX0>
 AncestralStep<B, R> ancestral_step(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output,
                                    const Tensor<B, R>& noise, std::span<const Index> t, const StepOptions& options = {},
                                    const Fix& fix = {}) {
   auto x0 = detail::clean_estimate(d, x, output, t, options, fix);
   auto mean = options.prediction == Prediction::x_prev ? output : posterior_mean(d, x0, x, t);
+  // thesis eq. 6.2
   auto x_prev = mean + coefficients<B, R>(t, [&](Index i) {
                          return d.noise_factor(i, options.noise_scale, options.variance);
                        }) * noise;
@@ -13527,255 +12439,6 @@ MOTIONLANG_BODY SamplingOptions::Sampler parse_sampler(std::string_view name, st
 
 MOTIONLANG_NAMESPACE_END
 #endif
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_HPP  // <motionlang/features/layout.hpp>
-#define MOTIONLANG_HAS_FEATURES_LAYOUT_HPP
-/// Which numbers of a feature vector belong to which body part, and what they mean. Composition needs nothing but the
-/// former from a representation.
-///
-/// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity; what
-///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule.
-///         Meanings and units: specs humanml3d-features.md 6 and 10, mdm.md 6, temos.md 4.1, tmr.md 4.1
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Half-open range of positions.
-struct IndexRange {
-  Index begin = 0, end = 0;
-  constexpr Index size() const { return end - begin; }
-  bool operator==(const IndexRange&) const = default;
-};
-
-/// What numbers of a feature vector mean. A table of these covers the vector without gap or overlap.
-struct FeatureRange {
-  IndexRange numbers;
-  std::string_view meaning;  // with `joints`: of each of them
-  std::string_view unit;     // "1": none; frames are those of the features
-  IndexRange joints{};       // they follow one another, each with as many numbers; empty: the root's numbers, contacts
-};
-
-/// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
-/// and their ranges, or `from_owner`:
-///
-///     auto layout = FeatureLayout::from_owner("my features", 64, [](Index i) { return i < 40 ? legs : head; });
-struct FeatureLayout {
-  std::string name;
-  Index size = 0;                                              // numbers of one frame
-  std::array<std::vector<IndexRange>, body_part_count> parts;  // ascending and separate, in the order of BodyPart
-
-  /// From a function position -> BodyPart.
-  template <class F>
-  static FeatureLayout from_owner(std::string name, Index size, F owner) {
-    FeatureLayout layout{std::move(name), size, {}};
-    for (Index i = 0; i < size; ++i) {
-      auto& ranges = layout.parts[static_cast<std::size_t>(owner(i))];
-      if (ranges.empty() || ranges.back().end != i) ranges.push_back({i, i});
-      ranges.back().end = i + 1;
-    }
-    return layout;
-  }
-
-  const std::vector<IndexRange>& ranges(BodyPart part) const { return parts[static_cast<std::size_t>(part)]; }
-
-  /// All positions of a part, ascending.
-  std::vector<Index> indices(BodyPart part) const;
-
-  /// Throws config_error 102 unless the ranges cover 0 ... size-1, each position once.
-  void validate() const;
-  bool operator==(const FeatureLayout&) const = default;
-};
-
-/// smplrifke: 4 root numbers, 6D rotations of `rotations` joints, positions of joints 1 ... J-1: 4 + 6 * 22 + 3 * 23 =
-/// 205 for SMPL.
-FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint, Index rotations = 22);
-
-/// What the numbers of `smplrifke_layout` mean. World: Z up.
-inline constexpr std::array<FeatureRange, 6> smplrifke_ranges{{
-    {{0, 1}, "height of the pelvis above the lowest joint of the clip", "m"},
-    {{1, 3}, "velocity of the pelvis to the next frame, seen from the body: x, y", "m/frame"},
-    {{3, 4}, "turn of the heading to the next frame", "rad/frame"},
-    {{4, 10}, "rotation in the world without the heading: the first two rows of the matrix", "1", {0, 1}},
-    {{10, 136}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 22}},
-    {{136, 205}, "position relative to the pelvis, seen from the body: x, y, z", "m", {1, 24}},
-}};
-
-/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
-///
-///     0              turn of the heading to the next frame: half the angle, radians
-///     1:3            velocity of the root along x and z, seen from the body of the next frame
-///     3              height of the root
-///     positions      joints 1 ... J-1 seen from the body, heights above the floor: 3 each
-///     rotations      joints 1 ... J-1: two columns of the matrix, 6 each
-///     velocities     joints 0 ... J-1 to the next frame, seen from the body: 3 each
-///     contacts       left ankle, left toes, right ankle, right toes: 1 if they stand, else 0
-struct Guoh3dSlots {
-  Index joints = 22;
-
-  constexpr IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
-  constexpr IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
-  constexpr IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
-  constexpr IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
-  constexpr Index size() const { return contacts().end; }
-  /// The seven groups whose deviations are published as one number each.
-  constexpr std::array<IndexRange, 7> groups() const {
-    return {{{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()}};
-  }
-};
-
-/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs.
-FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>());
-
-namespace detail {
-
-constexpr std::array<FeatureRange, 7> guoh3dfeats_ranges_of(const Guoh3dSlots& slots, std::string_view length,
-                                                            std::string_view speed, std::string_view contacts) {
-  const auto [turn, velocity, height, positions, rotations, velocities, feet] = slots.groups();
-  return {{
-      {turn, "half the turn of the heading to the next frame", "rad/frame"},
-      {velocity, "velocity of the root to the next frame, seen from the body of the next frame: x, z", speed},
-      {height, "height of the root above the floor", length},
-      {positions, "position from the floor below the root, seen from the body: x, y, z", length, {1, slots.joints}},
-      {rotations,
-       "rotation of the bone that ends here relative to the one before it in its chain, of the first to the root: "
-       "the first two columns of the matrix",
-       "1",
-       {1, slots.joints}},
-      {velocities, "velocity to the next frame, seen from the body: x, y, z", speed, {0, slots.joints}},
-      {feet, contacts, "1"},
-  }};
-}
-
-}  // namespace detail
-
-/// What the numbers of `guoh3dfeats_layout` mean: of HumanML3D, and of KIT with MMM's joints. World: Y up.
-inline constexpr auto guoh3dfeats_ranges = detail::guoh3dfeats_ranges_of(
-    {22}, "m", "m/frame", "left ankle, left foot, right ankle, right foot: 1 if it stands, else 0");
-inline constexpr auto kit_ranges =
-    detail::guoh3dfeats_ranges_of({21}, "m/640", "m/640/frame", "RMrot, RF, LMrot, LF: 1 if it stands, else 0");
-
-/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67
-/// for SMPL's 22 joints and with `kit_part_of_joint` TEMOS's 64.
-FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>());
-
-/// What the numbers of `rifke_layout` mean: of TMR, Z up, and of TEMOS on KIT, Y up.
-inline constexpr std::array<FeatureRange, 4> rifke_ranges{{
-    {{0, 1}, "height of the root", "m"},
-    {{1, 64}, "position from the ground below the root, seen from the body: x, y, z", "m", {1, 22}},
-    {{64, 65}, "turn of the heading to the next frame", "rad/frame"},
-    {{65, 67}, "velocity of the root to the next frame, seen from the body: x, y", "m/frame"},
-}};
-inline constexpr std::array<FeatureRange, 4> rifke64_ranges{{
-    {{0, 1}, "height of the root above the floor", "m/640"},
-    {{1, 61}, "position from the floor below the root, seen from the body: x, y, z", "m/640", {1, 21}},
-    {{61, 62}, "turn of the heading since the frame before", "rad/frame"},
-    {{62, 64}, "velocity of the root since the frame before, seen from the body: x, z", "m/640/frame"},
-}};
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_IPP  // <motionlang/features/layout.ipp>
-#define MOTIONLANG_HAS_FEATURES_LAYOUT_IPP
-// Bodies of layout.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY std::vector<Index> FeatureLayout::indices(BodyPart part) const {
-  std::vector<Index> out;
-  for (const IndexRange& r : ranges(part)) {
-    for (Index i = r.begin; i < r.end; ++i) out.push_back(i);
-  }
-  return out;
-}
-
-MOTIONLANG_BODY void FeatureLayout::validate() const {
-  std::vector<int> owners(static_cast<std::size_t>(size), 0);
-  for (int p = 0; p < body_part_count; ++p) {
-    for (const IndexRange& r : ranges(static_cast<BodyPart>(p))) {
-      if (r.begin < 0 || r.end < r.begin || r.end > size) {
-        raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " of ",
-                            static_cast<BodyPart>(p), " is not inside 0:", size);
-      }
-      for (Index i = r.begin; i < r.end; ++i) ++owners[static_cast<std::size_t>(i)];
-    }
-  }
-  for (std::size_t i = 0; i < owners.size(); ++i) {
-    if (owners[i] != 1) {
-      raise<config_error>(102, "FeatureLayout '", name, "': number ", i, " belongs to ", owners[i], " body parts");
-    }
-  }
-}
-
-MOTIONLANG_BODY FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint, Index rotations) {
-  const Index joints = std::ssize(part_of_joint), first_position = 4 + 6 * rotations;
-  if (joints < 1 || rotations < 0 || rotations > joints) {
-    raise<config_error>(101, "smplrifke_layout: ", rotations, " rotations of ", joints, " joints");
-  }
-  return FeatureLayout::from_owner("smplrifke", first_position + 3 * (joints - 1), [=](Index i) {
-    if (i < 4) return BodyPart::legs;
-    const Index joint = i < first_position ? (i - 4) / 6 : 1 + (i - first_position) / 3;
-    return part_of_joint[static_cast<std::size_t>(joint)];
-  });
-}
-
-MOTIONLANG_BODY FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint) {
-  const Guoh3dSlots slots{std::ssize(part_of_joint)};
-  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
-  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), [=](Index i) {
-    if (i < slots.positions().begin || i >= slots.contacts().begin) return BodyPart::legs;
-    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
-                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
-                                                    : (i - slots.velocities().begin) / 3;
-    return part_of_joint[static_cast<std::size_t>(joint)];
-  });
-}
-
-MOTIONLANG_BODY FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint) {
-  const Index joints = std::ssize(part_of_joint);
-  if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
-  return FeatureLayout::from_owner("rifke", 3 * joints + 1, [=](Index i) {
-    if (i < 1 || i >= 3 * joints - 2) return BodyPart::legs;
-    return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
-  });
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
-#define MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP
-/// Features to zero mean and unit deviation, and back.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
-/// Statistics are saved with a model but not trained. eps matters only where std is 0.
-template <Backend B>
-struct Normalizer {
-  static constexpr bool trainable = false;
-  Tensor<B, 1> mean, std;  // (features)
-  double eps = 1e-12;
-
-  static constexpr auto fields() {
-    return motionlang::fields("mean", &Normalizer::mean, "std", &Normalizer::std, "eps", &Normalizer::eps);
-  }
-  /// Statistics that change nothing.
-  static Normalizer identity(Index features) {
-    return {Tensor<B, 1>::zeros({features}), Tensor<B, 1>::full({features}, 1)};
-  }
-
-  template <int R>
-  Tensor<B, R> normalize(const Tensor<B, R>& x) const {
-    return (x - mean) / (std + eps);
-  }
-  template <int R>
-  Tensor<B, R> denormalize(const Tensor<B, R>& x) const {
-    return x * (std + eps) + mean;
-  }
-};
-
-MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_HPP  // <motionlang/kinematics/motion.hpp>
@@ -14179,6 +12842,2059 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_SYSTEMS_STMC_REUSE_HPP  // <motionlang/systems/stmc_reuse.hpp>
+#define MOTIONLANG_HAS_SYSTEMS_STMC_REUSE_HPP
+/// What a run of STMC took over from the run before (systems/stmc_edit.hpp).
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// What a run took over.
+struct StmcReuse {
+  Index frames = 0, kept = 0;      // of the result; those that have the numbers of before
+  Index work = 0, whole_work = 0;  // rows through the network in all steps; in a run that takes nothing over
+  Index steps = 0;                 // of the run
+  Index everywhere = 0;  // the step (from 1) after which no frame of an edited timeline is that of before; 0: none is
+  bool exact = true;     // the result is that of a run that takes nothing over, bit for bit
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Options that a model does not take, or that contradict each other: a config_error that is the caller's, not the
+/// file's.
+struct option_error : config_error {
+  using config_error::config_error;
+};
+
+/// A motion of which something is kept: the model makes the rest. Frame 0 is that of the timeline.
+struct KeptClip {
+  Motion motion{};                                   // on any skeleton that can be put on SMPL's joints, at any rate
+  std::vector<std::pair<double, double>> seconds{};  // from and to, of what is kept; none: all of it
+  BodyParts parts = BodyParts::all();                // that are kept; the way over the ground belongs to the legs
+};
+
+/// What a run reports besides its motions. Only models that go through STMC fill it.
+struct GenerateNotes {
+  std::string layout{};                         // of the features
+  std::vector<std::vector<double>> features{};  // of each motion, before it was smoothed and put on its feet
+  std::optional<StmcReuse> reuse{};             // what was taken over from the run that is reused
+  std::optional<std::uint64_t> seed{};          // of the run that is reused
+  double kept_moved = 0;                        // metres over the floor that any kept frame is from where it was
+};
+
+struct GenerateOptions {
+  std::uint64_t seed = 0;                             // same seed, same motion, on any number of threads
+  std::optional<Index> steps{};                       // of denoising, 0: all; the model's own unless given
+  std::optional<SamplingOptions::Sampler> sampler{};  // the model's own unless given
+  std::optional<double> guidance{};                   // weight of the text, 1: none; the model's own unless given
+  std::optional<double> fact{};  // scales the deviation of a latent from its mean, 0: the mean itself; 1 unless given
+  double overlap = 0.5;          // seconds that neighbouring texts share around a cut
+  bool cut_texts = true;         // where they lend body parts or get them back, and where they are too long
+  bool smooth = true;            // no trembling, and no jerk where texts meet
+  bool fix_feet = true;          // feet that stand do not slide
+  FilePath noise = "";           // file with noise/000 (initial), noise/001, ... instead of the seed
+  FilePath record = "";          // file to write: what a later run needs to reuse this one
+  FilePath reuse = "";  // such a file; seed, steps, sampler, guidance, overlap and cut_texts are those of its run
+  std::optional<double> keep_beyond{};  // of reuse, seconds: what is further from the edit stays as it was
+  std::optional<KeptClip> keep{};       // of every timeline
+  Progress progress{};                  // called after every step, or after every motion; may cancel
+  GenerateNotes* notes = nullptr;       // is written if given
+};
+
+/// Few steps that do as many prompts as all of them do, as `motionlang judge --compare` measures it.
+inline constexpr Index fast_steps = 10;
+inline void use_fast_preset(GenerateOptions& o) { o.sampler = SamplingOptions::Sampler::ddim, o.steps = fast_steps; }
+inline void use_full_preset(GenerateOptions& o) { o.sampler = SamplingOptions::Sampler::ddpm, o.steps = 0; }
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_SYSTEMS_STMC_HPP  // <motionlang/systems/stmc.hpp>
+#define MOTIONLANG_HAS_SYSTEMS_STMC_HPP
+/// STMC: spatio-temporal motion collage. A timeline of texts on several tracks in, one motion out.
+///
+/// Source  Petrovich, Litany, Iqbal, Black, Varol, Peng, Rempe: "Multi-track timeline control for text-driven 3D human
+///         motion generation" (2024). Works at test time with any denoiser of explicit poses; no training
+/// Bodies  motionlang::instantiated has those of Stmc<EigenBackend<float>>. A unit that is compiled with
+///         MOTIONLANG_INSTANTIATED and uses another Stmc also includes <motionlang/systems/stmc.ipp>; the compiler says
+///         so
+
+#ifndef MOTIONLANG_HAS_COMPOSE_PLAN_OPTIONS_HPP  // <motionlang/compose/plan_options.hpp>
+#define MOTIONLANG_HAS_COMPOSE_PLAN_OPTIONS_HPP
+/// What a caller can choose when timelines are planned.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// What to do where no text is active: let the model move freely, or throw timeline_error 505.
+enum class Gaps { fill, refuse };
+/// What to do at a cut at which no part changes its owner, because a text is hidden behind others: throw timeline_error
+/// 506, or leave the transition out (the result is the same without it).
+enum class HiddenTexts { refuse, ignore };
+
+/// Frames that go through the denoiser together unless told otherwise: more than 12 s on five tracks have, with and
+/// without their texts. The published network holds some 90 MB for them.
+inline constexpr Index usual_rows_at_once = 4096;
+
+struct PlanOptions {
+  Index overlap = 10;            // frames in total around a cut; 0.5 s at 20 fps
+  bool extend = true;            // intervals reach into their neighbours by the overlap
+  bool transition_crops = true;  // an unconditional crop around every cut. Both off: SINC, hard cuts
+  Gaps gaps = Gaps::fill;
+  HiddenTexts hidden = HiddenTexts::refuse;
+  Index longest_crop = 0;  // frames that the denoiser accepts; 0: any
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_DIFFUSION_MDM_SMPL_HPP  // <motionlang/diffusion/mdm_smpl.hpp>
+#define MOTIONLANG_HAS_DIFFUSION_MDM_SMPL_HPP
+/// MDM-SMPL: the denoiser of the STMC paper.
+
+#ifndef MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP  // <motionlang/diffusion/denoiser.hpp>
+#define MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP
+/// What a denoising network must be, for samplers and for STMC.
+
+#ifndef MOTIONLANG_HAS_CORE_CONTEXT_HPP  // <motionlang/core/context.hpp>
+#define MOTIONLANG_HAS_CORE_CONTEXT_HPP
+/// What a call of a model may be given besides its inputs. Nothing by default: then no dropout runs.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Dropout runs only if the context carries a generator: there is no train or eval flag to forget.
+///
+///     model(x, t, text, {.dropout = rng.split("dropout").split(step)});
+struct Context {
+  std::optional<Philox> dropout{};
+  mutable std::uint64_t drawn = 0;  // masks handed out so far; every mask has its own stream
+  bool recompute = false;  // training keeps what enters a layer and calculates its inside again: less memory, more time
+
+  /// The generator of the next dropout mask. Only when `dropout` is set.
+  Philox next_mask() const { return dropout->split(drawn++); }
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_CORE_FIELDS_HPP  // <motionlang/core/fields.hpp>
+#define MOTIONLANG_HAS_CORE_FIELDS_HPP
+/// Member lists: what a module is made of, and how to walk over it.
+///
+///     struct Model {
+///       Tensor<B, 2> weight;
+///       Tensor<B, 1> bias;
+///       static constexpr auto fields() { return motionlang::fields("weight", &Model::weight, "bias", &Model::bias); }
+///     };
+///     Model model;
+///     visit(model, [](const std::string& path, auto& tensor) { use(path, tensor); });   // "layers.0.linear1.weight"
+///
+/// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
+/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here, and be empty where
+/// the fields of a member have no level of their own (the statistics of a BatchNorm). Two members of one name are a
+/// compile error, unless both are optional. A member with nothing to save is an option: a number, an enumeration, a
+/// text, or a type that says so (is_option, tensor/module.hpp).
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+template <class M, class T>
+struct Field {
+  const char* name;
+  T M::*member;
+};
+
+/// The fields of a module, first and rest; `NoFields` ends the list. (A std::tuple compiles several times slower.)
+struct NoFields {};
+template <class First, class Rest>
+struct FieldList {
+  First first;
+  Rest rest;
+};
+
+/// Pairs (name, pointer to member) to a list of `Field`.
+constexpr NoFields fields() { return {}; }
+template <class M, class T, class... Others>
+constexpr auto fields(const char* name, T M::*member, Others... others) {
+  return FieldList<Field<M, T>, decltype(fields(others...))>{{name, member}, fields(others...)};
+}
+
+namespace detail {
+
+template <class T>
+inline constexpr bool is_vector = false;
+template <class T>
+inline constexpr bool is_vector<std::vector<T>> = true;
+template <class T>
+inline constexpr bool is_optional = false;
+template <class T>
+inline constexpr bool is_optional<std::optional<T>> = true;
+
+/// Whether a list has a member of this name. One of two optional members may be there, under the same name.
+template <bool optional, class M, class T, class Rest>
+constexpr bool has_name(const FieldList<Field<M, T>, Rest>& list, std::string_view name);
+template <bool optional>
+constexpr bool has_name(const NoFields&, std::string_view) {
+  return false;
+}
+template <bool optional, class M, class T, class Rest>
+constexpr bool has_name(const FieldList<Field<M, T>, Rest>& list, std::string_view name) {
+  return (list.first.name == name && !(optional && is_optional<T>)) || has_name<optional>(list.rest, name);
+}
+/// The first name that is there twice, "" if there is none. (Several members may have no level of their own.)
+constexpr std::string_view repeated_name(const NoFields&) { return {}; }
+template <class M, class T, class Rest>
+constexpr std::string_view repeated_name(const FieldList<Field<M, T>, Rest>& list) {
+  const std::string_view name = list.first.name;
+  return !name.empty() && has_name<is_optional<T>>(list.rest, name) ? name : repeated_name(list.rest);
+}
+/// Whether the compiler can look at the names of a module.
+template <class M>
+concept ConstantFields = requires {
+  typename std::bool_constant<(static_cast<void>(M::fields()), true)>;
+};
+/// Two members of one name would share what is kept by name: a place in a file, the moments of an optimiser. A compile
+/// error where fields() is constexpr, else config_error 102.
+template <Module M>
+void check_names() {
+  if constexpr (ConstantFields<M>) {
+    static_assert(repeated_name(M::fields()).empty(),
+                  "motionlang: fields() of a module lists two members by the same name");
+  } else if (const std::string_view name = repeated_name(M::fields()); !name.empty()) {
+    raise<config_error>(102, "fields() of a module lists two members by the name '", name, "'");
+  }
+}
+
+inline std::string join_path(const std::string& prefix, std::string_view name) {
+  std::string path = prefix;
+  if (!path.empty() && !name.empty()) path += '.';
+  return path += name;
+}
+
+template <class F, class... Objects>
+void visit_fields(const std::string& prefix, F& f, Objects&... objects);
+
+/// Walks over one member, or over the same member of several objects of the same structure.
+template <class F, class First, class... Others>
+void visit_member(const std::string& path, F& f, First& first, Others&... others) {
+  using T = std::remove_const_t<First>;
+  if constexpr (Module<T>) {
+    visit_fields(path, f, first, others...);
+  } else if constexpr (is_vector<T>) {
+    if (((others.size() != first.size()) || ...)) {
+      raise<shape_error>(204, "zip: numbers of ", path, " differ: ", Index(first.size()), ", ",
+                         Index(others.size())...);
+    }
+    for (std::size_t i = 0; i < first.size(); ++i)
+      visit_member(join_path(path, std::to_string(i)), f, first[i], others[i]...);
+  } else if constexpr (is_optional<T>) {
+    if (((others.has_value() != first.has_value()) || ...)) raise<shape_error>(204, "zip: only one side has ", path);
+    if (first) visit_member(path, f, *first, (*others)...);
+  } else {
+    f(path, first, others...);
+  }
+}
+
+/// An object and those of its fields that are still to be walked over.
+template <class List, class Object>
+struct Walk {
+  List list;
+  Object& object;
+  auto& member() const { return object.*(list.first.member); }
+  auto rest() const { return Walk<decltype(list.rest), Object>{list.rest, object}; }
+};
+template <class Object>
+auto walk(Object& object) {
+  check_names<std::remove_const_t<Object>>();
+  return Walk<decltype(Object::fields()), Object>{Object::fields(), object};
+}
+
+/// Calls f(name, member of first, members of others...) for all fields. The others may be the same template over
+/// another backend: fields are matched by position.
+template <class F, class First, class... Walks>
+void each_field(F& f, const First& first, const Walks&... others) {
+  if constexpr (!std::is_same_v<decltype(first.list), NoFields>) {
+    f(first.list.first.name, first.member(), others.member()...);
+    each_field(f, first.rest(), others.rest()...);
+  }
+}
+
+template <class F, class First, class... Walks>
+void visit_walks(const std::string& prefix, F& f, const First& first, const Walks&... others) {
+  if constexpr (!std::is_same_v<decltype(first.list), NoFields>) {
+    visit_member(join_path(prefix, first.list.first.name), f, first.member(), others.member()...);
+    visit_walks(prefix, f, first.rest(), others.rest()...);
+  }
+}
+template <class F, class... Objects>
+void visit_fields(const std::string& prefix, F& f, Objects&... objects) {
+  visit_walks(prefix, f, walk(objects)...);
+}
+
+}  // namespace detail
+
+/// Calls f(path, leaf) for every leaf below the module, in the order of the fields.
+template <class M, class F>
+requires Module<std::remove_const_t<M>>
+void visit(M& module, F f) { detail::visit_fields("", f, module); }
+
+/// Calls f(path, leaf of a, leaf of b) for two modules of the same structure, perhaps over different backends.
+template <class M, class N, class F>
+requires Module<std::remove_const_t<M>> && Module<std::remove_const_t<N>>
+void zip(M& a, N& b, F f) { detail::visit_fields("", f, a, b); }
+
+namespace detail {
+
+/// A place that is another for every type.
+template <class M>
+inline constexpr char type_place = 0;
+
+/// Whether one module is inside another, and its path from there.
+template <Module M>
+bool find_module(const M& around, const void* module, const void* type, std::string& path);
+template <class T>
+bool find_module_in(const T& member, const std::string& name, const void* module, const void* type, std::string& path) {
+  if constexpr (Module<T>) {
+    if (&member == module && &type_place<T> == type) {
+      path = name;
+      return true;
+    }
+    if (!find_module(member, module, type, path)) return false;
+    path = join_path(name, path);
+    return true;
+  } else if constexpr (is_vector<T>) {
+    for (std::size_t i = 0; i < member.size(); ++i) {
+      if (find_module_in(member[i], join_path(name, std::to_string(i)), module, type, path)) return true;
+    }
+  } else if constexpr (is_optional<T>) {
+    return member && find_module_in(*member, name, module, type, path);
+  }
+  return false;
+}
+template <Module M>
+bool find_module(const M& around, const void* module, const void* type, std::string& path) {
+  bool found = false;
+  auto look = [&](const char* name, const auto& member) {
+    found = found || find_module_in(member, name, module, type, path);
+  };
+  each_field(look, walk(around));
+  return found;
+}
+
+template <class M>
+struct StepInto {
+  static ModuleStep step(const M& module) {
+    return {.name = {}, .module = &module, .type = &type_place<M>, .path_to = &path_to};
+  }
+  static std::string path_to(const void* around, const void* module, const void* type) {
+    std::string path;
+    find_module(*static_cast<const M*>(around), module, type, path);
+    return path;
+  }
+};
+
+}  // namespace detail
+
+/// Number of leaves.
+template <Module M>
+Index count_leaves(const M& module) {
+  Index n = 0;
+  visit(module, [&](const std::string&, const auto&) { ++n; });
+  return n;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP  // <motionlang/nn/text_features.hpp>
+#define MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP
+/// What a text encoder gives and a denoiser takes: some token vectors for every text.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+template <Backend B>
+struct TextFeatures {
+  Sequences<B> tokens;                // one sequence per text; a pooled encoder gives one row each
+  std::vector<Index> end_position{};  // of each text: the row of its end token, for models that read it (MotionDiffuse)
+  Index padded_tokens = 0;            // of a batch that is padded beyond its longest text: MDM-SMPL counts padding
+
+  Index count() const { return tokens.count(); }
+
+  /// From one vector per text.
+  static TextFeatures pooled(const Tensor<B, 2>& rows) { return {{rows, Offsets::equal(rows.size(0), 1)}}; }
+};
+
+/// Texts picked by number, with repetition.
+template <Backend B>
+TextFeatures<B> gather(const TextFeatures<B>& text, std::span<const Index> which) {
+  TextFeatures<B> out;
+  for (Index i : which) {
+    if (i < 0 || i >= text.count()) raise<shape_error>(203, "gather: text ", i, " of ", text.count());
+    if (!text.end_position.empty()) out.end_position.push_back(text.end_position[static_cast<std::size_t>(i)]);
+  }
+  out.tokens = detail::some_sequences(text.tokens, which);
+  out.padded_tokens = text.padded_tokens;
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// What of the other sequences of its batch a result depends on: a batch of such a denoiser cannot be divided.
+///     longest_text   the length of the longest text (MDM-SMPL with texts of several lengths)
+///     all            everything (the released GRU of MDM)
+enum class BatchMates { none, longest_text, all };
+
+/// Properties of a denoiser that a host has to know.
+struct DenoiserTraits {
+  Prediction prediction = Prediction::x0;
+  Index crop_frames = 0;            // > 0: every crop has exactly this many frames (MDM and MotionDiffuse: 196)
+  Index longest_crop = 0;           // > 0: no crop has more frames
+  bool uses_lengths = true;         // false: crops of fixed size are not masked
+  bool empty_text_is_null = false;  // MDM: the text "" is the unconditional one, in both calls
+  BatchMates mates = BatchMates::none;
+
+  /// Frames that a crop may have; 0: any number.
+  Index longest() const { return crop_frames > 0 ? crop_frames : longest_crop; }
+};
+
+/// A network that cleans noisy sequences given a text for each.
+///     x (frames of all sequences, features), t (one step number per sequence), text (one per sequence) -> as x
+/// Laws     a sequence gives the same result alone and in a batch, unless its traits name mates (tests/laws), except
+///          the last digits in bf16x3 (core/precision.hpp)
+/// Models   MdmSmplDenoiser, MdmDenoiser, MotionDiffuseDenoiser, and yours
+template <class D, class B>
+concept Denoiser = Module<D> &&
+    requires(const D& d, const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) {
+  { d(x, t, text) } -> std::same_as<Sequences<B>>;
+  { d.traits() } -> std::same_as<DenoiserTraits>;
+};
+
+/// A denoiser that does a part of its work on the texts alone, which is the same at every step:
+///     d(x, t, d.encode(text)) == d(x, t, text)
+/// Models   MdmSmplDenoiser, MotionDiffuseDenoiser, AnyDenoiser
+template <class D, class B>
+concept EncodesText = Denoiser<D, B> &&
+    requires(const D& d, const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) {
+  { d(x, t, d.encode(text)) } -> std::same_as<Sequences<B>>;
+};
+
+/// What a denoiser makes of frames with several texts each: of sequence i of x with the texts uses.begin(i) ...
+/// uses.end(i) - 1, such as a text and none, for guidance. t: a step for each text. Throws shape_error 204 for other
+/// numbers of sequences, texts or steps. A denoiser that computes once what the texts of a sequence have in common
+/// takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
+///     d(x, uses, t, text) == d(repeat_sequences(x, uses), t, text)
+template <Backend B, Denoiser<B> D, class Text>
+Sequences<B> denoise_with_texts(const D& denoiser, const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
+                                const Text& text) {
+  if constexpr (requires { denoiser(x, uses, t, text); })
+    return denoiser(x, uses, t, text);
+  else
+    return denoiser(repeat_sequences(x, uses), t, text);
+}
+
+/// The texts as they are passed to a denoiser at every step.
+template <Backend B, Denoiser<B> D>
+auto encoded_text(const D& denoiser, TextFeatures<B> text) {
+  if constexpr (EncodesText<D, B>)
+    return denoiser.encode(text);
+  else
+    return text;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_NN_POSITIONAL_ENCODING_HPP  // <motionlang/nn/positional_encoding.hpp>
+#define MOTIONLANG_HAS_NN_POSITIONAL_ENCODING_HPP
+/// Sinusoidal positions.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+///     pe[p, 2i] = sin(p w_i),   pe[p, 2i + 1] = cos(p w_i),   w_i = exp(-2i ln(10000) / width)
+/// Source  Vaswani et al. (2017), section 3.5. Every intermediate is rounded to float, as in the published tables,
+///         whose last digits depend on it. Throws config_error 101 for an odd width.
+template <Backend B>
+Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
+  if (width % 2 != 0) raise<config_error>(101, "sinusoidal_positions: odd width ", width);
+  std::vector<float> frequencies(static_cast<std::size_t>(width / 2));
+  const auto c = static_cast<float>(-std::log(10000.0) / static_cast<double>(width));
+  for (std::size_t i = 0; i < frequencies.size(); ++i) frequencies[i] = torch_exp(static_cast<float>(2 * i) * c);
+  using S = typename B::scalar;
+  return Tensor<B, 2>::written({rows, width}, [&](S* table) {
+    parallel_ranges(rows, 16 * width, [&](Index first, Index last) {
+      S* at = table + first * width;
+      for (Index p = first; p < last; ++p) {
+        for (const float w : frequencies) {
+          const float angle = static_cast<float>(p) * w;
+          *at++ = static_cast<S>(std::sin(angle));
+          *at++ = static_cast<S>(std::cos(angle));
+        }
+      }
+    });
+  });
+}
+
+/// The table of a model: computed from its size, so it is neither saved nor loaded.
+template <Backend B>
+class PositionTable {
+ public:
+  static constexpr bool is_option = true;  // computed, not saved
+  PositionTable() = default;
+  PositionTable(Index rows, Index width) : rows_(sinusoidal_positions<B>(rows, width)) {}
+  template <Backend C>
+  explicit PositionTable(const PositionTable<C>& other) : PositionTable(other.rows().size(0), other.rows().size(1)) {}
+
+  const Tensor<B, 2>& rows() const { return rows_; }
+
+ private:
+  Tensor<B, 2> rows_;
+};
+
+/// Positions of a sequence that are left out, as if padding stood there: `rows` of them before row `before`.
+struct PositionGap {
+  Index before = 0, rows = 0;
+};
+
+namespace detail {
+
+/// Throws shape_error 203.
+template <Backend B>
+void require_positions(std::string_view op, const Tensor<B, 2>& table, Index wanted) {
+  if (wanted > table.size(0))
+    raise<shape_error>(203, op, ": a sequence of ", wanted, " rows; the model has positions for ", table.size(0));
+}
+
+}  // namespace detail
+
+/// Adds row i of the table to row i of each sequence; with `gaps`, one for each sequence, later rows move up.
+/// Throws shape_error 203 for a sequence longer than the table, 204 for another number of gaps.
+template <Backend B>
+Sequences<B> add_positions(const Sequences<B>& x, const Tensor<B, 2>& table, std::span<const PositionGap> gaps = {}) {
+  if (!gaps.empty() && static_cast<Index>(gaps.size()) != x.count()) {
+    raise<shape_error>(204, "add_positions: ", gaps.size(), " gaps for ", x.count(), " sequences");
+  }
+  PoolVector<Index> rows;
+  rows.reserve(static_cast<std::size_t>(x.offsets.rows()));
+  for (Index s = 0; s < x.count(); ++s) {
+    const PositionGap gap = gaps.empty() ? PositionGap{} : gaps[static_cast<std::size_t>(s)];
+    const Index length = x.offsets.length(s);
+    detail::require_positions("add_positions", table, length > gap.before ? length + gap.rows : length);
+    for (Index i = 0; i < length; ++i) rows.push_back(i < gap.before ? i : i + gap.rows);
+  }
+  return x.with(gather(table, rows) + x.rows);
+}
+
+/// How far each row is through its sequence, (rows, 1): t / (length - 1). Differs from published code where a sequence
+/// has one row: 0 instead of a division by 0.
+template <Backend B>
+Tensor<B, 2> relative_time(const Offsets& offsets) {
+  std::vector<typename B::scalar> time;
+  for (Index s = 0; s < offsets.count(); ++s) {
+    const auto last = static_cast<double>(std::max<Index>(1, offsets.length(s) - 1));
+    for (Index t = 0; t < offsets.length(s); ++t)
+      time.push_back(static_cast<typename B::scalar>(static_cast<double>(t) / last));
+  }
+  return Tensor<B, 2>::from(time, {offsets.rows(), 1});
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_NN_TIMESTEP_EMBEDDING_HPP  // <motionlang/nn/timestep_embedding.hpp>
+#define MOTIONLANG_HAS_NN_TIMESTEP_EMBEDDING_HPP
+/// The token that tells a denoiser which diffusion step it is at.
+
+#ifndef MOTIONLANG_HAS_NN_LINEAR_HPP  // <motionlang/nn/linear.hpp>
+#define MOTIONLANG_HAS_NN_LINEAR_HPP
+/// Linear layer: y = x W^T + b.
+
+#ifndef MOTIONLANG_HAS_NN_INIT_HPP  // <motionlang/nn/init.hpp>
+#define MOTIONLANG_HAS_NN_INIT_HPP
+/// Initial values of parameters, as PyTorch draws them (the distributions, not the same numbers).
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// While it lives, this thread makes no more parameters than a file of weights justifies: twice its numbers and 16 Mi.
+/// So a small file whose sizes are huge is refused before memory is taken for them.
+class ParameterRoom {
+ public:
+  /// file: its name in messages; numbers: of all its tensors
+  ParameterRoom(std::string file, Index numbers);
+  ~ParameterRoom();
+  ParameterRoom(const ParameterRoom&) = delete;
+  ParameterRoom& operator=(const ParameterRoom&) = delete;
+
+  /// Throws config_error 102 if there is no room for a parameter of this shape.
+  static void take(const Shape& shape);
+
+ private:
+  static ParameterRoom*& innermost();
+  void take_numbers(const Shape& shape);
+
+  std::string file_;
+  Index numbers_;
+  double taken_ = 0;
+  ParameterRoom* before_;
+};
+
+/// A generator that gives zeros at no cost: for models whose parameters are about to be loaded.
+struct NoInit {
+  template <class S>
+  void normal(std::span<S> out) {
+    std::fill(out.begin(), out.end(), S(0));
+  }
+  template <class S>
+  void uniform(std::span<S> out) {
+    std::fill(out.begin(), out.end(), S(0));
+  }
+  NoInit split(std::string_view) const { return {}; }
+  NoInit split(std::uint64_t) const { return {}; }
+};
+static_assert(Rng<NoInit>);
+
+namespace detail {
+
+/// Zeros that take no memory before somebody reads them, where the backend's tensors can lie in memory of others.
+template <Backend B, int R>
+Tensor<B, R> untouched_zeros(const Shape& shape) {
+  using S = typename B::scalar;
+  if constexpr (AutodiffBackend<B>) {
+    return Tensor<B, R>(B::variable(untouched_zeros<typename B::inner, R>(shape).data()));
+  } else if constexpr (std::is_constructible_v<typename B::tensor, const S*, Shape, std::shared_ptr<const void>>) {
+    const std::shared_ptr<void> zeros(std::calloc(static_cast<std::size_t>(shape.count()) + 1, sizeof(S)), std::free);
+    if (zeros == nullptr) raise_bad_alloc();
+    return Tensor<B, R>(typename B::tensor(static_cast<const S*>(zeros.get()), shape, zeros));
+  } else {
+    return Tensor<B, R>::zeros(shape);
+  }
+}
+
+template <class G>
+inline constexpr bool is_no_init = std::is_same_v<std::remove_cvref_t<G>, NoInit>;
+
+}  // namespace detail
+
+/// Uniform in [-bound, bound].
+template <Backend B, int R>
+Tensor<B, R> uniform_init(const Shape& shape, double bound, Rng auto& rng) {
+  ParameterRoom::take(shape);
+  if constexpr (detail::is_no_init<decltype(rng)>) return detail::untouched_zeros<B, R>(shape);
+  std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
+  rng.uniform(std::span<typename B::scalar>(values));
+  for (auto& v : values) v = static_cast<typename B::scalar>((2 * static_cast<double>(v) - 1) * bound);
+  Tensor<B, R> t = Tensor<B, R>::from(values, shape);
+  if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
+  return t;
+}
+/// Glorot and Bengio (2010): bound sqrt(6 / (fan in + fan out)). shape is (out, in).
+template <Backend B>
+Tensor<B, 2> xavier_uniform(const Shape& shape, Rng auto& rng) {
+  return uniform_init<B, 2>(shape, std::sqrt(6.0 / static_cast<double>(shape[0] + shape[1])), rng);
+}
+/// Normal with the given standard deviation.
+template <Backend B, int R>
+Tensor<B, R> normal_init(const Shape& shape, double std, Rng auto& rng) {
+  ParameterRoom::take(shape);
+  if constexpr (detail::is_no_init<decltype(rng)>) return detail::untouched_zeros<B, R>(shape);
+  std::vector<typename B::scalar> values(static_cast<std::size_t>(shape.count()));
+  rng.normal(std::span<typename B::scalar>(values));
+  for (auto& v : values) v = static_cast<typename B::scalar>(static_cast<double>(v) * std);
+  Tensor<B, R> t = Tensor<B, R>::from(values, shape);
+  if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
+  return t;
+}
+/// Glorot and Bengio (2010), normal: std sqrt(2 / (fan in + fan out)). shape is (out, in), with the kernel behind it if
+/// there is one.
+template <Backend B, int R>
+Tensor<B, R> xavier_normal(const Shape& shape, Rng auto& rng) {
+  const Index kernel = shape.count(2, shape.rank());
+  return normal_init<B, R>(shape, std::sqrt(2.0 / static_cast<double>((shape[0] + shape[1]) * kernel)), rng);
+}
+template <Backend B, int R>
+Tensor<B, R> constant_init(const Shape& shape, double value) {
+  ParameterRoom::take(shape);
+  Tensor<B, R> t = Tensor<B, R>::full(shape, value);
+  if constexpr (AutodiffBackend<B>) t = Tensor<B, R>(B::variable(B::value(t.data())));
+  return t;
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_NN_INIT_IPP  // <motionlang/nn/init.ipp>
+#define MOTIONLANG_HAS_NN_INIT_IPP
+// Bodies of init.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY ParameterRoom::ParameterRoom(std::string file, Index numbers)
+    : file_(std::move(file)), numbers_(numbers), before_(std::exchange(innermost(), this)) {}
+MOTIONLANG_BODY ParameterRoom::~ParameterRoom() { innermost() = before_; }
+
+MOTIONLANG_BODY void ParameterRoom::take(const Shape& shape) {
+  if (innermost() != nullptr) innermost()->take_numbers(shape);
+}
+
+MOTIONLANG_BODY ParameterRoom*& ParameterRoom::innermost() {
+  struct Innermost {
+    ParameterRoom* room = nullptr;
+  };
+  return thread_object<Innermost, ParameterRoom>().room;
+}
+
+MOTIONLANG_BODY void ParameterRoom::take_numbers(const Shape& shape) {
+  double count = 1;  // may be beyond Index
+  for (const Index n : shape.sizes()) count *= static_cast<double>(n);
+  taken_ += count;
+  if (taken_ > 2 * static_cast<double>(numbers_) + (1 << 24))
+    raise<config_error>(102, file_, ": ", counted(numbers_, "number"), ", a network of its sizes has at least ", taken_,
+                        ", with a tensor ", shape);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_TENSOR_MODULE_HPP  // <motionlang/tensor/module.hpp>
+#define MOTIONLANG_HAS_TENSOR_MODULE_HPP
+/// What every module can do because it lists its fields: visit tensors, count parameters, move to another backend.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Statistics and tables (`static constexpr bool trainable = false`) are saved and loaded, but get no gradient.
+template <class M>
+inline constexpr bool is_trainable = [] {
+  if constexpr (requires { M::trainable; })
+    return M::trainable;
+  else
+    return true;
+}();
+
+/// Whether a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and what says so
+/// itself (`static constexpr bool is_option = true`, or a specialisation of this variable): sizes, computed tables.
+/// Other types need fields() of their own. Without them their tensors would be passed over, hence a compile error.
+template <class T>
+inline constexpr bool is_option = [] {
+  if constexpr (requires { T::is_option; })
+    return static_cast<bool>(T::is_option);
+  else
+    return std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string>;
+}();
+
+/// A tensor of a module, whatever its rank: its path, and its data to read or replace. (In a const module it is const.)
+template <Backend B, class Data = typename B::tensor>
+struct ModuleTensor {
+  std::string path;
+  int rank = 0;
+  void* tensor = nullptr;  // Tensor<B, rank>
+  Data* data = nullptr;
+  bool trainable = true;  // is_trainable of the module that lists it
+
+  Shape shape() const { return B::shape(*data); }
+  /// The numbers, row-major.
+  std::span<const typename B::scalar> span() const { return B::to_span(*data); }
+};
+
+namespace detail {
+
+/// What the tensors below a type have in common: their backend (void: there are none), and which ranks they have, a bit
+/// for each.
+template <class T>
+struct TensorsBelow {
+  static_assert(is_option<T>,
+                "motionlang: fields() of a module lists a member whose type has no fields(). Write `static constexpr "
+                "auto fields()` in that type (core/fields.hpp), or `static constexpr bool is_option = true` if it has "
+                "nothing to save or train");
+  using backend = void;
+  static constexpr unsigned ranks = 0;
+};
+template <>
+struct TensorsBelow<NoFields> {
+  using backend = void;
+  static constexpr unsigned ranks = 0;
+};
+template <class B, int R>
+struct TensorsBelow<Tensor<B, R>> {
+  using backend = B;
+  static constexpr unsigned ranks = 1U << R;
+};
+template <class T>
+struct TensorsBelow<std::vector<T>> : TensorsBelow<T> {};
+template <class T>
+struct TensorsBelow<std::optional<T>> : TensorsBelow<T> {};
+template <class M, class T, class Rest>
+struct TensorsBelow<FieldList<Field<M, T>, Rest>> {
+  using first = TensorsBelow<T>;
+  using others = TensorsBelow<Rest>;
+  using backend = std::conditional_t<first::ranks != 0, typename first::backend, typename others::backend>;
+  static constexpr unsigned ranks = first::ranks | others::ranks;
+};
+template <Module M>
+struct TensorsBelow<M> : TensorsBelow<decltype(M::fields())> {};
+
+/// Lists tensors. One function for every type of module, whatever is done with the tensors then: models are large, and
+/// each of their modules would be walked over again for every purpose.
+template <Backend B>
+class TensorLister {
+ public:
+  template <Module M>
+  void list(M& module) {
+    check_names<M>();
+    const bool outer = std::exchange(trainable_, is_trainable<M>);
+    list_fields(M::fields(), module);
+    trainable_ = outer;
+  }
+  std::vector<ModuleTensor<B>> tensors;
+
+ private:
+  template <class Fields, class M>
+  [[gnu::always_inline]] void list_fields(const Fields& fields, M& module) {
+    if constexpr (!std::is_same_v<Fields, NoFields>) {
+      list_member(fields.first.name, module.*(fields.first.member));
+      list_fields(fields.rest, module);
+    }
+  }
+  template <class T>
+  [[gnu::always_inline]] void list_member(const char* name, T& member) {
+    if constexpr (TensorsBelow<T>::ranks != 0) {
+      const std::size_t length = open(name);
+      if constexpr (is_tensor<T>) {
+        add(T::rank, &member, member.mutable_data());
+      } else if constexpr (is_vector<T>) {
+        for (std::size_t i = 0; i < member.size(); ++i) list_member(std::to_string(i).c_str(), member[i]);
+      } else if constexpr (is_optional<T>) {
+        if (member) list_member("", *member);
+      } else {
+        list(member);
+      }
+      path_.resize(length);
+    }
+  }
+  std::size_t open(std::string_view name) {
+    const std::size_t length = path_.size();
+    if (length != 0 && !name.empty()) path_ += '.';
+    path_ += name;
+    return length;
+  }
+  void add(int rank, void* tensor, typename B::tensor& data) {
+    tensors.push_back({path_, rank, tensor, &data, trainable_});
+  }
+
+  std::string path_;
+  bool trainable_ = true;
+};
+
+/// f(path, tensor) with the tensor's rank as a type again.
+template <class M, unsigned ranks, Backend B, class F, int R = 0>
+void with_rank(const ModuleTensor<B>& t, F& f) {
+  if constexpr ((ranks >> R & 1) != 0) {
+    using T = std::conditional_t<std::is_const_v<M>, const Tensor<B, R>, Tensor<B, R>>;
+    if (t.rank == R) return f(t.path, *static_cast<T*>(t.tensor));
+  }
+  if constexpr (ranks >> R > 1) with_rank<M, ranks, B, F, R + 1>(t, f);
+}
+
+}  // namespace detail
+
+/// The backend of a module's tensors.
+template <Module M>
+using module_backend = typename detail::TensorsBelow<M>::backend;
+
+/// All tensors of a module in the order of its fields; other fields (sizes, options) are passed over.
+template <Module M>
+std::vector<ModuleTensor<module_backend<M>>> tensors_of(M& module) {
+  detail::TensorLister<module_backend<M>> lister;
+  lister.list(module);
+  return std::move(lister.tensors);
+}
+template <Module M>
+auto tensors_of(const M& module) {
+  using B = module_backend<M>;
+  std::vector<ModuleTensor<B, const typename B::tensor>> out;
+  for (auto& t : tensors_of(const_cast<M&>(module)))
+    out.push_back({std::move(t.path), t.rank, t.tensor, t.data, t.trainable});
+  return out;
+}
+
+/// Calls f(path, tensor) for all tensors of a module.
+template <class M, class F>
+requires Module<std::remove_const_t<M>>
+void visit_tensors(M& module, F f) {
+  using Plain = std::remove_const_t<M>;
+  if constexpr (constexpr unsigned ranks = detail::TensorsBelow<Plain>::ranks; ranks != 0) {
+    for (const auto& t : tensors_of(const_cast<Plain&>(module))) detail::with_rank<M, ranks>(t, f);
+  }
+}
+
+/// Calls f(tensor of a, tensor of b), both `ModuleTensor`, for two modules of the same structure, perhaps over
+/// different backends. Throws shape_error 204 if they are not.
+template <class M, class N, class F>
+void zip_tensors(M& a, N& b, F f) {
+  const auto first = tensors_of(a);
+  const auto second = tensors_of(b);
+  if (first.size() != second.size())
+    raise<shape_error>(204, "zip_tensors: ", Index(first.size()), " and ", Index(second.size()), " tensors");
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    if (first[i].path != second[i].path)
+      raise<shape_error>(204, "zip_tensors: '", first[i].path, "' beside '", second[i].path, "'");
+    f(first[i], second[i]);
+  }
+}
+
+/// Numbers in all tensors of a module.
+template <Module M>
+Index parameter_count(const M& module) {
+  Index n = 0;
+  for (const auto& t : tensors_of(module)) n += t.shape().count();
+  return n;
+}
+
+namespace detail {
+
+template <class To, class From>
+void convert_module(To& to, const From& from);
+
+template <bool trainable, class To, class From>
+void convert_member(To& to, const From& from) {
+  if constexpr (is_tensor<To>) {
+    using B = typename To::backend;
+    const std::vector<typename B::scalar> values(from.span().begin(), from.span().end());
+    to = To::from(values, from.shape());
+    if constexpr (AutodiffBackend<B> && trainable) to = To(B::variable(B::value(to.data())));
+  } else if constexpr (Module<To>) {
+    convert_module(to, from);
+  } else if constexpr (is_vector<To>) {
+    to.resize(from.size());
+    for (std::size_t i = 0; i < from.size(); ++i) convert_member<trainable>(to[i], from[i]);
+  } else if constexpr (is_optional<To>) {
+    to.reset();
+    if (from) convert_member<trainable>(to.emplace(), *from);
+  } else if constexpr (std::is_same_v<To, From>) {
+    to = from;
+  } else {
+    to = To(from);  // tables that are computed, not stored
+  }
+}
+
+template <class To, class From>
+void convert_module(To& to, const From& from) {
+  auto member = [](const char*, auto& t, const auto& f) { convert_member<is_trainable<To>>(t, f); };
+  each_field(member, walk(to), walk(from));
+}
+
+}  // namespace detail
+
+/// The same model over another backend, with copies of all numbers. On an Autodiff backend every trainable tensor
+/// becomes a variable.
+template <Backend To, template <class> class M, class From>
+M<To> convert(const M<From>& model) {
+  M<To> out;
+  detail::convert_module(out, model);
+  return out;
+}
+/// From training to use: the model without a tape.
+template <template <class> class M, AutodiffBackend A>
+M<typename A::inner> to_inner(const M<A>& model) {
+  return convert<typename A::inner>(model);
+}
+
+namespace detail {
+
+/// Matrices, and what has the axes of a convolution's weight: (out, in, taps), (out, in, taps, 1).
+template <class B>
+bool has_panels(int rank) {
+  return PackingBackend<B> && rank >= 2 && rank <= 4;
+}
+
+/// Packs a weight; returns whether all its values are finite.
+template <PackingBackend B>
+bool pack_weight(const typename B::tensor& weight) {
+  const Shape shape = B::shape(weight);
+  if (shape.rank() < 4) return B::prepare(weight);
+  return B::prepare(B::reshape(weight, Shape{shape[0], shape[1], shape[2] * shape[3]}));
+}
+
+}  // namespace detail
+
+/// Makes a model ready for inference: weights of linear layers and convolutions are packed for the backend's kernels
+/// (and whatever else has two to four axes). The model must not be changed afterwards. Nothing happens on backends
+/// without such a layout.
+template <Module M>
+void prepare(M& model) {
+  using B = module_backend<M>;
+  if constexpr (PackingBackend<B>) {
+    for (const auto& t : tensors_of(model)) {
+      if (detail::has_panels<B>(t.rank)) detail::pack_weight<B>(*t.data);
+    }
+  }
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+template <Backend B>
+struct Linear {
+  Tensor<B, 2> weight;  // (out, in)
+  Tensor<B, 1> bias;    // (out)
+
+  static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias); }
+
+  Linear() = default;
+  /// PyTorch's initialisation: weight and bias uniform within 1 / sqrt(in).
+  Linear(Index in, Index out, Rng auto& rng)
+      : weight(uniform_init<B, 2>({out, in}, 1 / std::sqrt(static_cast<double>(in)), rng)),
+        bias(uniform_init<B, 1>({out}, 1 / std::sqrt(static_cast<double>(in)), rng)) {}
+
+  Index in() const { return weight.size(1); }
+  Index out() const { return weight.size(0); }
+
+  /// x (rows, in) -> dropout(act(x W^T + b)) + residual, (rows, out)
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x, Activation act = Activation::none,
+                          const Tensor<B, 2>* residual = nullptr, const Dropout& drop = {}) const {
+    const ModuleScope scope(*this);
+    return linear(x, weight, &bias, act, residual, drop);
+  }
+  Sequences<B> operator()(const Sequences<B>& x, Activation act = Activation::none) const {
+    const ModuleScope scope(*this);
+    return x.with((*this)(x.rows, act));
+  }
+  /// Any leading axes: (..., in) -> (..., out)
+  template <int R>
+  requires(R == 1 || R > 2) Tensor<B, R>
+  operator()(const Tensor<B, R>& x, Activation act = Activation::none) const {
+    const ModuleScope scope(*this);
+    const Shape s = x.shape();
+    Shape to = s;
+    to[R - 1] = out();
+    const Tensor<B, 2> rows(B::reshape(x.data(), Shape{s.count(0, R - 1), s[R - 1]}));
+    return Tensor<B, R>(B::reshape((*this)(rows, act).data(), to));
+  }
+};
+
+/// Linear layer without bias: y = x W^T.
+template <Backend B>
+struct LinearMap {
+  Tensor<B, 2> weight;  // (out, in)
+
+  static constexpr auto fields() { return motionlang::fields("weight", &LinearMap::weight); }
+
+  LinearMap() = default;
+  /// Initialised like the weight of Linear.
+  LinearMap(Index in, Index out, Rng auto& rng)
+      : weight(uniform_init<B, 2>({out, in}, 1 / std::sqrt(static_cast<double>(in)), rng)) {}
+
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
+    return linear<B>(x, weight, nullptr);
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+///     e = W2 silu(W1 pe[t])
+/// Source  MDM (Tevet et al. 2023), `TimestepEmbedder`; keys time_embed.0 and time_embed.2. The table pe is the one of
+///         the positions and belongs to the caller.
+template <Backend B>
+struct TimestepEmbedding {
+  Linear<B> in, out;
+
+  static constexpr auto fields() {
+    return motionlang::fields("time_embed.0", &TimestepEmbedding::in, "time_embed.2", &TimestepEmbedding::out);
+  }
+  TimestepEmbedding() = default;
+  TimestepEmbedding(Index width, Rng auto& rng) : in(width, width, rng), out(width, width, rng) {}
+
+  /// t: one step per sequence -> (sequences, width)
+  Tensor<B, 2> operator()(const Tensor<B, 2>& table, std::span<const Index> t) const {
+    const ModuleScope scope(*this);
+    return out(in(gather(table, t), Activation::silu));
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_NN_TRANSFORMER_ENCODER_HPP  // <motionlang/nn/transformer_encoder.hpp>
+#define MOTIONLANG_HAS_NN_TRANSFORMER_ENCODER_HPP
+/// Transformer encoder over packed sequences, post-norm or pre-norm.
+
+#ifndef MOTIONLANG_HAS_NN_FEED_FORWARD_HPP  // <motionlang/nn/feed_forward.hpp>
+#define MOTIONLANG_HAS_NN_FEED_FORWARD_HPP
+/// The second half of a transformer layer.
+
+#ifndef MOTIONLANG_HAS_NN_DROPOUT_HPP  // <motionlang/nn/dropout.hpp>
+#define MOTIONLANG_HAS_NN_DROPOUT_HPP
+/// Dropout that runs only when the call brings a generator.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The next mask of a context: probability 0 when there is no generator. Throws config_error 101 unless 0 <= p < 1.
+inline Dropout next_dropout(double p, const Context& context) {
+  detail::check_dropout({.p = p});
+  if (!context.dropout || p == 0) return {};
+  const Philox g = context.next_mask();
+  return {.p = p, .key = g.stream ^ (g.seed * 0x9E3779B97F4A7C15u)};
+}
+template <Backend B, int R>
+Tensor<B, R> dropout(const Tensor<B, R>& x, double p, const Context& context) {
+  return dropout(x, next_dropout(p, context));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// dropout(W2 dropout(act(W1 x))) + residual, row by row: Vaswani et al. (2017), equation 2, with PyTorch's dropout.
+template <Backend B>
+Tensor<B, 2> feed_forward(const Linear<B>& linear1, const Linear<B>& linear2, Activation activation,
+                          const Tensor<B, 2>& x, const Tensor<B, 2>& residual, double dropout_p,
+                          const Context& context) {
+  const auto inside = linear1(x, activation, nullptr, next_dropout(dropout_p, context));
+  return linear2(inside, Activation::none, &residual, next_dropout(dropout_p, context));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_NN_LAYER_NORM_HPP  // <motionlang/nn/layer_norm.hpp>
+#define MOTIONLANG_HAS_NN_LAYER_NORM_HPP
+/// Layer normalisation with gain and bias.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Ba, Kiros, Hinton (2016). eps = 1e-5, as everywhere in the published systems.
+template <Backend B>
+struct LayerNorm {
+  Tensor<B, 1> weight, bias;  // (width)
+  double eps = 1e-5;
+
+  static constexpr auto fields() {
+    return motionlang::fields("weight", &LayerNorm::weight, "bias", &LayerNorm::bias, "eps", &LayerNorm::eps);
+  }
+  LayerNorm() = default;
+  explicit LayerNorm(Index width) : weight(constant_init<B, 1>({width}, 1)), bias(constant_init<B, 1>({width}, 0)) {}
+
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
+    return layer_norm(x, weight, bias, eps);
+  }
+  /// The norm of x + residual.
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Tensor<B, 2>& residual) const {
+    const ModuleScope scope(*this);
+    return add_layer_norm(x, residual, weight, bias, eps);
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_NN_MULTIHEAD_ATTENTION_HPP  // <motionlang/nn/multihead_attention.hpp>
+#define MOTIONLANG_HAS_NN_MULTIHEAD_ATTENTION_HPP
+/// Multi-head attention with PyTorch's packing of the projections.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Throws config_error 101 if the heads do not divide the width. In a constant expression the compiler refuses it.
+constexpr void check_heads(Index width, Index heads) {
+  if (heads < 1 || width % heads != 0) {
+    raise<config_error>(101, "MultiheadAttention: ", heads, " heads do not divide width ", width);
+  }
+}
+
+/// Vaswani et al. (2017), section 3.2.2. `in_proj_weight` (3 width, width) holds the rows of query, key and value in
+/// that order.
+template <Backend B>
+struct MultiheadAttention {
+  Tensor<B, 2> in_proj_weight;
+  Tensor<B, 1> in_proj_bias;
+  Linear<B> out_proj;
+  Index heads = 1;
+  double dropout_p = 0.1;  // on the attention weights
+
+  static constexpr auto fields() {
+    using M = MultiheadAttention;
+    return motionlang::fields("in_proj_weight", &M::in_proj_weight, "in_proj_bias", &M::in_proj_bias, "out_proj",
+                              &M::out_proj, "heads", &M::heads, "dropout_p", &M::dropout_p);
+  }
+  MultiheadAttention() = default;
+  /// Throws config_error 101 if the heads do not divide the width.
+  MultiheadAttention(Index width, Index heads_, double dropout, Rng auto& rng)
+      : in_proj_weight(xavier_uniform<B>({3 * width, width}, rng)),
+        in_proj_bias(constant_init<B, 1>({3 * width}, 0)),
+        out_proj(width, width, rng),
+        heads(heads_),
+        dropout_p(dropout) {
+    check_heads(width, heads);
+    out_proj.bias = constant_init<B, 1>({width}, 0);
+  }
+
+  /// x (rows, width) attends to itself within each sequence; the result is projected, dropped out with probability
+  /// `drop` (where the context brings a generator) and added to `residual`.
+  Tensor<B, 2> self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context,
+                    const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
+    return attend(project(x), offsets, context, residual, causal, drop);
+  }
+  /// Queries, keys and values of each row, (rows, 3 width).
+  Tensor<B, 2> project(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
+    return linear(x, in_proj_weight, &in_proj_bias);
+  }
+  /// `self` behind `project`.
+  Tensor<B, 2> attend(Tensor<B, 2> qkv, const Offsets& offsets, const Context& context,
+                      const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
+    const ModuleScope scope(*this);
+    const auto read = self_attention(std::move(qkv), offsets,
+                                     {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
+    return out_proj(read, Activation::none, residual, next_dropout(drop, context));
+  }
+  /// x attends to `memory`. Where every memory has one row, softmax over one key is 1 and the result is that row's
+  /// value.
+  Tensor<B, 2> cross(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
+                     const Context& context) const {
+    const ModuleScope scope(*this);
+    const Index d = x.size(1);
+    auto project = [&](const Tensor<B, 2>& t, Index first, Index last) {
+      const auto bias = slice(in_proj_bias, 0, first * d, last * d);
+      return linear(t, slice(in_proj_weight, 0, first * d, last * d), &bias);
+    };
+    const auto q = project(x, 0, 1), k = project(memory.rows, 1, 2), v = project(memory.rows, 2, 3);
+    return out_proj(
+        attention(q, k, v, offsets, memory.offsets, {.heads = heads, .dropout = next_dropout(dropout_p, context)}));
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_NN_RECOMPUTE_HPP  // <motionlang/nn/recompute.hpp>
+#define MOTIONLANG_HAS_NN_RECOMPUTE_HPP
+/// Layers whose inside is calculated again in the backward pass, where the context asks for it.
+
+#ifndef MOTIONLANG_HAS_TENSOR_GRADIENT_HPP  // <motionlang/tensor/gradient.hpp>
+#define MOTIONLANG_HAS_TENSOR_GRADIENT_HPP
+/// Differentiation as user code sees it: variables, `backward`, and gradients as a value.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// What `backward` returns: the gradient of every variable, on the inner backend.
+template <AutodiffBackend A>
+class Gradients {
+ public:
+  explicit Gradients(typename A::GradientMap map) : map_(std::move(map)) {}
+
+  /// Gradient of a variable; zeros if the loss does not depend on it. Throws config_error 102 for a constant and for
+  /// the result of an operation: only variables have gradients.
+  template <int R>
+  Tensor<typename A::inner, R> operator[](const Tensor<A, R>& variable) const {
+    const auto& node = variable.data().node;
+    if (node == nullptr || !node->variable) {
+      raise<config_error>(102, "Gradients: a tensor ", variable.shape(), " is ",
+                          node == nullptr ? "a constant" : "the result of an operation", ", not a variable");
+    }
+    const auto* g = find(variable.data());
+    return g != nullptr ? Tensor<typename A::inner, R>(*g) : Tensor<typename A::inner, R>::zeros(variable.shape());
+  }
+  /// Null if the loss does not depend on it, or if it is a constant.
+  const typename A::Value* find(const typename A::tensor& variable) const {
+    const auto it = map_.find(variable.node.get());
+    return it == map_.end() ? nullptr : &it->second;
+  }
+
+ private:
+  typename A::GradientMap map_;
+};
+
+/// Gradients of a scalar with respect to all variables behind it. Only for Autodiff backends.
+template <Backend A>
+auto backward(const Tensor<A, 0>& loss) {
+  static_assert(AutodiffBackend<A>,
+                "motionlang::backward(loss) requires a loss computed on Autodiff<B>; this backend keeps no graph");
+  return Gradients<A>(A::gradients(loss.data()));
+}
+
+/// y, of which the graph keeps `inputs` and not what led from them to y: the backward pass calls again(inputs...),
+/// which has to give y once more. Training needs the memory of one such piece instead of all, for a second forward
+/// pass.
+/// Source   Chen, Xu, Zhang, Guestrin: "Training deep nets with sublinear memory cost" (2016), section 4.1
+/// Caution  `again` is copied and called by `backward`: it may hold parameters and constants, but what has been
+///          calculated has to be an input (config_error 102). Gradients are the same bits as without
+template <AutodiffBackend A, int R, class F, int... Q>
+Tensor<A, R> keep_inputs(const Tensor<A, R>& y, F again, const Tensor<A, Q>&... inputs) {
+  return Tensor<A, R>(A::checkpoint(
+      y.data(), [again = std::move(again)](const auto&... values) { return again(Tensor<A, Q>(values)...).data(); },
+      inputs.data()...));
+}
+/// f(inputs...), of which the graph keeps the inputs only.
+template <class F, AutodiffBackend A, int... Q>
+auto checkpoint(const F& f, const Tensor<A, Q>&... inputs) {
+  return keep_inputs(f(inputs...), f, inputs...);
+}
+
+/// A leaf that gradients are wanted for.
+template <AutodiffBackend A, int R>
+Tensor<A, R> variable(const Tensor<typename A::inner, R>& value) {
+  return Tensor<A, R>(A::variable(value.data()));
+}
+/// The plain value of a differentiable tensor.
+template <AutodiffBackend A, int R>
+Tensor<typename A::inner, R> value_of(const Tensor<A, R>& t) {
+  return Tensor<typename A::inner, R>(A::value(t.data()));
+}
+/// The same value as a constant: gradients stop here. Where there are none it is the tensor itself.
+template <Backend B, int R>
+Tensor<B, R> stop_gradient(const Tensor<B, R>& t) {
+  if constexpr (AutodiffBackend<B>)
+    return Tensor<B, R>(typename B::tensor{B::value(t.data()), nullptr});
+  else
+    return t;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// layer(x, offsets, context). With `context.recompute` the graph keeps x and a copy of the layer's handles; what
+/// happens inside is calculated once more with the same dropout masks, so gradients are the same bits.
+template <class Layer, Backend B>
+Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets& offsets, const Context& context) {
+  if constexpr (AutodiffBackend<B>) {
+    if (context.recompute) {
+      auto again = [layer, offsets, before = context](const Tensor<B, 2>& rows) {
+        return layer(rows, offsets, Context(before));
+      };
+      return keep_inputs(layer(x, offsets, context), std::move(again), x);
+    }
+  }
+  return layer(x, offsets, context);
+}
+/// The same for layers that read a memory: layer(x, offsets, memory, context).
+template <class Layer, Backend B>
+Tensor<B, 2> run_layer(const Layer& layer, const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
+                       const Context& context) {
+  if constexpr (AutodiffBackend<B>) {
+    if (context.recompute) {
+      auto again = [layer, offsets, of_memory = memory.offsets, before = context](const Tensor<B, 2>& rows,
+                                                                                  const Tensor<B, 2>& memory_rows) {
+        return layer(rows, offsets, Sequences<B>(memory_rows, of_memory), Context(before));
+      };
+      return keep_inputs(layer(x, offsets, memory, context), std::move(again), x, memory.rows);
+    }
+  }
+  return layer(x, offsets, memory, context);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP  // <motionlang/nn/sequence_groups.hpp>
+#define MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_HPP
+/// A few sequences of a batch at a time through a whole stack of layers, every thread with its own.
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+/// How threads share sequences: the thread of each of the first ones.
+using SequenceShares = PoolVector<Index>;
+/// Each sequence goes to the thread that has the fewest rows so far. As many sequences as make equal shares: no thread
+/// has a twentieth more than the mean, and that is at least the 128 rows from which on it pays to read all weights in
+/// every thread. None if there is no such number.
+SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads);
+
+/// All sequences, the longest first: shares become more equal.
+PoolVector<Index> longest_first(const Offsets& offsets);
+
+/// The first sequences that have at most so many rows together; at least one. There must be one.
+std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows);
+
+/// Calls put(group) for the sequences that each thread has, in groups of at most so many rows. All threads at once.
+template <class F>
+void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads,
+                Index rows, const F& put) {
+  const auto modules = ModulePath::steps();  // a copy: this thread goes into modules itself
+  parallel_for(threads, [&](Index thread) {
+    const ModulePath::Continued path(modules);
+    PoolVector<Index> mine;
+    for (std::size_t i = 0; i < thread_of.size(); ++i) {
+      if (thread_of[i] == thread) mine.push_back(order[i]);
+    }
+    for (std::span<const Index> left(mine), group; !left.empty(); left = left.subspan(group.size())) {
+      group = first_group(offsets, left, rows);
+      put(group);
+    }
+  });
+}
+
+/// The rows f(which) of the sequences `which` (a span of their numbers), where each has the rows `results` of `width`
+/// numbers. f treats each sequence on its own, so that it can be called for a few at a time, as many as have
+/// B::rows_in_cache() rows (a longer one alone): what one layer writes is still in the cache when the next reads it.
+/// Threads that can share the sequences evenly go through the layers without waiting for each other; what is left over
+/// they do together. The numbers are those of all at once. Where the backend says nothing, gradients are kept or
+/// dropout counts rows, f is called for all at once. Weights that were not prepared are packed for every group.
+template <Backend B, class F>
+Tensor<B, 2> in_groups(const Offsets& offsets, const Offsets& results, Index width, const Context& context, F f) {
+  const auto whole = [&] {
+    PoolVector<Index> all;
+    for (Index s = 0; s < offsets.count(); ++s) all.push_back(s);
+    return f(std::span<const Index>(all));
+  };
+  if constexpr (requires { B::rows_in_cache(); }) {
+    const RowsTogether in_any_groups(offsets.rows());
+    const Index threads = parallel_width(), at_once = B::rows_in_cache(), together = RowsTogether::count();
+    const PoolVector<Index> order = longest_first(offsets);
+    const bool grouped = offsets.rows() > at_once || !share_sequences(offsets, order, threads).empty();
+    if (grouped && !context.dropout) {
+      typename B::tensor y(Shape{results.rows(), width});
+      const auto put = [&, out = y.data()](std::span<const Index> which) {
+        const RowsTogether as_here(together);
+        const auto rows = f(which);
+        const auto* from = rows.span().data();
+        for (Index s : which) {
+          const Index n = results.length(s) * width;
+          std::copy(from, from + n, out + results.begin(s) * width);
+          from += n;
+        }
+      };
+      for (std::span<const Index> left(order); !left.empty();) {
+        const SequenceShares shares = share_sequences(offsets, left, threads);
+        const auto next = shares.empty() ? first_group(offsets, left, at_once) : left.first(shares.size());
+        if (shares.empty())
+          put(next);
+        else
+          put_shares(offsets, next, shares, threads, at_once / threads, put);
+        left = left.subspan(next.size());
+      }
+      return Tensor<B, 2>(std::move(y));
+    }
+    return whole();
+  }
+  return whole();
+}
+/// The same with f(some), `some` being these sequences of x, and results as wide as x.
+template <Backend B, class F>
+Tensor<B, 2> in_groups(const Sequences<B>& x, const Offsets& results, const Context& context, F f) {
+  const auto some = [&](std::span<const Index> which) { return f(some_sequences(x, which)); };
+  return in_groups<B>(x.offsets, results, x.width(), context, some);
+}
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_IPP  // <motionlang/nn/sequence_groups.ipp>
+#define MOTIONLANG_HAS_NN_SEQUENCE_GROUPS_IPP
+// Bodies of sequence_groups.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> order, Index threads) {
+  SequenceShares out;
+  if (threads == 1) return out;
+  PoolVector<Index> rows(static_cast<std::size_t>(threads)), thread_of;
+  Index total = 0;
+  std::size_t shared = 0;
+  for (Index s : order) {
+    Index* const fewest = std::min_element(rows.begin(), rows.end());
+    thread_of.push_back(fewest - rows.begin());
+    *fewest += offsets.length(s);
+    total += offsets.length(s);
+    const Index most = *std::max_element(rows.begin(), rows.end());
+    if (total >= 128 * threads && most * threads * 20 <= total * 21) shared = thread_of.size();
+  }
+  for (std::size_t i = 0; i < shared; ++i) out.push_back(thread_of[i]);
+  return out;
+}
+
+MOTIONLANG_BODY PoolVector<Index> longest_first(const Offsets& offsets) {
+  PoolVector<Index> order;
+  for (Index s = 0; s < offsets.count(); ++s) order.push_back(s);
+  sort(order, [&](Index a, Index b) {
+    return offsets.length(a) != offsets.length(b) ? offsets.length(a) > offsets.length(b) : a < b;
+  });
+  return order;
+}
+
+MOTIONLANG_BODY std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows) {
+  std::size_t size = 0;
+  Index sum = 0;
+  do sum += offsets.length(order[size++]);
+  while (size < order.size() && sum + offsets.length(order[size]) <= rows);
+  return order.first(size);
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct TransformerConfig {
+  Index d_model = 512;
+  Index heads = 4;
+  Index d_ff = 1024;
+  Index layers = 8;
+  Activation activation = Activation::gelu;
+  bool norm_first = false;
+  double dropout = 0.1;
+  bool causal = false;
+
+  /// Itself. A constant configuration is checked while compiling:
+  ///     constexpr auto config = TransformerConfig{.d_model = 256, .heads = 4}.checked();
+  constexpr const TransformerConfig& checked() const {
+    check_heads(d_model, heads);
+    return *this;
+  }
+};
+
+///     post-norm   x = LN1(x + SA(x));      x = LN2(x + W2 act(W1 x))
+///     pre-norm    x = x + SA(LN1 x);       x = x + W2 act(W1 LN2 x)
+/// Source  Vaswani et al. (2017), section 3.1; pre-norm: Xiong et al. (2020). Parameter names of PyTorch. Dropout (only
+///         with a context) after both halves, inside the feed-forward part and on the attention weights, as PyTorch has
+///         it.
+template <Backend B>
+struct TransformerEncoderLayer {
+  MultiheadAttention<B> self_attn;
+  Linear<B> linear1, linear2;
+  LayerNorm<B> norm1, norm2;
+  Activation activation = Activation::gelu;
+  bool norm_first = false, causal = false;
+  double dropout_p = 0.1;
+
+  static constexpr auto fields() {
+    using M = TransformerEncoderLayer;
+    return motionlang::fields("self_attn", &M::self_attn, "linear1", &M::linear1, "linear2", &M::linear2, "norm1",
+                              &M::norm1, "norm2", &M::norm2, "activation", &M::activation, "norm_first", &M::norm_first,
+                              "causal", &M::causal, "dropout_p", &M::dropout_p);
+  }
+  TransformerEncoderLayer() = default;
+  TransformerEncoderLayer(const TransformerConfig& c, Rng auto& rng)
+      : self_attn(c.d_model, c.heads, c.dropout, rng),
+        linear1(c.d_model, c.d_ff, rng),
+        linear2(c.d_ff, c.d_model, rng),
+        norm1(c.d_model),
+        norm2(c.d_model),
+        activation(c.activation),
+        norm_first(c.norm_first),
+        causal(c.causal),
+        dropout_p(c.dropout) {}
+
+  /// x (rows, width) -> (rows, width)
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context = {}) const {
+    const ModuleScope scope(*this);
+    return behind_project(x, project(x), offsets, context);
+  }
+  /// Queries, keys and values of each row, (rows, 3 width).
+  Tensor<B, 2> project(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
+    return self_attn.project(norm_first ? norm1(x) : x);
+  }
+  /// The layer behind `project`.
+  Tensor<B, 2> behind_project(const Tensor<B, 2>& x, Tensor<B, 2> qkv, const Offsets& offsets,
+                              const Context& context = {}) const {
+    const ModuleScope scope(*this);
+    const auto attended = self_attn.attend(std::move(qkv), offsets, context, &x, causal, dropout_p);
+    if (norm_first) return feed(norm2(attended), attended, context);
+    const auto y = norm1(attended);
+    return norm2(feed(y, y, context));
+  }
+
+ private:
+  Tensor<B, 2> feed(const Tensor<B, 2>& x, const Tensor<B, 2>& residual, const Context& context) const {
+    return feed_forward(linear1, linear2, activation, x, residual, dropout_p, context);
+  }
+};
+
+/// A stack of layers. None of the published stacks has a final norm.
+template <Backend B>
+struct TransformerEncoder {
+  std::vector<TransformerEncoderLayer<B>> layers;
+
+  static constexpr auto fields() { return motionlang::fields("layers", &TransformerEncoder::layers); }
+
+  TransformerEncoder() = default;
+  TransformerEncoder(const TransformerConfig& c, Rng auto& rng) {
+    for (Index i = 0; i < c.layers; ++i) layers.emplace_back(c, rng);
+  }
+
+  Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
+    return x.with(detail::in_groups(x, x.offsets, context, [&](Sequences<B> some) {
+      for (std::size_t i = 0; i < layers.size(); ++i)
+        some.rows = run_layer(layers[i], some.rows, some.offsets, context);
+      return some.rows;
+    }));
+  }
+  /// Of sequences that end alike: sequence j has the rows of heads[j], then those of tails[i], where uses.begin(i) <= j
+  /// < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail is computed once.
+  /// No dropout. Throws shape_error 204 for other numbers of heads or tails.
+  Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
+    const ModuleScope scope(*this);
+    const Offsets repeated = repeat_lengths(tails.offsets, uses);
+    if (heads.count() != repeated.count())
+      raise<shape_error>(204, "with_tails: ", heads.count(), " heads for ", repeated.count(), " uses of ",
+                         tails.count(), " tails");
+    PoolVector<Index> lengths;
+    for (Index j = 0; j < heads.count(); ++j) lengths.push_back(heads.offsets.length(j) + repeated.length(j));
+    const Offsets offsets{std::span<const Index>(lengths)};
+    const PoolVector<Index> tail_of = sequence_of_row(uses);
+    const auto distinct = concat(0, heads.rows, tails.rows);
+    const auto projected = layers.empty() ? distinct : layers.front().project(distinct);
+    const auto encode = [&](std::span<const Index> which) {
+      PoolVector<Index> pick;
+      for (Index j : which) {
+        const Index i = tail_of[static_cast<std::size_t>(j)];
+        for (Index r = heads.offsets.begin(j); r < heads.offsets.end(j); ++r) pick.push_back(r);
+        for (Index r = tails.offsets.begin(i); r < tails.offsets.end(i); ++r) pick.push_back(heads.offsets.rows() + r);
+      }
+      const Offsets some = detail::some_sequences(offsets, which);
+      auto rows = gather(distinct, pick);
+      for (std::size_t i = 0; i < layers.size(); ++i)
+        rows = i == 0 ? layers[i].behind_project(rows, gather(projected, pick), some) : layers[i](rows, some);
+      return rows;
+    };
+    return {detail::in_groups<B>(offsets, offsets, heads.width(), {}, encode), offsets};
+  }
+  /// (batch, time, width), all of one length.
+  Tensor<B, 3> operator()(const Tensor<B, 3>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
+    return reshape<3>((*this)(from_equal(x), context).rows, {x.size(0), x.size(1), x.size(2)});
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Published sizes (27 M parameters).
+struct MdmSmplConfig {
+  static constexpr bool is_option = true;  // holds no tensors
+  Index nfeats = 205;
+  Index tx_dim = 512;
+  Index latent_dim = 512;
+  Index ff_size = 2048;
+  Index num_layers = 8;
+  Index num_heads = 8;
+  Index nb_registers = 2;  // may be none
+  double dropout = 0.1;
+  Activation activation = Activation::gelu;
+  Index max_len = 1024;  // of a sequence with its tokens, and of the diffusion steps
+
+  /// Frames that fit behind the tokens of time and of a text of one token.
+  Index longest_crop() const { return max_len - 2 - nb_registers; }
+};
+
+/// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder;
+/// the frames are read off its end.
+/// Source   thesis 6.2.4 ("Multi-track timeline control", Petrovich et al. 2024); nv-tlabs/stmc src/model/mdm_smpl.py,
+///          whose state-dict keys (behind "denoiser.") are the field names
+/// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of
+///          the batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) none
+///          does.
+/// Differs  from MDM: pre-norm, a text projection of two layers, register tokens, masks (here: packed sequences)
+template <Backend B>
+struct MdmSmplDenoiser {
+  std::optional<Tensor<B, 2>> registers;  // (nb_registers, latent_dim); without any, files have no such tensor
+  Linear<B> text_in, text_out;
+  LayerNorm<B> text_norm;
+  Linear<B> skel_embedding;
+  TimestepEmbedding<B> timestep_encoder;
+  TransformerEncoder<B> seqTransEncoder;
+  Linear<B> to_skel_layer;
+  PositionTable<B> positions;
+  double dropout_p = 0.1;
+
+  static constexpr auto fields() {
+    using M = MdmSmplDenoiser;
+    return motionlang::fields("registers", &M::registers, "tx_embedding.0", &M::text_in, "tx_embedding.2", &M::text_out,
+                              "tx_embedding.3", &M::text_norm, "skel_embedding", &M::skel_embedding, "timestep_encoder",
+                              &M::timestep_encoder, "seqTransEncoder", &M::seqTransEncoder, "to_skel_layer",
+                              &M::to_skel_layer, "positions", &M::positions, "dropout_p", &M::dropout_p);
+  }
+  MdmSmplDenoiser() = default;
+  MdmSmplDenoiser(const MdmSmplConfig& c, Rng auto& rng)
+      : registers(c.nb_registers > 0 ? std::optional(normal_init<B, 2>({c.nb_registers, c.latent_dim}, 1, rng))
+                                     : std::nullopt),
+        text_in(c.tx_dim, 2 * c.latent_dim, rng),
+        text_out(2 * c.latent_dim, c.latent_dim, rng),
+        text_norm(c.latent_dim),
+        skel_embedding(c.nfeats, c.latent_dim, rng),
+        timestep_encoder(c.latent_dim, rng),
+        seqTransEncoder({.d_model = c.latent_dim,
+                         .heads = c.num_heads,
+                         .d_ff = c.ff_size,
+                         .layers = c.num_layers,
+                         .activation = c.activation,
+                         .norm_first = true,
+                         .dropout = c.dropout},
+                        rng),
+        to_skel_layer(c.latent_dim, c.nfeats, rng),
+        positions(c.max_len, c.latent_dim),
+        dropout_p(c.dropout) {}
+
+  /// Behind the tokens for time and text and the registers.
+  DenoiserTraits traits() const {
+    return {.longest_crop =
+                MdmSmplConfig{.nb_registers = register_count(), .max_len = positions.rows().size(0)}.longest_crop(),
+            .mates = BatchMates::longest_text};
+  }
+
+  Index register_count() const { return registers ? registers->size(0) : 0; }
+  /// (sequences, latent)
+  Tensor<B, 2> time_tokens(std::span<const Index> t) const { return timestep_encoder(positions.rows(), t); }
+  /// Token by token.
+  Sequences<B> text_tokens(const TextFeatures<B>& text) const {
+    return text.tokens.with(text_norm(text_out(text_in(text.tokens.rows, Activation::gelu))));
+  }
+  /// The tokens of the texts, which are the same at every step.
+  struct EncodedText {
+    Sequences<B> tokens;
+    Index padded_tokens = 0;  // as in TextFeatures
+
+    Index places() const { return std::max(padded_tokens, tokens.offsets.longest()); }
+  };
+  EncodedText encode(const TextFeatures<B>& text) const { return {text_tokens(text), text.padded_tokens}; }
+
+  /// What enters the first layer.
+  Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text) const {
+    check_counts(x.count(), t, text);
+    const auto tokens = concat_tokens(head_tokens(t, text), x.with(skel_embedding(x.rows)));
+    return add_positions(tokens, positions.rows(), gaps(text));
+  }
+  Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text) const {
+    return sequence(x, t, encode(text));
+  }
+  /// Sequence i with each of the texts uses.begin(i) ... uses.end(i) - 1, without dropout: what they have in common is
+  /// computed once. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
+  Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
+                          const EncodedText& text) const {
+    const ModuleScope scope(*this);
+    check_counts(uses.rows(), t, text);
+    const Offsets lengths = repeat_lengths(x.offsets, uses);
+    const auto heads = add_positions(head_tokens(t, text), positions.rows(), gaps(text));
+    const PoolVector<PositionGap> before(static_cast<std::size_t>(x.count()),
+                                         {0, 1 + text.places() + register_count()});
+    const auto frames = add_positions(x.with(skel_embedding(x.rows)), positions.rows(), before);
+    return to_skel_layer(last_rows(seqTransEncoder.with_tails(heads, frames, uses), lengths));
+  }
+  Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
+                          const Context& context = {}) const {
+    const ModuleScope scope(*this);
+    return (*this)(x, t, encode(text), context);
+  }
+  Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text,
+                          const Context& context = {}) const {
+    const ModuleScope scope(*this);
+    auto tokens = sequence(x, t, text);
+    if (context.dropout) tokens = tokens.with(dropout(tokens.rows, dropout_p, context));
+    return to_skel_layer(last_rows(seqTransEncoder(tokens, context), x.offsets));
+  }
+
+ private:
+  static void check_counts(Index n, std::span<const Index> t, const EncodedText& text) {
+    if (text.tokens.count() == n && static_cast<Index>(t.size()) == n) return;
+    raise<shape_error>(204, "MdmSmplDenoiser: ", n, " sequences, ", text.tokens.count(), " texts, ", t.size(),
+                       " steps");
+  }
+  /// What stands in front of the frames, without positions.
+  Sequences<B> head_tokens(std::span<const Index> t, const EncodedText& text) const {
+    const Sequences<B> time(time_tokens(t), Offsets::equal(text.tokens.count(), 1));
+    if (!registers) return concat_tokens(time, text.tokens);
+    return concat_tokens(time, text.tokens, repeat_sequence(*registers, text.tokens.count()));
+  }
+  /// What follows a text stands where it would behind the longest text of the batch, and its padding.
+  static PoolVector<PositionGap> gaps(const EncodedText& text) {
+    const Offsets& texts = text.tokens.offsets;
+    PoolVector<PositionGap> out;
+    for (Index s = 0; s < texts.count(); ++s) out.push_back({1 + texts.length(s), text.places() - texts.length(s)});
+    return out;
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_HPP  // <motionlang/features/layout.hpp>
+#define MOTIONLANG_HAS_FEATURES_LAYOUT_HPP
+/// Which numbers of a feature vector belong to which body part, and what they mean. Composition needs nothing but the
+/// former from a representation.
+///
+/// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity; what
+///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule. In
+///         other bodies the part with the path takes the place of the legs.
+///         Meanings and units: HumanML3D motion_representation.ipynb; STMC src/tools/smplrifke_feats.py; TEMOS
+///         temos/transforms/joints2jfeats/rifke.py; TMR src/rifke.py
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Half-open range of positions.
+struct IndexRange {
+  Index begin = 0, end = 0;
+  constexpr Index size() const { return end - begin; }
+  bool operator==(const IndexRange&) const = default;
+};
+
+/// What numbers of a feature vector mean. A table of these covers the vector without gap or overlap.
+struct FeatureRange {
+  IndexRange numbers;
+  std::string_view meaning;  // with `joints`: of each of them
+  std::string_view unit;     // "1": none; frames are those of the features
+  IndexRange joints{};       // they follow one another, each with as many numbers; empty: the root's numbers, contacts
+};
+
+/// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
+/// and their ranges, or `from_owner`:
+///
+///     const auto owner = [](Index i) { return i < 40 ? BodyPart::legs : BodyPart::head; };
+///     auto layout = FeatureLayout::from_owner("my features", 64, owner);
+struct FeatureLayout {
+  std::string name;
+  Index size = 0;                                              // numbers of one frame
+  std::array<std::vector<IndexRange>, most_body_parts> parts;  // ascending and separate, in the order of the parts
+  BodyPartition body{};                                        // whose parts; the human body unless given
+
+  /// From a function position -> BodyPart, or the number of a part. Throws config_error 102 for a part that the body
+  /// does not have.
+  template <class F>
+  static FeatureLayout from_owner(std::string name, Index size, F owner) {
+    return from_owner(std::move(name), size, BodyPartition(), std::move(owner));
+  }
+  template <class F>
+  static FeatureLayout from_owner(std::string name, Index size, BodyPartition body, F owner) {
+    FeatureLayout layout{std::move(name), size, {}, std::move(body)};
+    for (Index i = 0; i < size; ++i) {
+      const auto part = static_cast<Index>(owner(i));
+      if (part < 0 || part >= layout.body.size())
+        raise<config_error>(102, "FeatureLayout '", layout.name, "': number ", i, " belongs to part ", part, " of ",
+                            layout.body.size());
+      auto& ranges = layout.parts[static_cast<std::size_t>(part)];
+      if (ranges.empty() || ranges.back().end != i) ranges.push_back({i, i});
+      ranges.back().end = i + 1;
+    }
+    return layout;
+  }
+
+  const std::vector<IndexRange>& ranges(BodyPart part) const { return parts[static_cast<std::size_t>(part)]; }
+
+  /// All positions of a part, ascending.
+  std::vector<Index> indices(BodyPart part) const;
+
+  /// Throws config_error 102 unless the ranges cover 0 ... size-1, each position once, and belong to parts of the body.
+  void validate() const;
+  bool operator==(const FeatureLayout&) const = default;
+};
+
+/// smplrifke: 4 root numbers, 6D rotations of `rotations` joints, positions of joints 1 ... J-1: 4 + 6 * 22 + 3 * 23 =
+/// 205 for SMPL.
+FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint, Index rotations = 22,
+                               const BodyPartition& body = {});
+
+/// What the numbers of `smplrifke_layout` mean. World: Z up.
+inline constexpr std::array<FeatureRange, 6> smplrifke_ranges{{
+    {{0, 1}, "height of the pelvis above the lowest joint of the clip", "m"},
+    {{1, 3}, "velocity of the pelvis to the next frame, seen from the body: x, y", "m/frame"},
+    {{3, 4}, "turn of the heading to the next frame", "rad/frame"},
+    {{4, 10}, "rotation in the world without the heading: the first two rows of the matrix", "1", {0, 1}},
+    {{10, 136}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 22}},
+    {{136, 205}, "position relative to the pelvis, seen from the body: x, y, z", "m", {1, 24}},
+}};
+
+/// Where things are in the vector of HumanML3D (22 joints: 263 numbers) and of KIT (21: 251); 12 J - 1 in all.
+///
+///     0              turn of the heading to the next frame: half the angle, radians
+///     1:3            velocity of the root along x and z, seen from the body of the next frame
+///     3              height of the root
+///     positions      joints 1 ... J-1 seen from the body, heights above the floor: 3 each
+///     rotations      joints 1 ... J-1: two columns of the matrix, 6 each
+///     velocities     joints 0 ... J-1 to the next frame, seen from the body: 3 each
+///     contacts       left ankle, left toes, right ankle, right toes: 1 if they stand, else 0
+struct Guoh3dSlots {
+  Index joints = 22;
+
+  constexpr IndexRange positions() const { return {4, 4 + 3 * (joints - 1)}; }
+  constexpr IndexRange rotations() const { return {positions().end, positions().end + 6 * (joints - 1)}; }
+  constexpr IndexRange velocities() const { return {rotations().end, rotations().end + 3 * joints}; }
+  constexpr IndexRange contacts() const { return {velocities().end, velocities().end + 4}; }
+  constexpr Index size() const { return contacts().end; }
+  /// The seven groups whose deviations are published as one number each.
+  constexpr std::array<IndexRange, 7> groups() const {
+    return {{{0, 1}, {1, 3}, {3, 4}, positions(), rotations(), velocities(), contacts()}};
+  }
+};
+
+/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs, or to
+/// the part with the path.
+FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
+                                 const BodyPartition& body = {});
+
+namespace detail {
+
+constexpr std::array<FeatureRange, 7> guoh3dfeats_ranges_of(const Guoh3dSlots& slots, std::string_view length,
+                                                            std::string_view speed, std::string_view contacts) {
+  const auto [turn, velocity, height, positions, rotations, velocities, feet] = slots.groups();
+  return {{
+      {turn, "half the turn of the heading to the next frame", "rad/frame"},
+      {velocity, "velocity of the root to the next frame, seen from the body of the next frame: x, z", speed},
+      {height, "height of the root above the floor", length},
+      {positions, "position from the floor below the root, seen from the body: x, y, z", length, {1, slots.joints}},
+      {rotations,
+       "rotation of the bone that ends here relative to the one before it in its chain, of the first to the root: "
+       "the first two columns of the matrix",
+       "1",
+       {1, slots.joints}},
+      {velocities, "velocity to the next frame, seen from the body: x, y, z", speed, {0, slots.joints}},
+      {feet, contacts, "1"},
+  }};
+}
+
+}  // namespace detail
+
+/// What the numbers of `guoh3dfeats_layout` mean: of HumanML3D, and of KIT with MMM's joints. World: Y up.
+inline constexpr auto guoh3dfeats_ranges = detail::guoh3dfeats_ranges_of(
+    {22}, "m", "m/frame", "left ankle, left foot, right ankle, right foot: 1 if it stands, else 0");
+inline constexpr auto kit_ranges =
+    detail::guoh3dfeats_ranges_of({21}, "m/640", "m/640/frame", "RMrot, RF, LMrot, LF: 1 if it stands, else 0");
+
+/// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67
+/// for SMPL's 22 joints and with `kit_part_of_joint` TEMOS's 64.
+FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
+                           const BodyPartition& body = {});
+
+/// What the numbers of `rifke_layout` mean: of TMR, Z up, and of TEMOS on KIT, Y up.
+inline constexpr std::array<FeatureRange, 4> rifke_ranges{{
+    {{0, 1}, "height of the root", "m"},
+    {{1, 64}, "position from the ground below the root, seen from the body: x, y, z", "m", {1, 22}},
+    {{64, 65}, "turn of the heading to the next frame", "rad/frame"},
+    {{65, 67}, "velocity of the root to the next frame, seen from the body: x, y", "m/frame"},
+}};
+inline constexpr std::array<FeatureRange, 4> rifke64_ranges{{
+    {{0, 1}, "height of the root above the floor", "m/640"},
+    {{1, 61}, "position from the floor below the root, seen from the body: x, y, z", "m/640", {1, 21}},
+    {{61, 62}, "turn of the heading since the frame before", "rad/frame"},
+    {{62, 64}, "velocity of the root since the frame before, seen from the body: x, z", "m/640/frame"},
+}};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_LAYOUT_IPP  // <motionlang/features/layout.ipp>
+#define MOTIONLANG_HAS_FEATURES_LAYOUT_IPP
+// Bodies of layout.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<Index> FeatureLayout::indices(BodyPart part) const {
+  std::vector<Index> out;
+  for (const IndexRange& r : ranges(part)) {
+    for (Index i = r.begin; i < r.end; ++i) out.push_back(i);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY void FeatureLayout::validate() const {
+  std::vector<int> owners(static_cast<std::size_t>(size), 0);
+  for (int p = 0; p < most_body_parts; ++p) {
+    for (const IndexRange& r : ranges(static_cast<BodyPart>(p))) {
+      if (p >= body.size())
+        raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " belongs to part ", p,
+                            " of ", body.size());
+      if (r.begin < 0 || r.end < r.begin || r.end > size) {
+        raise<config_error>(102, "FeatureLayout '", name, "': range ", r.begin, ":", r.end, " of ",
+                            body.name(static_cast<BodyPart>(p)), " is not inside 0:", size);
+      }
+      for (Index i = r.begin; i < r.end; ++i) ++owners[static_cast<std::size_t>(i)];
+    }
+  }
+  for (std::size_t i = 0; i < owners.size(); ++i) {
+    if (owners[i] != 1) {
+      raise<config_error>(102, "FeatureLayout '", name, "': number ", i, " belongs to ", owners[i], " body parts");
+    }
+  }
+}
+
+MOTIONLANG_BODY FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint, Index rotations,
+                                               const BodyPartition& body) {
+  const Index joints = std::ssize(part_of_joint), first_position = 4 + 6 * rotations;
+  if (joints < 1 || rotations < 0 || rotations > joints) {
+    raise<config_error>(101, "smplrifke_layout: ", rotations, " rotations of ", joints, " joints");
+  }
+  return FeatureLayout::from_owner("smplrifke", first_position + 3 * (joints - 1), body, [&](Index i) {
+    if (i < 4) return body.path();
+    const Index joint = i < first_position ? (i - 4) / 6 : 1 + (i - first_position) / 3;
+    return part_of_joint[static_cast<std::size_t>(joint)];
+  });
+}
+
+MOTIONLANG_BODY FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint, const BodyPartition& body) {
+  const Guoh3dSlots slots{std::ssize(part_of_joint)};
+  if (slots.joints < 1) raise<config_error>(101, "guoh3dfeats_layout: no joints");
+  return FeatureLayout::from_owner("guoh3dfeats", slots.size(), body, [&](Index i) {
+    if (i < slots.positions().begin || i >= slots.contacts().begin) return body.path();
+    const Index joint = i < slots.positions().end   ? 1 + (i - slots.positions().begin) / 3
+                        : i < slots.rotations().end ? 1 + (i - slots.rotations().begin) / 6
+                                                    : (i - slots.velocities().begin) / 3;
+    return part_of_joint[static_cast<std::size_t>(joint)];
+  });
+}
+
+MOTIONLANG_BODY FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint, const BodyPartition& body) {
+  const Index joints = std::ssize(part_of_joint);
+  if (joints < 1) raise<config_error>(101, "rifke_layout: no joints");
+  return FeatureLayout::from_owner("rifke", 3 * joints + 1, body, [&](Index i) {
+    if (i < 1 || i >= 3 * joints - 2) return body.path();
+    return part_of_joint[static_cast<std::size_t>(1 + (i - 1) / 3)];
+  });
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP  // <motionlang/features/normalizer.hpp>
+#define MOTIONLANG_HAS_FEATURES_NORMALIZER_HPP
+/// Features to zero mean and unit deviation, and back.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+///     x' = (x - mean) / (std + eps),   x = x' (std + eps) + mean
+/// Statistics are saved with a model but not trained. eps matters only where std is 0.
+template <Backend B>
+struct Normalizer {
+  static constexpr bool trainable = false;
+  Tensor<B, 1> mean, std;  // (features)
+  double eps = 1e-12;
+
+  static constexpr auto fields() {
+    return motionlang::fields("mean", &Normalizer::mean, "std", &Normalizer::std, "eps", &Normalizer::eps);
+  }
+  /// Statistics that change nothing.
+  static Normalizer identity(Index features) {
+    return {Tensor<B, 1>::zeros({features}), Tensor<B, 1>::full({features}, 1)};
+  }
+
+  template <int R>
+  Tensor<B, R> normalize(const Tensor<B, R>& x) const {
+    return (x - mean) / (std + eps);
+  }
+  template <int R>
+  Tensor<B, R> denormalize(const Tensor<B, R>& x) const {
+    return x * (std + eps) + mean;
+  }
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP  // <motionlang/text/caption_encoder.hpp>
 #define MOTIONLANG_HAS_TEXT_CAPTION_ENCODER_HPP
 /// A small text encoder of our own: word pieces, a transformer, one vector per caption. Below 2 MB, so that it can come
@@ -14201,7 +14917,10 @@ struct Embedding {
       : weight(normal_init<B, 2>({symbols, width}, std, rng)) {}
 
   /// ids -> (ids, width). Throws shape_error 203 for an unknown symbol.
-  Tensor<B, 2> operator()(std::span<const Index> ids) const { return gather(weight, ids); }
+  Tensor<B, 2> operator()(std::span<const Index> ids) const {
+    const ModuleScope scope(*this);
+    return gather(weight, ids);
+  }
 };
 
 /// A row for each label with 1 in its column, (labels, classes). Throws shape_error 203 for a label that is no class.
@@ -14253,6 +14972,7 @@ struct WordPieceIds;
 /// Pieces that continue a word begin with "##". The first three ids are fixed.
 class WordPiece {
  public:
+  static constexpr bool is_option = true;  // holds no tensors
   static constexpr Index begin_id = 0, end_id = 1, unknown_id = 2;
 
   WordPiece() = default;
@@ -14479,6 +15199,7 @@ struct CaptionEncoder {
 
   /// (texts, out)
   Tensor<B, 2> operator()(std::span<const std::string> texts, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     std::vector<Index> ids, lengths, first;
     for (const std::string& t : texts) {
       const auto pieces = tokenizer.encode(t, positions.rows().size(0));
@@ -14501,22 +15222,33 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct BatchPlan;
 
-/// How crops become one motion.
-///   stmc        one noise for the timeline, stitched at every step
-///   sinc        every text on its own noise, stitched once at the end with hard cuts (SINC, Athanasiou et al. 2023)
-///   sinc_lerp   the same, interpolated around the cuts
-enum class StmcMode { stmc, sinc, sinc_lerp };
+namespace detail {
+
+/// Complete where the bodies of Stmc are.
+template <class T>
+struct StmcBodies;
+/// Whether motionlang::instantiated has the bodies.
+template <class T>
+inline constexpr bool is_compiled_stmc = false;
+
+}  // namespace detail
 
 struct StmcOptions {
   Index overlap = 10;                // frames around a cut, in total
   std::optional<double> guidance{};  // weight of classifier-free guidance, 1: none; the model's own unless given
   std::optional<Index> steps{};      // of sampling, 0: all of the process; the model's own unless given
   std::optional<SamplingOptions> sampling{};  // the model's own unless given
-  StmcMode mode = StmcMode::stmc;
   Gaps gaps = Gaps::fill;
   HiddenTexts hidden = HiddenTexts::refuse;
   Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Changes the memory only
   Progress progress{};                      // called after every step; may cancel
+};
+
+/// Clean motions, normalised, one below the other.
+template <Backend B>
+struct CleanMotions {
+  Tensor<B, 2> rows{};  // (motions * stride, features); those behind the end of a motion mean nothing
+  Index stride = 0;     // rows of every motion
 };
 
 /// The denoiser and encoder may be any models of `Denoiser<B>` and `TextEncoder<B>`.
@@ -14526,6 +15258,10 @@ struct StmcOptions {
 ///     Tensor<B, 2> motion = stmc.generate(timeline, Philox{.seed = 7});      // (frames, features)
 template <Backend B, Denoiser<B> D = MdmSmplDenoiser<B>, TextEncoder<B> E = CaptionEncoder<B>>
 struct Stmc {
+  static_assert(
+      detail::is_compiled_stmc<Stmc> || requires { sizeof(detail::StmcBodies<Stmc>); },
+      "motionlang: for this backend, denoiser or encoder include <motionlang/systems/stmc.ipp>");
+
   D denoiser;
   E text_encoder;
   Normalizer<B> motion_normalizer, text_normalizer;
@@ -14536,9 +15272,14 @@ struct Stmc {
   Index steps = 0;             // the same; 0: all of the process
   double fps = 20;             // of its motions
 
+  /// A text encoder without fields has its weights in files of its own.
   static constexpr auto fields() {
-    return motionlang::fields("denoiser", &Stmc::denoiser, "text_encoder", &Stmc::text_encoder, "motion_normalizer",
-                              &Stmc::motion_normalizer, "text_normalizer", &Stmc::text_normalizer);
+    if constexpr (Module<E>)
+      return motionlang::fields("denoiser", &Stmc::denoiser, "text_encoder", &Stmc::text_encoder, "motion_normalizer",
+                                &Stmc::motion_normalizer, "text_normalizer", &Stmc::text_normalizer);
+    else
+      return motionlang::fields("denoiser", &Stmc::denoiser, "motion_normalizer", &Stmc::motion_normalizer,
+                                "text_normalizer", &Stmc::text_normalizer);
   }
 
   /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends
@@ -14548,14 +15289,13 @@ struct Stmc {
   Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const;
 
   /// The same with the caller's noise: noise(draw, shape) for draw 0 (initial), 1, 2, ... (steps) is a tensor
-  /// (sequences, frames, features) as `shape` says; in the SINC modes every text is a sequence.
+  /// (sequences, frames, features) as `shape` says.
   template <class Noise>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options = {}) const;
 
   /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape
-  /// (rows of the collage, features); whole(collage, x, t) is what a plain run takes. In the SINC modes the collage is
-  /// that of the texts alone, and what is estimated is not yet the motion.
+  /// (rows of the collage, features); whole(collage, x, t) is what a plain run takes.
   template <class Noise, class Estimate>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options, Estimate&& estimate) const;
@@ -14563,6 +15303,12 @@ struct Stmc {
   template <class Noise, class Estimate>
   std::vector<Tensor<B, 2>> generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                           Estimate&& estimate) const;
+
+  /// The same motions as they are sampled: still normalised.
+  template <class Noise, class Estimate>
+  CleanMotions<B> sample(BatchPlan plan, Noise&& noise, const StmcOptions& options, Estimate&& estimate) const;
+  /// Each of them by itself, not normalised: (frames of its timeline in the plan, features).
+  std::vector<Tensor<B, 2>> separate(const CleanMotions<B>& clean, const BatchPlan& plan) const;
 
   /// How timelines are planned for this model.
   PlanOptions plan_options(const StmcOptions& options) const;
@@ -14581,7 +15327,6 @@ struct Stmc {
     TextFeatures<B> text, null;
   };
   PlanTexts encode(const BatchPlan& plan) const;
-  Tensor<B, 2> stitch_independent(const BatchPlan& plan, const Tensor<B, 2>& x0, Index stride) const;
 };
 
 /// Generated features (frames, 205) as a motion of the 24-joint skeleton, Y up, metres. Bone lengths are the
@@ -14590,22 +15335,10 @@ template <Backend B>
 Motion stmc_motion(const Tensor<B, 2>& features, double fps = 20);
 
 MOTIONLANG_NAMESPACE_END
-#endif
 
-#ifndef MOTIONLANG_HAS_WEIGHTS_STMC_FILE_HPP  // <motionlang/weights/stmc_file.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_STMC_FILE_HPP
-/// An STMC model in one safetensors file: weights under their names, sizes and vocabulary in the metadata.
-///
-/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; how the model should be
-///             sampled: guidance and sampling ("ddpm 20": sampler and steps, all without a number); and, for people:
-///             license, provenance, data, command, commit. Nothing in the file is executed.
-
-#ifndef MOTIONLANG_HAS_SYSTEMS_STMC_HPP  // <motionlang/systems/stmc.hpp>
-#define MOTIONLANG_HAS_SYSTEMS_STMC_HPP
-/// STMC: spatio-temporal motion collage. A timeline of texts on several tracks in, one motion out.
-///
-/// Source  Petrovich, Litany, Iqbal, Black, Varol, Peng, Rempe: "Multi-track timeline control for text-driven 3D human
-///         motion generation" (2024). Works at test time with any denoiser of explicit poses; no training.
+#ifndef MOTIONLANG_HAS_SYSTEMS_STMC_IPP  // <motionlang/systems/stmc.ipp>
+#define MOTIONLANG_HAS_SYSTEMS_STMC_IPP
+// Bodies of the templates of stmc.hpp, for every backend, denoiser and text encoder. Any header may include them.
 
 #ifndef MOTIONLANG_HAS_COMPOSE_COLLAGE_HPP  // <motionlang/compose/collage.hpp>
 #define MOTIONLANG_HAS_COMPOSE_COLLAGE_HPP
@@ -14625,7 +15358,7 @@ MOTIONLANG_NAMESPACE_END
 /// From timelines to the integers of a composition: which crops to denoise, and which frames of which crop are added to
 /// and subtracted from which frames of the motion, for each body part. No tensors here.
 ///
-/// Source     STMC (Petrovich et al. 2024), section 3.3; spec stmc.md 3; reference: nv-tlabs/stmc src/stmc.py
+/// Source     thesis 6.2.3; STMC (Petrovich et al. 2024); reference: nv-tlabs/stmc src/stmc.py process_timelines
 /// Notation   a, b -> start, end of an interval; T -> frames; O, l, r -> Overlap; x -> cut
 /// Property   for every body part and frame, additions minus subtractions = 1, however close the cuts are, if extension
 ///            and transition crops are both on or both off; see net_weights
@@ -14636,7 +15369,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_COMPOSE_OVERLAP_HPP
 /// Overlap around the cuts of a timeline: how far texts reach beyond their ends, and the windows of transitions.
 ///
-/// Source   STMC (Petrovich et al. 2024), section 3.3; spec stmc.md 3.4-3.6
+/// Source   thesis 6.2.3, "Temporal stitching"; STMC (Petrovich et al. 2024) src/stmc.py
 /// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap, the longer half to the
 ///          right
 
@@ -14686,10 +15419,10 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_COMPOSE_SINC_ASSIGNMENT_HPP
 /// Which text owns which body part while several texts are active.
 ///
-/// Source   SINC (Athanasiou et al., ICCV 2023) heuristic as STMC's code applies it; spec stmc.md 3.2. Where papers and
-///          code differ (the base is a text with legs first, ties are random), the code is followed.
-/// Rule     1. Base: of the texts with legs (of all, if none has legs) the one with the most body parts. It gets all
-///             five parts.
+/// Source   thesis 6.2.3, figure 6.4: the heuristic of SINC (thesis B.2.1) as STMC src/stmc.py applies it. Where papers
+///          and code differ (the base is a text with legs first, ties are random), the code is followed.
+/// Rule     1. Base: of the texts with the part that carries the path, the legs of a human, the one with the most body
+///             parts (of all texts, if none has that part). It gets all parts.
 ///          2. The others, by number of parts, largest first, in file order among equals, take their parts away from
 ///             whoever holds them: the text with fewer parts wins, among equals the later one.
 /// Ties     between base texts: the first in the file, or random as published when a generator is given
@@ -14698,7 +15431,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_COMPOSE_INTERVALS_HPP
 /// Cutting a timeline at every start and end: between two neighbouring cuts the set of active texts is constant.
 ///
-/// Source  STMC (Petrovich et al. 2024), section 3.2; spec stmc.md 3.1
+/// Source  thesis 6.2.3, "Resolving unassigned timeframes"; STMC (Petrovich et al. 2024) src/stmc.py process_timeline
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -14754,7 +15487,7 @@ void fill_gaps(BasicTimeline<T>& timeline) {
   detail::sort(covered, [](const auto& a, const auto& b) { return a < b; });
   T reached{};
   for (const auto& [start, end] : covered) {
-    if (start > reached) timeline.intervals.push_back({"", reached, start, BodyParts::all()});
+    if (start > reached) timeline.intervals.push_back({"", reached, start, timeline.body.all()});
     reached = std::max(reached, end);
   }
 }
@@ -14765,7 +15498,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Number of the interval that owns each body part.
-using PartOwners = std::array<Index, body_part_count>;
+using PartOwners = std::vector<Index>;
 
 /// A generator that can put a list into random order: PythonRandom (as published), NumpyRandom.
 template <class G>
@@ -14780,14 +15513,15 @@ struct FirstWins {
 
 namespace detail {
 
-/// Of the texts with legs (of all, if there are none) the one with the most parts; of equals the first after a shuffle.
+/// Of the texts with the path (of all, if there are none) the one with the most parts; of equals the first after a
+/// shuffle.
 /// Shuffling one text draws nothing.
 template <class T, Shuffler G>
 Index base_text(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
   const auto parts = [&](Index i) { return timeline.intervals[static_cast<std::size_t>(i)].parts; };
   std::vector<Index> candidates;
   for (Index i : texts) {
-    if (parts(i).has(BodyPart::legs)) candidates.push_back(i);
+    if (parts(i).has(timeline.body.path())) candidates.push_back(i);
   }
   if (candidates.empty()) candidates.assign(texts.begin(), texts.end());
   ties.shuffle(std::span<Index>(candidates));
@@ -14800,17 +15534,17 @@ Index base_text(const BasicTimeline<T>& timeline, std::span<const Index> texts, 
 
 }  // namespace detail
 
-/// Owners of the five parts on a piece with at least one text. `texts` are numbers of intervals in file order.
+/// Owners of all parts on a piece with at least one text. `texts` are numbers of intervals in file order.
 template <class T, Shuffler G>
 PartOwners assign_parts(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
-  PartOwners owners;
   const Index base = detail::base_text(timeline, texts, ties);
-  owners.fill(base);
-  for (int count = body_part_count; count > 0; --count) {  // texts with many parts first, in file order among equals
+  const int size = timeline.body.size();
+  PartOwners owners(static_cast<std::size_t>(size), base);
+  for (int count = size; count > 0; --count) {  // texts with many parts first, in file order among equals
     for (Index i : texts) {
       const BodyParts parts = timeline.intervals[static_cast<std::size_t>(i)].parts;
       if (i == base || parts.count() != count) continue;
-      for (int p = 0; p < body_part_count; ++p) {
+      for (int p = 0; p < size; ++p) {
         if (parts.has(static_cast<BodyPart>(p))) owners[static_cast<std::size_t>(p)] = i;
       }
     }
@@ -14892,7 +15626,7 @@ void require_text(const Piece& piece);
 /// Throws timeline_error 508 at a crop of more than `longest` frames (0: any number).
 void check_crops(const TimelinePlan& plan, Index longest);
 
-/// A plan with its pieces, which have no owners yet. Throws timeline_error 504, 505, 507, config_error 101.
+/// A plan with its pieces, which have no owners yet. Throws timeline_error 503 ... 505, 507, config_error 101.
 TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options);
 
 /// What follows from the owners of the pieces. Throws timeline_error 506, 508.
@@ -14902,7 +15636,8 @@ void finish_plan(TimelinePlan& plan, const PlanOptions& options);
 
 /// The plan of one timeline. `ties` decides between equal base texts: FirstWins, or a generator (see PlanOptions and
 /// sinc_assignment.hpp).
-/// Throws     timeline_error 504, 505 (gap), 506 (hidden text), 507, 508 (crop too long), config_error 101
+/// Throws     timeline_error 503 (parts of another body), 504, 505 (gap), 506 (hidden text), 507, 508 (crop too long),
+///            config_error 101
 template <Shuffler G>
 TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options, G& ties) {
   TimelinePlan plan = detail::pieces_of(std::move(timeline), options);
@@ -14957,6 +15692,9 @@ inline void check_timeline(const Timeline& timeline) {
     if (i.start < 0 || i.end < i.start || i.end > latest_time) {
       raise<timeline_error>(504, "plan_timeline: ", quoted(i), " is not a range of frames of the motion");
     }
+    if ((i.parts.bits & ~timeline.body.all().bits) != 0) {
+      raise<timeline_error>(503, "plan_timeline: ", quoted(i), " moves other body parts than ", timeline.body);
+    }
   }
   if (timeline.end() == 0) raise<timeline_error>(504, "plan_timeline: the timeline has no frame");
 }
@@ -14968,7 +15706,8 @@ MOTIONLANG_BODY void require_text(const Piece& piece) {
 
 /// Joins neighbouring pieces of a part that have the same owner.
 inline void merge_pieces(TimelinePlan& plan) {
-  for (std::size_t p = 0; p < body_part_count; ++p) {
+  const auto parts = static_cast<std::size_t>(plan.timeline.body.size());
+  for (std::size_t p = 0; p < parts; ++p) {
     for (std::size_t k = 0; k < plan.pieces.size(); ++k) {
       const Piece& piece = plan.pieces[k];
       const Index owner = plan.owners[k][p];
@@ -15086,7 +15825,7 @@ MOTIONLANG_BODY BatchPlan plan_timelines(std::span<const Timeline> timelines, co
 
 MOTIONLANG_BODY NetWeights net_weights(const TimelinePlan& plan) {
   NetWeights net{std::numeric_limits<int>::max(), std::numeric_limits<int>::min()};
-  for (int p = 0; p < body_part_count; ++p) {
+  for (int p = 0; p < plan.timeline.body.size(); ++p) {
     std::vector<std::pair<Index, int>> steps{{0, 0}, {plan.frames, 0}};  // frame, change of the weight
     const auto count = [&](const std::vector<Slice>& slices, int weight) {
       for (const Slice& s : slices) {
@@ -15146,21 +15885,25 @@ struct PartMoves {
 };
 PartMoves moves_of_part(const BatchPlan& plan, const Offsets& crops, Index stride, BodyPart part);
 
+/// Throws config_error 102 unless the layout gives each number to one body part of the body that the timelines have.
+void check_layout(const FeatureLayout& layout, const BatchPlan& plan);
+
 }  // namespace detail
 
 /// Puts crops together: for each body part the additions of the plan, then its subtractions.
 ///     motion[to, part] = sum crops[from, part] - sum transitions[from, part]
-/// Source  STMC, section 3.3, "spatio-temporal stitching"; spec stmc.md 4 step 5
+/// Source  thesis 6.2.3, "Spatial (body-part) stitching", "Temporal stitching"; STMC src/stmc.py
+///         combine_features_intervals
 template <Backend B>
 class Stitcher {
  public:
   Stitcher() = default;
   /// `crops`: offsets of the crops in batch order; `stride`: rows per motion. Throws config_error 102 for a layout that
-  /// does not give each number to one body part.
+  /// does not give each number to one body part, and for one of another body.
   Stitcher(const BatchPlan& plan, const FeatureLayout& layout, const Offsets& crops, Index stride)
       : rows_(static_cast<Index>(plan.timelines.size()) * stride), features_(layout.size) {
-    layout.validate();
-    for (int p = 0; p < body_part_count; ++p) {
+    detail::check_layout(layout, plan);
+    for (int p = 0; p < layout.body.size(); ++p) {
       Part part;
       part.mask = detail::part_mask<B>(layout, static_cast<BodyPart>(p));
       auto moves = detail::moves_of_part(plan, crops, stride, static_cast<BodyPart>(p));
@@ -15191,13 +15934,13 @@ class Stitcher {
 /// Hard cuts softened afterwards (the SINC+lerp baseline): in every window of the plan the part is interpolated
 /// linearly between the values at the window's first and last frame.
 ///     w v_first + (1 - w) v_last,   w = linspace(1, 0, window)
-/// All windows read the hard-cut motion; where they overlap the later one wins. Source: spec stmc.md 5.
-/// Throws config_error 102 for a layout that does not give each number to one body part.
+/// All windows read the hard-cut motion; where they overlap the later one wins. Source: STMC src/stmc.py.
+/// Throws config_error 102 for a layout that does not give each number to one body part, and for one of another body.
 template <Backend B>
 Tensor<B, 2> interpolate_transitions(const BatchPlan& plan, const FeatureLayout& layout, const Tensor<B, 2>& motion,
                                      Index stride) {
   using S = typename B::scalar;
-  layout.validate();
+  detail::check_layout(layout, plan);
   const auto read = motion.span();
   std::vector<S> out(read.begin(), read.end());
   const auto width = static_cast<std::size_t>(layout.size);
@@ -15261,6 +16004,15 @@ MOTIONLANG_BODY PartMoves moves_of_part(const BatchPlan& plan, const Offsets& cr
     take(plan.timelines[m].subtract, -1);
   }
   return out;
+}
+
+MOTIONLANG_BODY void check_layout(const FeatureLayout& layout, const BatchPlan& plan) {
+  layout.validate();
+  for (const TimelinePlan& p : plan.timelines) {
+    if (p.timeline.body == layout.body) continue;
+    raise<config_error>(102, "FeatureLayout '", layout.name, "' is of a body of ", layout.body, "; the timeline's has ",
+                        p.timeline.body);
+  }
 }
 
 }  // namespace detail
@@ -15333,7 +16085,7 @@ Offsets joined(const Offsets& a, const Offsets& b);
 
 }  // namespace detail
 
-/// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
+/// Source  thesis 6.2.3, figure 6.3 c; STMC (Petrovich et al. 2024) src/model/gaussian.py p_sample_stmc
 /// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow
 ///         with the timelines. Sequences of the same frames and the same text go through it once: both calls of
 ///         guidance of a crop whose text is "", and the unconditional calls of texts that begin and end together; what
@@ -15614,7 +16366,8 @@ MOTIONLANG_BODY void check_texts(const BatchPlan& plan, Index texts, Index nulls
   Index intervals = 0;
   for (const TimelinePlan& p : plan.timelines) intervals += static_cast<Index>(p.timeline.intervals.size());
   if (texts == intervals && nulls == 1) return;
-  raise<shape_error>(204, "Collage: ", texts, " texts for ", intervals, " intervals; ", nulls, " unconditional texts");
+  raise<shape_error>(204, "Collage: ", counted(texts, "text"), " for ", counted(intervals, "interval"), "; ",
+                     counted(nulls, "unconditional text"));
 }
 
 MOTIONLANG_BODY CropRows own_frames(const BatchPlan& plan, Index stride, Index crop_frames) {
@@ -15641,7 +16394,8 @@ MOTIONLANG_BODY BatchPlan independent_plan(const BatchPlan& plan, Index frames) 
   std::vector<TimelinePlan> alone;
   for (const TimelinePlan& p : plan.timelines) {
     for (const Interval& i : p.timeline.intervals) {
-      alone.push_back(plan_timeline({{{i.text, 0, frames > 0 ? frames : i.end - i.start, BodyParts::all()}}}));
+      const BodyPartition& body = p.timeline.body;
+      alone.push_back(plan_timeline({{{i.text, 0, frames > 0 ? frames : i.end - i.start, body.all()}}, body}));
     }
   }
   return batch_plans(std::move(alone));
@@ -15650,6 +16404,10 @@ MOTIONLANG_BODY BatchPlan independent_plan(const BatchPlan& plan, Index frames) 
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
+
+#ifndef MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_PARTS_HPP  // <motionlang/systems/detail/stmc_parts.hpp>
+#define MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_PARTS_HPP
+/// What Stmc needs that depends on no backend.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -15663,161 +16421,16 @@ struct DifferentTexts {
   explicit DifferentTexts(const BatchPlan& plan);
 };
 
-/// Frames of all crops, in batch order.
-std::vector<Index> crop_lengths(const BatchPlan& plan);
-
 /// SMPL RIFKE features as a motion that starts facing pi.
 Motion published_motion(std::span<const double> features, double fps);
 
 }  // namespace detail
 
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate(std::span<const Timeline> timelines, const Philox& rng,
-                                                  const StmcOptions& options) const {
-  return generate_from(
-      timelines, [&](Index draw, const Shape& shape) { return noise(rng, draw, shape); }, options);
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-Tensor<B, 2> Stmc<B, D, E>::generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options) const {
-  return generate(std::span(&timeline, 1), rng, options).front();
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-PlanOptions Stmc<B, D, E>::plan_options(const StmcOptions& options) const {
-  const bool hard_cuts = options.mode != StmcMode::stmc;
-  return {.overlap = options.overlap,
-          .extend = !hard_cuts,
-          .transition_crops = !hard_cuts,
-          .gaps = options.gaps,
-          .hidden = options.hidden,
-          .longest_crop = denoiser.traits().longest()};
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise>
-std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
-                                                       const StmcOptions& options) const {
-  return generate_from(
-      timelines, noise, options,
-      [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise, class Estimate>
-std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
-                                                       const StmcOptions& options, Estimate&& estimate) const {
-  return generate_from(plan_timelines(timelines, plan_options(options)), noise, options, estimate);
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise, class Estimate>
-std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
-                                                       Estimate&& estimate) const {
-  const bool hard_cuts = options.mode != StmcMode::stmc;
-  const DenoiserTraits traits = denoiser.traits();
-  BatchPlan together;  // what is stitched at the end where every text is sampled alone
-  const auto [text, null] = encode(plan);
-  if (hard_cuts) {
-    together = std::move(plan);
-    plan = independent_plan(together, traits.uses_lengths ? 0 : traits.crop_frames);
-  }
-  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
-                              options.rows_at_once);
-  const BatchPlan& wanted = hard_cuts ? together : collage.plan();
-  const auto sequences = static_cast<Index>(collage.plan().timelines.size());
-  const Shape shape{sequences, collage.stride(), layout.size};
-  auto rows = [&](Index draw) {
-    const Tensor<B, 3> z = noise(draw, shape);
-    if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
-    return reshape<2>(z, {sequences * collage.stride(), layout.size});
-  };
-  const GaussianDiffusion kept = process(options.steps);
-  const auto whole = [&](const Collage<B, D>& c, const Tensor<B, 2>& x, Index t) {
-    return clean_motion(c, kept, traits.prediction, x, t);
-  };
-  auto x0 = sample_clean_motions<B>(
-      kept, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); }, rows,
-      options.sampling.value_or(sampling), options.progress);
-  Index stride = collage.stride();
-  if (hard_cuts) {
-    x0 = stitch_independent(wanted, x0, stride);
-    stride = wanted.frames;
-    if (options.mode == StmcMode::sinc_lerp) x0 = interpolate_transitions(wanted, layout, x0, stride);
-  }
-  std::vector<Tensor<B, 2>> out;
-  for (std::size_t m = 0; m < wanted.timelines.size(); ++m) {
-    const Index first = static_cast<Index>(m) * stride;
-    out.push_back(motion_normalizer.denormalize(slice(x0, 0, first, first + wanted.timelines[m].frames)));
-  }
-  return out;
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-Tensor<B, 3> Stmc<B, D, E>::noise(const Philox& rng, Index draw, const Shape& shape) const {
-  return sequence_noise<B>(rng, draw, shape);
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-GaussianDiffusion Stmc<B, D, E>::process(std::optional<Index> wanted) const {
-  return with_steps(diffusion, wanted.value_or(steps));
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-auto Stmc<B, D, E>::encode(const BatchPlan& plan) const -> PlanTexts {
-  const detail::DifferentTexts different(plan);
-  const detail::RowsTogether beside_any_others(detail::RowsTogether::few);
-  auto features = text_encoder.template encode<B>(std::span<const std::string>(different.texts));
-  features.tokens.rows = text_normalizer.normalize(features.tokens.rows);
-  if (denoiser.traits().empty_text_is_null) {
-    std::vector<typename B::scalar> keep(static_cast<std::size_t>(features.tokens.rows.size(0)), 1);
-    std::fill_n(keep.begin(), features.tokens.offsets.length(0), typename B::scalar{0});
-    features.tokens.rows = features.tokens.rows * Tensor<B, 2>::from(keep, {std::ssize(keep), 1});
-  }
-  return {gather(features, different.which), gather(features, std::vector<Index>{0})};
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-Tensor<B, 2> Stmc<B, D, E>::stitch_independent(const BatchPlan& plan, const Tensor<B, 2>& x0, Index stride) const {
-  const std::vector<Index> lengths = detail::crop_lengths(plan);
-  const auto all = reshape<3>(x0, {static_cast<Index>(lengths.size()), stride, layout.size});
-  const auto clips = from_padded(all, std::span<const Index>(lengths));
-  return Stitcher<B>(plan, layout, clips.offsets, plan.frames)(clips.rows);
-}
-
-template <Backend B>
-Motion stmc_motion(const Tensor<B, 2>& features, double fps) {
-  const std::vector<double> values(features.span().begin(), features.span().end());
-  return detail::published_motion(values, fps);
-}
-
-/// The same model over another backend, with copies of all numbers.
-template <Backend To, Backend From, template <class> class D, template <class> class E>
-Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
-  return {.denoiser = convert<To>(m.denoiser),
-          .text_encoder = convert<To>(m.text_encoder),
-          .motion_normalizer = convert<To>(m.motion_normalizer),
-          .text_normalizer = convert<To>(m.text_normalizer),
-          .diffusion = m.diffusion,
-          .layout = m.layout,
-          .guidance = m.guidance,
-          .sampling = m.sampling,
-          .steps = m.steps,
-          .fps = m.fps};
-}
-
-/// Weights packed for inference. The model must not be changed afterwards.
-template <Backend B, class D, class E>
-void prepare(Stmc<B, D, E>& stmc) {
-  prepare(stmc.denoiser);
-  if constexpr (Module<E>) prepare(stmc.text_encoder);
-}
-
 MOTIONLANG_NAMESPACE_END
 
-#ifndef MOTIONLANG_HAS_SYSTEMS_STMC_IPP  // <motionlang/systems/stmc.ipp>
-#define MOTIONLANG_HAS_SYSTEMS_STMC_IPP
-// Bodies of stmc.hpp.
+#ifndef MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_PARTS_IPP  // <motionlang/systems/detail/stmc_parts.ipp>
+#define MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_PARTS_IPP
+// Bodies of stmc_parts.hpp.
 
 #ifndef MOTIONLANG_HAS_FEATURES_SMPLRIFKE_HPP  // <motionlang/features/smplrifke.hpp>
 #define MOTIONLANG_HAS_FEATURES_SMPLRIFKE_HPP
@@ -16395,14 +17008,6 @@ MOTIONLANG_BODY DifferentTexts::DifferentTexts(const BatchPlan& plan) {
   }
 }
 
-MOTIONLANG_BODY std::vector<Index> crop_lengths(const BatchPlan& plan) {
-  std::vector<Index> lengths;
-  for (const TimelinePlan& p : plan.timelines) {
-    for (const Crop& c : p.crops) lengths.push_back(c.range.size());
-  }
-  return lengths;
-}
-
 MOTIONLANG_BODY Motion published_motion(std::span<const double> features, double fps) {
   return smplrifke_to_motion<double>(features, {.first_angle = std::numbers::pi}, fps);
 }
@@ -16413,10 +17018,5341 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+template <class T>
+struct StmcBodies {};
+
+}  // namespace detail
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate(std::span<const Timeline> timelines, const Philox& rng,
+                                                  const StmcOptions& options) const {
+  return generate_from(
+      timelines, [&](Index draw, const Shape& shape) { return noise(rng, draw, shape); }, options);
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+Tensor<B, 2> Stmc<B, D, E>::generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options) const {
+  return generate(std::span(&timeline, 1), rng, options).front();
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+PlanOptions Stmc<B, D, E>::plan_options(const StmcOptions& options) const {
+  return {.overlap = options.overlap,
+          .gaps = options.gaps,
+          .hidden = options.hidden,
+          .longest_crop = denoiser.traits().longest()};
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+template <class Noise>
+std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
+                                                       const StmcOptions& options) const {
+  return generate_from(
+      timelines, noise, options,
+      [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+template <class Noise, class Estimate>
+std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
+                                                       const StmcOptions& options, Estimate&& estimate) const {
+  return generate_from(plan_timelines(timelines, plan_options(options)), noise, options, estimate);
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+template <class Noise, class Estimate>
+std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
+                                                       Estimate&& estimate) const {
+  return separate(sample(plan, noise, options, estimate), plan);
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+template <class Noise, class Estimate>
+CleanMotions<B> Stmc<B, D, E>::sample(BatchPlan plan, Noise&& noise, const StmcOptions& options,
+                                      Estimate&& estimate) const {
+  const auto [text, null] = encode(plan);
+  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
+                              options.rows_at_once);
+  const auto sequences = static_cast<Index>(collage.plan().timelines.size());
+  const Shape shape{sequences, collage.stride(), layout.size};
+  auto rows = [&](Index draw) {
+    const Tensor<B, 3> z = noise(draw, shape);
+    if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
+    return reshape<2>(z, {sequences * collage.stride(), layout.size});
+  };
+  const GaussianDiffusion kept = process(options.steps);
+  const auto whole = [&](const Collage<B, D>& c, const Tensor<B, 2>& x, Index t) {
+    return clean_motion(c, kept, denoiser.traits().prediction, x, t);
+  };
+  auto x0 = sample_clean_motions<B>(
+      kept, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); }, rows,
+      options.sampling.value_or(sampling), options.progress);
+  return {std::move(x0), collage.stride()};
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::vector<Tensor<B, 2>> Stmc<B, D, E>::separate(const CleanMotions<B>& clean, const BatchPlan& plan) const {
+  std::vector<Tensor<B, 2>> out;
+  for (std::size_t m = 0; m < plan.timelines.size(); ++m) {
+    const Index first = static_cast<Index>(m) * clean.stride;
+    out.push_back(motion_normalizer.denormalize(slice(clean.rows, 0, first, first + plan.timelines[m].frames)));
+  }
+  return out;
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+Tensor<B, 3> Stmc<B, D, E>::noise(const Philox& rng, Index draw, const Shape& shape) const {
+  return sequence_noise<B>(rng, draw, shape);
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+GaussianDiffusion Stmc<B, D, E>::process(std::optional<Index> wanted) const {
+  return with_steps(diffusion, wanted.value_or(steps));
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+auto Stmc<B, D, E>::encode(const BatchPlan& plan) const -> PlanTexts {
+  const detail::DifferentTexts different(plan);
+  const detail::RowsTogether beside_any_others(detail::RowsTogether::few);
+  auto features = text_encoder.template encode<B>(std::span<const std::string>(different.texts));
+  features.tokens.rows = text_normalizer.normalize(features.tokens.rows);
+  if (denoiser.traits().empty_text_is_null) {
+    std::vector<typename B::scalar> keep(static_cast<std::size_t>(features.tokens.rows.size(0)), 1);
+    std::fill_n(keep.begin(), features.tokens.offsets.length(0), typename B::scalar{0});
+    features.tokens.rows = features.tokens.rows * Tensor<B, 2>::from(keep, {std::ssize(keep), 1});
+  }
+  return {gather(features, different.which), gather(features, std::vector<Index>{0})};
+}
+
+template <Backend B>
+Motion stmc_motion(const Tensor<B, 2>& features, double fps) {
+  const std::vector<double> values(features.span().begin(), features.span().end());
+  return detail::published_motion(values, fps);
+}
+
+/// The same model over another backend, with copies of all numbers.
+template <Backend To, Backend From, template <class> class D, template <class> class E>
+Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
+  return {.denoiser = convert<To>(m.denoiser),
+          .text_encoder = convert<To>(m.text_encoder),
+          .motion_normalizer = convert<To>(m.motion_normalizer),
+          .text_normalizer = convert<To>(m.text_normalizer),
+          .diffusion = m.diffusion,
+          .layout = m.layout,
+          .guidance = m.guidance,
+          .sampling = m.sampling,
+          .steps = m.steps,
+          .fps = m.fps};
+}
+
+/// Weights packed for inference. The model must not be changed afterwards.
+template <Backend B, class D, class E>
+void prepare(Stmc<B, D, E>& stmc) {
+  prepare(stmc.denoiser);
+  if constexpr (Module<E>) prepare(stmc.text_encoder);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// One motion for each timeline. The noise of each depends on the seed and on its place in the list.
+/// Throws  timeline_error 504 ... 508 for timelines that the model cannot make; option_error 101 for frames to keep
+///         that are not there, 102 for options that contradict each other, 105 for more steps than the model has;
+///         config_error 102, 103, 107 and io_error 401 ... 407 for files of noise and records; `cancelled`
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::vector<Motion> generate_motions(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                                     const GenerateOptions& options = {});
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+Motion generate_motion(const Stmc<B, D, E>& stmc, const Timeline& timeline, const GenerateOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_GENERATE_GENERATE_MOTION_IPP  // <motionlang/generate/generate_motion.ipp>
+#define MOTIONLANG_HAS_GENERATE_GENERATE_MOTION_IPP
+// Bodies of the templates of generate_motion.hpp, for every backend, denoiser and text encoder. Any header may include
+// them.
+
+#ifndef MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP  // <motionlang/compose/cut_texts.hpp>
+#define MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP
+/// Texts cut where a denoiser does them best in parts: where they lend body parts or get them back, and where they are
+/// too long.
+///
+///     const auto motion = stmc.generate(cut_texts(timeline, stmc.fps), rng);
+///
+/// Differs  from STMC (thesis 6.2.3, "Motion cropping and denoising"), where each text is one crop
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Seconds of a text that a denoiser does as a whole. HumanML3D's clips and ours end at 9.8 s, and the longest crops
+/// are what a model has seen least of: ours walks as far in 8 s as in 10.
+inline constexpr double longest_whole_text = 8;
+/// Seconds below which a part would be too short for the denoiser to do what the text says.
+inline constexpr double shortest_part = 0.5;
+
+/// cut_at_handovers, divide_long_texts. Throws what they throw.
+Timeline cut_texts(const Timeline& timeline, double fps);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_IPP  // <motionlang/compose/cut_texts.ipp>
+#define MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_IPP
+// Bodies of cut_texts.hpp.
+
+#ifndef MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP  // <motionlang/compose/handovers.hpp>
+#define MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP
+/// Texts cut where what they own changes.
+///
+/// A text that goes on while another borrows its arms is one crop as published, so the denoiser sees raised arms in the
+/// middle of "walk forward" and keeps them up before and after. Cut at these times, it walks with its own arms, then
+/// without them, then with its own again; the transitions are where they were.
+///
+///     const auto motion = stmc.generate(cut_at_handovers(timeline, 10), rng);
+///
+/// Differs  from STMC (thesis 6.2.3, "Motion cropping and denoising"), where each text is one crop
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Cuts every text at the times at which it gets or loses body parts, unless a stretch would be shorter than `least`
+/// frames. Throws config_error 101 if too many texts lie over each other.
+Timeline cut_at_handovers(const Timeline& timeline, Index least);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_HANDOVERS_IPP  // <motionlang/compose/handovers.ipp>
+#define MOTIONLANG_HAS_COMPOSE_HANDOVERS_IPP
+// Bodies of handovers.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Timeline cut_at_handovers(const Timeline& timeline, Index least) {
+  const auto pieces = elementary_pieces(timeline);
+  const auto parts = static_cast<std::size_t>(timeline.body.size());
+  std::vector<PartOwners> owners;
+  owners.reserve(pieces.size());
+  FirstWins ties;
+  for (const Piece& piece : pieces) {
+    owners.push_back(piece.intervals.empty() ? PartOwners(parts) : assign_parts(timeline, piece.intervals, ties));
+  }
+  least = std::max<Index>(least, 1);
+  Timeline out{{}, timeline.body};
+  for (Index i = 0; i < std::ssize(timeline.intervals); ++i) {
+    Interval rest = timeline.intervals[static_cast<std::size_t>(i)];
+    for (std::size_t k = 1; k < pieces.size(); ++k) {
+      const Index cut = pieces[k].start;
+      const bool changes = [&] {
+        for (std::size_t p = 0; p < parts; ++p) {
+          if ((owners[k][p] == i) != (owners[k - 1][p] == i)) return true;
+        }
+        return false;
+      }();
+      if (!changes || cut - rest.start < least || rest.end - cut < least) continue;
+      out.intervals.push_back(rest);
+      out.intervals.back().end = cut;
+      rest.start = cut;
+    }
+    out.intervals.push_back(rest);
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP  // <motionlang/compose/long_texts.hpp>
+#define MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_HPP
+/// Long texts in parts.
+///
+/// Denoisers learn from clips of ten seconds at most. A text of a minute as one crop makes somebody who stands, or
+/// turns in the air; in parts that follow each other it is done all the time.
+///
+///     const auto motion = stmc.generate(divide_long_texts(timeline, 160), rng);
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Of one text: a day in parts of 8 s makes 10,800.
+inline constexpr Index most_parts = 100000;
+
+namespace detail {
+
+/// An interval in `count` parts that follow each other, equally long to a frame.
+std::vector<Interval> equal_parts(const Interval& whole, Index count);
+
+}  // namespace detail
+
+/// Divides every text of more than `longest` frames into as few parts as will do, which are equally long to a frame.
+/// Throws config_error 101 unless longest is 1 or more, and for more than most_parts of a text.
+Timeline divide_long_texts(const Timeline& timeline, Index longest);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_IPP  // <motionlang/compose/long_texts.ipp>
+#define MOTIONLANG_HAS_COMPOSE_LONG_TEXTS_IPP
+// Bodies of long_texts.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::vector<Interval> equal_parts(const Interval& whole, Index count) {
+  std::vector<Interval> parts;
+  const Index frames = whole.end - whole.start;
+  for (Index i = 0; i < count; ++i) {
+    Interval part = whole;
+    part.start = whole.start + frames * i / count;
+    part.end = whole.start + frames * (i + 1) / count;
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Timeline divide_long_texts(const Timeline& timeline, Index longest) {
+  if (longest < 1) raise<config_error>(101, "divide_long_texts: parts of ", counted(longest, "frame"));
+  Timeline out{{}, timeline.body};
+  for (const Interval& whole : timeline.intervals) {
+    const Index parts = std::max<Index>(1, (whole.end - whole.start + longest - 1) / longest);
+    if (parts > most_parts) {
+      raise<config_error>(101, "divide_long_texts: '", whole.text, "' of ", counted(whole.end - whole.start, "frame"),
+                          " makes ", counted(parts, "part"), ", expected ", most_parts, " at most");
+    }
+    for (Interval& part : detail::equal_parts(whole, parts)) out.intervals.push_back(std::move(part));
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Timeline cut_texts(const Timeline& timeline, double fps) {
+  return divide_long_texts(cut_at_handovers(timeline, frame_at(shortest_part, fps)), frame_at(longest_whole_text, fps));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_FEATURE_ROWS_HPP  // <motionlang/features/feature_rows.hpp>
+#define MOTIONLANG_HAS_FEATURES_FEATURE_ROWS_HPP
+/// From a motion on any joints to the rows of named features.
+///
+///     const auto rows = rows_of_motion(motion_features("guoh3d"), read_motion("dance.bvh"), 20);
+
+#ifndef MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_HPP  // <motionlang/features/motion_features.hpp>
+#define MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_HPP
+/// The feature vectors that systems are trained on, by name: from a clip to rows of numbers, and from these to joints
+/// and clips.
+///
+///     const MotionFeatures& f = motion_features("guoh3d");
+///     const auto rows = f.from_motion(resample(retarget(clip), f.fps));
+///     const Motion back = motion_of_rows(f, rows);
+///
+///     guoh3d              263   20    HumanML3D's, of TMR   a row less than the clip has frames; positions alone
+///     kit                 251   12.5  KIT's, 21 joints of MMM, reflected, 640 units per metre, bones as long as the
+///                         clip's; else as guoh3d
+///     rifke                67   12.5  TMR's canonical view, 22 joints; positions alone
+///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot),
+///                          positions alone
+///     smplvelp            135   12.5  TEMOS on SMPL         with the exact heading, so that it is there and back
+///     smplvelp-published  135   12.5  TEMOS on SMPL         with the turn of its repository, which is no heading: see
+///                         SmplVelpOptions
+///     smplrifke           205   20    STMC
+///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a
+///                         camera
+/// Positions alone: the clip that comes back has rotations that fit them (motion_from_joints.hpp).
+/// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM:
+///         text-to-motion utils/paramUtil.py, TEMOS temos/transforms
+
+#ifndef MOTIONLANG_HAS_FEATURES_SMPLVELP_HPP  // <motionlang/features/smplvelp.hpp>
+#define MOTIONLANG_HAS_FEATURES_SMPLVELP_HPP
+/// The 135-vector of TEMOS ("smplvelp"), TEACH and SINC ("Globalvelandy"): height, velocity over the ground, rotations.
+///
+///     0        height of the translation, as it is
+///     1:3      its velocity x, y; 0 in the first frame
+///     3:135    22 rotations as two rows of the matrix: the body in the world, then joints 1 ... 21
+/// World: Z up, metres; velocities per frame (TEMOS 12.5 frames per second, TEACH and SINC 30).
+///
+/// Source  TEMOS (Petrovich et al., ECCV 2022), appendix B.2, temos/transforms/rots2rfeats/smplvelp.py; TEACH
+///         teach/transforms/rots2rfeats/globvelandy.py. Normalise with eps 1e-12, SINC with 1e-5 both ways.
+
+#ifndef MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP  // <motionlang/features/pose_representation.hpp>
+#define MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_HPP
+/// Rotations as numbers of a feature vector, the way ACTOR, TEMOS, TEACH and SINC write them, and ACTOR's motions made
+/// of them.
+///
+///     rotvec   3   rotation vector, radians
+///     rotquat  4   quaternion, w first
+///     rotmat   9   matrix, row by row
+///     rot6d    6   first two rows of the matrix; what all published models use
+///
+/// Source  ACTOR (Petrovich et al., ICCV 2021), src/datasets/dataset.py; conversions: geometry/pytorch3d.hpp;
+///         thesis 3.3.2, table 3.1
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+enum class PoseRepresentation : int { rotvec, rotquat, rotmat, rot6d };
+inline constexpr std::array<std::string_view, 4> pose_representation_names{"rotvec", "rotquat", "rotmat", "rot6d"};
+
+/// Numbers of one rotation.
+constexpr Index size(PoseRepresentation r) {
+  constexpr Index sizes[] = {3, 4, 9, 6};
+  return sizes[static_cast<int>(r)];
+}
+/// Throws config_error 103.
+PoseRepresentation parse_pose_representation(std::string_view name);
+
+namespace detail {
+
+template <Scalar S>
+void append_vector(std::vector<S>& out, const Vec3<S>& v) {
+  out.insert(out.end(), {v.x, v.y, v.z});
+}
+template <Scalar S>
+void append_quaternion(std::vector<S>& out, const Quaternion<S>& q) {
+  out.insert(out.end(), {q.w, q.x, q.y, q.z});
+}
+
+}  // namespace detail
+
+/// Appends the numbers of a matrix.
+template <Scalar S>
+void append_rotation(std::vector<S>& out, PoseRepresentation r, const Matrix3<S>& m) {
+  switch (r) {
+    case PoseRepresentation::rotvec:
+      return detail::append_vector(out, pytorch3d::matrix_to_axis_angle(m));
+    case PoseRepresentation::rotquat:
+      return detail::append_quaternion(out, pytorch3d::matrix_to_quaternion(m));
+    default:
+      out.insert(out.end(), m.m.begin(), m.m.begin() + size(r));  // rows
+  }
+}
+/// Appends the numbers of a rotation vector, which rotvec keeps as it is.
+template <Scalar S>
+void append_rotation(std::vector<S>& out, PoseRepresentation r, const AxisAngle<S>& v) {
+  if (r == PoseRepresentation::rotvec) return detail::append_vector(out, v.v);
+  if (r == PoseRepresentation::rotquat) return detail::append_quaternion(out, to_quaternion(v));
+  append_rotation(out, r, to_matrix(v));
+}
+/// The matrix of the numbers, which may be whole tensors. Throws shape_error 205.
+template <ScalarLike S>
+Matrix3<S> rotation_from(PoseRepresentation r, std::span<const S> n) {
+  if (std::ssize(n) != size(r)) {
+    raise<shape_error>(205, "rotation_from: ", n.size(), " numbers for '",
+                       pose_representation_names[static_cast<std::size_t>(r)], "' of ", size(r));
+  }
+  switch (r) {
+    case PoseRepresentation::rotvec:
+      return to_matrix(AxisAngle<S>{{n[0], n[1], n[2]}});
+    case PoseRepresentation::rotquat:
+      return to_matrix(Quaternion<S>{n[0], n[1], n[2], n[3]});
+    case PoseRepresentation::rotmat:
+      return {{n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8]}};
+    default:
+      return to_matrix(Rotation6dRows<S>{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
+  }
+}
+
+struct ActorFeatureOptions {
+  PoseRepresentation rotations = PoseRepresentation::rot6d;
+  bool translation = true;  // one more row: the root's way since frame 0, filled up with zeros
+  bool global = true;       // false: without joint 0
+
+  /// Rows of a frame of so many joints.
+  Index rows(Index joints) const { return joints - (global ? 0 : 1) + (translation ? 1 : 0); }
+};
+/// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
+inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
+
+/// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the
+/// part with the path: 150.
+FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
+                           const ActorFeatureOptions& options = {}, const BodyPartition& body = {});
+
+/// What the numbers of `actor_layout` mean. World: that of a camera, in which figures stand on their heads.
+inline constexpr std::array<FeatureRange, 4> actor_ranges{{
+    {{0, 6}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
+    {{6, 144}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 24}},
+    {{144, 147}, "way of the root since frame 0: x, y, z", "m"},
+    {{147, 150}, "0: the root's row is as long as the others", "1"},
+}};
+
+/// What ACTOR's networks read, frame by frame.
+/// poses    (frames, joints): rotation vectors or matrices
+/// root     (frames), the pelvis; read if `translation` is on
+/// result   (frames, rows numbers): a row for each joint, then the root's
+/// Throws   shape_error 205 if the sizes do not fit
+template <class R, Scalar S>
+std::vector<S> actor_frame_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
+                                    const ActorFeatureOptions& options = {}) {
+  const Index frames = joints > 0 ? std::ssize(poses) / joints : 0;
+  if (joints < 1 || std::ssize(poses) != frames * joints || (options.translation && std::ssize(root) != frames)) {
+    raise<shape_error>(205, "actor_frame_features: ", poses.size(), " rotations of ", joints, " joints, ", root.size(),
+                       " root positions");
+  }
+  std::vector<S> out;
+  for (Index t = 0; t < frames; ++t) {
+    for (Index j = options.global ? 0 : 1; j < joints; ++j) {
+      append_rotation(out, options.rotations, poses[static_cast<std::size_t>(t * joints + j)]);
+    }
+    if (!options.translation) continue;
+    detail::append_vector(out, root[static_cast<std::size_t>(t)] - root[0]);
+    out.resize(out.size() + static_cast<std::size_t>(size(options.rotations) - 3));
+  }
+  return out;
+}
+/// The same with time last, as its repository has it: (rows, numbers, frames).
+template <class R, Scalar S>
+std::vector<S> actor_features(std::span<const R> poses, std::span<const Vec3<S>> root, Index joints,
+                              const ActorFeatureOptions& options = {}) {
+  const std::vector<S> by_frame = actor_frame_features(poses, root, joints, options);
+  const auto width = static_cast<std::size_t>(options.rows(joints) * size(options.rotations));
+  std::vector<S> out(by_frame.size());
+  if (width == 0) return out;
+  const std::size_t frames = out.size() / width;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i % width * frames + i / width] = by_frame[i];
+  return out;
+}
+
+template <Scalar S>
+struct ActorMotion {
+  std::vector<Matrix3<S>> rotations;  // (frames, joints)
+  std::vector<Vec3<S>> root;          // (frames), since frame 0
+};
+
+/// features  (frames, rows numbers), as `actor_frame_features` gives them and networks have them
+/// Joint 0 is `actor_global_rotation` where the features have none; the root stays where it is without a translation.
+/// Throws    shape_error 205 if the features are not whole frames, config_error 101 for no joints
+template <Scalar S>
+ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, const ActorFeatureOptions& options = {}) {
+  if (joints < 1) raise<config_error>(101, "actor_inverse: ", joints, " joints");
+  const auto numbers = static_cast<std::size_t>(size(options.rotations));
+  const auto width = static_cast<std::size_t>(options.rows(joints)) * numbers;
+  if (width == 0 || features.size() % width != 0)
+    raise<shape_error>(205, "actor_inverse: ", features.size(), " values are no frames of ", width);
+  ActorMotion<S> out;
+  for (std::size_t at = 0; at < features.size(); at += width) {
+    std::size_t from = at;
+    if (!options.global) out.rotations.push_back(to_matrix(AxisAngle<S>{vec_cast<S>(actor_global_rotation)}));
+    for (Index j = options.global ? 0 : 1; j < joints; ++j, from += numbers)
+      out.rotations.push_back(rotation_from(options.rotations, features.subspan(from, numbers)));
+    out.root.push_back(options.translation ? Vec3<S>{features[from], features[from + 1], features[from + 2]}
+                                           : Vec3<S>{});
+  }
+  return out;
+}
+
+/// The same of positions (its representation "xyz"), with the root of frame 0 at the origin.
+/// joints (frames, joints) -> (joints, 3, frames). Throws shape_error 205.
+template <Scalar S>
+std::vector<S> actor_joint_features(std::span<const Vec3<S>> positions, Index joints) {
+  if (joints < 1 || std::ssize(positions) % joints != 0) {
+    raise<shape_error>(205, "actor_joint_features: ", positions.size(), " positions for frames of ", joints);
+  }
+  const std::size_t n = static_cast<std::size_t>(joints), frames = positions.size() / n;
+  std::vector<S> out(3 * positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Vec3<S> p = positions[i] - positions[0];
+    S* to = &out[3 * (i % n) * frames + i / n];
+    to[0] = p.x, to[frames] = p.y, to[2 * frames] = p.z;
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_IPP  // <motionlang/features/pose_representation.ipp>
+#define MOTIONLANG_HAS_FEATURES_POSE_REPRESENTATION_IPP
+// Bodies of pose_representation.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY PoseRepresentation parse_pose_representation(std::string_view name) {
+  for (std::size_t i = 0; i < pose_representation_names.size(); ++i) {
+    if (name == pose_representation_names[i]) return static_cast<PoseRepresentation>(i);
+  }
+  raise<config_error>(103, "parse_pose_representation: '", name, "' is not rotvec, rotquat, rotmat or rot6d");
+}
+
+MOTIONLANG_BODY FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint, const ActorFeatureOptions& options,
+                                           const BodyPartition& body) {
+  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
+  if (joints < 1) raise<config_error>(101, "actor_layout: no joints");
+  return FeatureLayout::from_owner("actor", options.rows(joints) * numbers, body, [&](Index i) {
+    const Index joint = i / numbers + (options.global ? 0 : 1);
+    return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : body.path();
+  });
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct SmplVelpOptions {
+  PoseRepresentation rotations = PoseRepresentation::rot6d;
+  /// Turns the clip about Z by what `exact_yaw` says of the first frame (and a quarter, `offset`).
+  bool canonicalize = true;
+  bool offset = true;
+  /// false, as published: the z of the first rotation vector, which is no heading, so that a second pass turns again.
+  /// true: the heading, and clips that differ by a turn about Z become the same.
+  bool exact_yaw = false;
+};
+
+template <Scalar S>
+struct SmplVelpMotion {
+  std::vector<Matrix3<S>> rotations;  // (frames, joints); joint 0 in the world
+  std::vector<Vec3<S>> trans;         // (frames)
+};
+
+/// smplvelp: the root's height and velocity, then a rotation of each joint as above: 135 for 22 joints in 6D.
+inline FeatureLayout smplvelp_layout(
+    std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
+    PoseRepresentation rotations = PoseRepresentation::rot6d, const BodyPartition& body = {}) {
+  const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(rotations);
+  if (joints < 1) raise<config_error>(101, "smplvelp_layout: no joints");
+  return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, body, [&](Index i) {
+    return i < 3 ? body.path() : part_of_joint[static_cast<std::size_t>((i - 3) / numbers)];
+  });
+}
+
+/// What the numbers of `smplvelp_layout` mean. World: Z up, turned as SmplVelpOptions say.
+inline constexpr std::array<FeatureRange, 4> smplvelp_ranges{{
+    {{0, 1}, "height of the translation in the world", "m"},
+    {{1, 3}, "velocity of the translation since the frame before, in the world: x, y", "m/frame"},
+    {{3, 9}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
+    {{9, 135}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 22}},
+}};
+
+/// rotations  (frames, joints); joint 0 in the world
+/// trans      (frames)
+/// result     (frames, 3 + 6 joints), or 3 + 4 joints for quaternions, ...
+/// Throws     shape_error 205 if the sizes do not fit
+template <Scalar S>
+std::vector<S> smplvelp_features(std::span<const Matrix3<S>> rotations, std::span<const Vec3<S>> trans,
+                                 const SmplVelpOptions& options = {}) {
+  const std::size_t frames = trans.size(), joints = frames == 0 ? 0 : rotations.size() / frames;
+  if (rotations.size() != frames * joints || (frames > 0 && joints == 0)) {
+    raise<shape_error>(205, "smplvelp_features: ", rotations.size(), " rotations for ", frames, " frames");
+  }
+  std::vector<S> out;
+  if (frames == 0) return out;
+  S angle{};
+  if (options.canonicalize) {
+    angle =
+        options.exact_yaw ? detail::zyx_angles(rotations[0], true).z : pytorch3d::matrix_to_axis_angle(rotations[0]).z;
+    if (options.offset) angle += S(std::numbers::pi / 2);
+  }
+  const Matrix3<S> back = axis_rotation(2, -angle);
+  for (std::size_t t = 0; t < frames; ++t) {
+    const Vec3<S> velocity = back * (trans[t] - trans[t == 0 ? 0 : t - 1]);
+    out.insert(out.end(), {trans[t].z, velocity.x, velocity.y});
+    for (std::size_t j = 0; j < joints; ++j) {
+      const Matrix3<S>& r = rotations[t * joints + j];
+      append_rotation(out, options.rotations, j == 0 ? back * r : r);
+    }
+  }
+  return out;
+}
+
+/// features  (frames, 3 + 6 joints), not normalised
+/// The path starts at x = y = 0; the heading stays what the features say. Throws shape_error 205.
+template <Scalar S>
+SmplVelpMotion<S> smplvelp_inverse(std::span<const S> features, Index joints = 22,
+                                   PoseRepresentation representation = PoseRepresentation::rot6d) {
+  const Index numbers = size(representation), width = 3 + numbers * joints;
+  if (joints < 1 || std::ssize(features) % width != 0) {
+    raise<shape_error>(205, "smplvelp_inverse: ", features.size(), " values are no rows of ", width);
+  }
+  SmplVelpMotion<S> out;
+  Vec3<S> position{};
+  for (std::size_t at = 0; at < features.size(); at += static_cast<std::size_t>(width)) {
+    if (at > 0) position = position + Vec3<S>{features[at + 1], features[at + 2], S(0)};
+    position.z = features[at];
+    out.trans.push_back(position);
+    for (Index j = 0; j < joints; ++j) {
+      const auto own =
+          features.subspan(at + 3 + static_cast<std::size_t>(numbers * j), static_cast<std::size_t>(numbers));
+      out.rotations.push_back(rotation_from(representation, own));
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP  // <motionlang/kinematics/retarget.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_RETARGET_HPP
+/// Retargeting: the same movement on another skeleton, from and to every kind that skeleton_tables.hpp knows.
+///
+///     G_t(f) = G_s(f) C_s^-1 C_t
+/// G_s, G_t: world rotations of a joint s of the source and of the joint t of the target that follows it. C_t: the
+/// world rotation of t while the target stands in its T-pose, facing +Z; C_s: that of s while the source stands as the
+/// target does then, its limbs along the target's limbs. A source in that pose so gives the target's T-pose, whatever
+/// the local axes and the rest poses (T, A, any quarter turn), and chains may have different numbers of joints. Joints
+/// that no table knows follow those of the same name, fingers those of the same finger. Bones keep the
+/// target's lengths; the path is scaled by the ratio of the legs.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_HPP  // <motionlang/kinematics/skeleton_tables.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_HPP
+/// Which joint of a known skeleton has the part of which joint of SMPL: the tables behind retargeting, and how to
+/// recognise one. They are read in both directions: SMPL's 24 joints are what all skeletons have in common.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLE_HPP  // <motionlang/kinematics/skeleton_table.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLE_HPP
+/// Which joint of a kind of skeleton has the part of which joint of SMPL: one table. Those that are known are in
+/// skeleton_tables.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A joint's name without what programs put before it: namespaces ("hero:Hips"), and Mixamo's "mixamorig:", also as
+/// "mixamorig1:" and, where colons were lost, "mixamorig".
+std::string_view bare_joint_name(std::string_view name);
+
+/// The number of a joint by its name, or else by its bare name, or else by that without regard to capital letters
+/// ("Hips" is "hips": Unity and Godot write VRM's names so); -1.
+int find_joint(const Skeleton& skeleton, std::string_view name);
+
+/// One joint of SMPL and the joint of the known skeleton whose orientation it takes.
+struct MappedJoint {
+  std::string target;  // name in SMPL
+  std::string source;
+  /// The two local axes of the source joint that point to the left and up while the figure stands in a T-pose. "+x+y"
+  /// for files whose rotations are all zero in that pose.
+  std::string axes = "+x+y";
+  /// How the frame given by `axes` is turned in the T-pose besides: rotation vector in degrees, x left, y up, z
+  /// forward.
+  Vec3<double> turn{};
+  /// A second source joint and its share, for chains of different lengths. Its axes are those of its own row, else of
+  /// its parent.
+  std::string second{};
+  double share = 0;
+};
+
+/// A kind of skeleton. Hands, toes and collars may be missing; all other joints of the table must be there.
+struct SkeletonTable {
+  std::string name;
+  std::vector<MappedJoint> joints;
+  /// Whether limbs are turned so that the source's bones take the directions of the target's; false where the zero pose
+  /// (with `turn`) is known to be the T-pose although its bones are not straight.
+  bool straighten = true;
+  /// Whether the soles are level in the zero pose although the legs stand apart, as in the pose to which a character's
+  /// skin is bound. Otherwise feet lean to the side with their shins.
+  bool level_soles = false;
+
+  const MappedJoint* find(std::string_view target) const;
+  /// The first joint that the table needs and the skeleton lacks; empty if there is none.
+  std::string missing(const Skeleton& source) const;
+  /// How many of its joints the skeleton has.
+  int found(const Skeleton& source) const;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLE_IPP  // <motionlang/kinematics/skeleton_table.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLE_IPP
+// Bodies of skeleton_table.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string_view bare_joint_name(std::string_view name) {
+  name = name.substr(name.rfind(':') + 1);  // npos + 1 = 0
+  constexpr std::string_view mixamo = "mixamorig";
+  if (!name.starts_with(mixamo)) return name;
+  const std::size_t rest = name.find_first_not_of("0123456789_", mixamo.size());
+  return rest == name.npos ? name : name.substr(rest);
+}
+
+namespace detail {
+
+inline bool same_but_for_capitals(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY int find_joint(const Skeleton& skeleton, std::string_view name) {
+  if (const int j = skeleton.find(name); j >= 0) return j;
+  int similar = -1;
+  for (int k = 0; k < skeleton.size(); ++k) {
+    const std::string_view bare = bare_joint_name(skeleton.name(k));
+    if (bare == name) return k;
+    if (similar < 0 && detail::same_but_for_capitals(bare, name)) similar = k;
+  }
+  return similar;
+}
+
+MOTIONLANG_BODY const MappedJoint* SkeletonTable::find(std::string_view target) const {
+  for (const MappedJoint& j : joints) {
+    if (j.target == target) return &j;
+  }
+  return nullptr;
+}
+
+MOTIONLANG_BODY std::string SkeletonTable::missing(const Skeleton& source) const {
+  for (const MappedJoint& j : joints) {
+    const bool optional = j.target.ends_with("_hand") || j.target.ends_with("_foot") || j.target.ends_with("_collar");
+    if (!optional && find_joint(source, j.source) < 0) return j.source;
+    if (!j.second.empty() && find_joint(source, j.second) < 0) return j.second;
+  }
+  return {};
+}
+
+MOTIONLANG_BODY int SkeletonTable::found(const Skeleton& source) const {
+  int n = 0;
+  for (const MappedJoint& j : joints) n += find_joint(source, j.source) >= 0 ? 1 : 0;
+  return n;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline constexpr std::string_view own_table_hint =
+    "a file can name the joints and their axes: read_skeleton_table, --joints FILE of the program";
+
+}  // namespace detail
+
+/// The built-in tables.
+const std::vector<SkeletonTable>& skeleton_tables();
+
+/// The table whose joints the skeleton has; of several one by which it stands at rest, then the one with the most. Null
+/// if none fits.
+const SkeletonTable* find_skeleton_table(const Skeleton& source);
+/// The same. Throws config_error 103 with the joint that the closest table misses if none fits.
+const SkeletonTable& detect_skeleton_table(const Skeleton& source);
+/// A built-in table by name. Throws config_error 103.
+const SkeletonTable& skeleton_table(std::string_view name);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_IPP  // <motionlang/kinematics/skeleton_tables.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_SKELETON_TABLES_IPP
+// Bodies of skeleton_tables.hpp.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_STANDING_SKELETON_HPP  // <motionlang/kinematics/standing_skeleton.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_STANDING_SKELETON_HPP
+/// A skeleton as it stands in its T-pose, by the axes that its table states.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// A joint of a limb and the one where its bone ends, by SMPL's names.
+struct LimbBone {
+  std::string_view joint, end;
+};
+
+/// Whether a text names two different axes, as "+x+y" does.
+bool is_axes(std::string_view axes);
+/// World rotation of a joint in a T-pose, from "+x+y": its local axes that point left and up.
+Quaternion<double> axes_rotation(const MappedJoint& joint);
+
+/// A skeleton as its table sees it, standing in its T-pose, turned by quarters of a circle about y until its left is
+/// nearest to +X. Where its limbs do not point to the sides or down, `bone` says where they point.
+class StandingSkeleton {
+ public:
+  Skeleton skeleton;
+  SkeletonTable table;
+  std::vector<Quaternion<double>> rotation;  // of each joint in the world
+
+  StandingSkeleton(Skeleton s, SkeletonTable t);
+
+  /// What says that it does not stand, facing forward: the head is not over the pelvis, the hips are not side by side,
+  /// or toes point back as left and right are exchanged. "" if it stands, or has no such joints.
+  std::string lies() const;
+
+  /// The joint with a role, a name of SMPL's; -1 if there is none.
+  int joint(std::string_view role) const {
+    const MappedJoint* row = table.find(role);
+    return row == nullptr ? -1 : find_joint(skeleton, row->source);
+  }
+  /// The role of a joint: that which it fills with the largest share, of several the last. "" if it has none.
+  std::string role(int joint) const;
+  /// A bone of a limb; zero without its joints. Where the table says that the zero pose is the T-pose although bones
+  /// are not straight: as in SMPL.
+  Vec3<double> bone(const LimbBone& limb) const;
+  double length(const LimbBone& limb) const;
+
+ private:
+  void face_forward();
+
+  std::vector<Vec3<double>> position_;
+};
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_STANDING_SKELETON_IPP  // <motionlang/kinematics/standing_skeleton.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_STANDING_SKELETON_IPP
+// Bodies of standing_skeleton.hpp.
+
+#ifndef MOTIONLANG_HAS_GEOMETRY_DEGREE_HPP  // <motionlang/geometry/degree.hpp>
+#define MOTIONLANG_HAS_GEOMETRY_DEGREE_HPP
+/// Angles in degrees: 30 * degree is in radians, a / degree in degrees.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+inline constexpr double degree = std::numbers::pi / 180;
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline Vec3<double> local_axis(std::string_view signed_letter) {
+  const double sign = signed_letter[0] == '-' ? -1 : 1;
+  const char c = signed_letter[1];
+  return {c == 'x' ? sign : 0, c == 'y' ? sign : 0, c == 'z' ? sign : 0};
+}
+
+MOTIONLANG_BODY bool is_axes(std::string_view axes) {
+  const auto sign = [](char c) { return c == '+' || c == '-'; };
+  const auto letter = [](char c) { return c >= 'x' && c <= 'z'; };
+  return axes.size() == 4 && sign(axes[0]) && letter(axes[1]) && sign(axes[2]) && letter(axes[3]) && axes[1] != axes[3];
+}
+
+MOTIONLANG_BODY Quaternion<double> axes_rotation(const MappedJoint& joint) {
+  const std::string_view axes = joint.axes;
+  if (!is_axes(axes))
+    raise<config_error>(103, "SkeletonTable: '", axes, "' of '", joint.source, "' does not name two axes");
+  const Vec3<double> left = local_axis(axes.substr(0, 2)), up = local_axis(axes.substr(2, 2));
+  const auto frame = to_quaternion(Matrix3<double>::from_rows(left, up, cross(left, up)));
+  return to_quaternion(AxisAngle<double>{degree * joint.turn}) * frame;
+}
+
+MOTIONLANG_BODY StandingSkeleton::StandingSkeleton(Skeleton s, SkeletonTable t)
+    : skeleton(std::move(s)), table(std::move(t)) {
+  const auto joints = static_cast<std::size_t>(skeleton.size());
+  rotation.assign(joints, Quaternion<double>::identity());
+  position_.assign(joints, {});
+  std::vector<bool> given(joints, false);
+  for (const MappedJoint& m : table.joints) {
+    const int j = find_joint(skeleton, m.source);
+    if (j < 0) continue;
+    rotation[static_cast<std::size_t>(j)] = axes_rotation(m);
+    given[static_cast<std::size_t>(j)] = true;
+  }
+  for (std::size_t j = 1; j < joints; ++j) {
+    const auto parent = static_cast<std::size_t>(skeleton.parents[j]);
+    if (!given[j]) rotation[j] = rotation[parent];
+    position_[j] = position_[parent] + rotate(rotation[parent], skeleton.offsets[j]);
+  }
+  face_forward();
+}
+
+MOTIONLANG_BODY std::string StandingSkeleton::lies() const {
+  const double slant = 0.7;  // cosine of some 45 degrees
+  const auto between = [&](std::string_view from, std::string_view to) {
+    const int a = joint(from), b = joint(to);
+    return a < 0 || b < 0 ? Vec3<double>{}
+                          : position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)];
+  };
+  const auto told = [](const char* what, Vec3<double> v, const char* wanted) {
+    v = (1 / norm(v)) * v;
+    const auto rounded = [](double x) { return std::round(x * 100) / 100; };
+    return concat_text(what, " (", rounded(v.x), ", ", rounded(v.y), ", ", rounded(v.z), ") at rest, ", wanted);
+  };
+  const Vec3<double> trunk = between("pelvis", "head"), across = between("right_hip", "left_hip");
+  if (trunk.y < slant * norm(trunk)) return told("the head is from the pelvis in direction", trunk, "not up (0, 1, 0)");
+  if (across.x < slant * norm(across))
+    return told("the left hip is from the right one in direction", across, "not to the left (1, 0, 0)");
+  const Vec3<double> foot = between("left_ankle", "left_foot");
+  if (foot.z < -slant * norm(foot))
+    return told("the left toes are from the ankle in direction", foot, "not forward (0, 0, 1) with the left hip at +x");
+  return {};
+}
+
+MOTIONLANG_BODY std::string StandingSkeleton::role(int joint) const {
+  std::string best;
+  double largest = 0;
+  for (const MappedJoint& m : table.joints) {
+    const double share = find_joint(skeleton, m.source) == joint                        ? 1 - m.share
+                         : !m.second.empty() && find_joint(skeleton, m.second) == joint ? m.share
+                                                                                        : 0;
+    if (share > 0 && share >= largest) best = m.target, largest = share;
+  }
+  return best;
+}
+
+MOTIONLANG_BODY Vec3<double> StandingSkeleton::bone(const LimbBone& limb) const {
+  const int a = joint(limb.joint), b = joint(limb.end);
+  if (a < 0 || b < 0) return {};
+  if (!table.straighten) return smpl24_skeleton().offset(smpl24_skeleton()[limb.end]);
+  return position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)];
+}
+
+MOTIONLANG_BODY double StandingSkeleton::length(const LimbBone& limb) const {
+  const int a = joint(limb.joint), b = joint(limb.end);
+  if (a < 0 || b < 0) return 0;
+  return norm(position_[static_cast<std::size_t>(b)] - position_[static_cast<std::size_t>(a)]);
+}
+
+MOTIONLANG_BODY void StandingSkeleton::face_forward() {
+  const int left = joint("left_hip"), right = joint("right_hip");
+  if (left < 0 || right < 0) return;
+  const auto across = position_[static_cast<std::size_t>(left)] - position_[static_cast<std::size_t>(right)];
+  constexpr double quarter = std::numbers::pi / 2;
+  const double quarters = std::round(std::atan2(-across.z, across.x) / quarter);
+  if (quarters == 0) return;
+  const auto back = from_axis_angle(Vec3<double>{0, 1, 0}, -quarters * quarter);
+  for (Quaternion<double>& q : rotation) q = back * q;
+  for (Vec3<double>& p : position_) p = rotate(back, p);
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// A built-in table as a constant. As strings and vectors the tables would be a function of 130 kB.
+struct KnownTable {
+  struct Joint {
+    std::string_view target, source, axes = "+x+y";
+    Vec3<double> turn{};
+    std::string_view second{};
+    double share = 0;
+  };
+  std::string_view name;
+  Joint joints[24];  // as many as SMPL has; those that are not given have no target
+  bool straighten = true, level_soles = false;
+
+  operator SkeletonTable() const {
+    SkeletonTable table{.name = std::string(name), .joints = {}, .straighten = straighten, .level_soles = level_soles};
+    for (const Joint& j : joints) {
+      if (j.target.empty()) break;
+      table.joints.push_back(
+          {std::string(j.target), std::string(j.source), std::string(j.axes), j.turn, std::string(j.second), j.share});
+    }
+    return table;
+  }
+};
+
+// clang-format off
+// Shares of the spine follow from the heights of the joints between hips and neck.
+inline constexpr KnownTable known_tables[] = {
+    {"SMPL",
+     {{"pelvis", "pelvis"}, {"spine1", "spine1"}, {"spine2", "spine2"}, {"spine3", "spine3"}, {"neck", "neck"}, {"head", "head"},
+      {"left_hip", "left_hip"}, {"left_knee", "left_knee"}, {"left_ankle", "left_ankle"}, {"left_foot", "left_foot"},
+      {"right_hip", "right_hip"}, {"right_knee", "right_knee"}, {"right_ankle", "right_ankle"}, {"right_foot", "right_foot"},
+      {"left_collar", "left_collar"}, {"left_shoulder", "left_shoulder"}, {"left_elbow", "left_elbow"}, {"left_wrist", "left_wrist"}, {"left_hand", "left_hand"},
+      {"right_collar", "right_collar"}, {"right_shoulder", "right_shoulder"}, {"right_elbow", "right_elbow"}, {"right_wrist", "right_wrist"}, {"right_hand", "right_hand"}}},
+    // Made from the MotionBuilder files. The turns were measured on the 58 trials that exist as both.
+    {"CMU Daz",
+     {{"pelvis", "hip"}, {"spine1", "hip", "+x+y", {}, "abdomen", 0.74}, {"spine2", "abdomen", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"},
+      {"neck", "neck", "+x+y", {6, 0, 0}}, {"head", "head", "+x+y", {-16, 0, 0}},
+      {"left_hip", "lThigh", "+x+y", {-4.7, 0, 0}}, {"left_knee", "lShin", "+x+y", {-4.2, 0, 0}}, {"left_ankle", "lFoot"},
+      {"right_hip", "rThigh", "+x+y", {-4.7, 0, 0}}, {"right_knee", "rShin", "+x+y", {-4.2, 0, 0}}, {"right_ankle", "rFoot"},
+      {"left_collar", "lCollar"}, {"left_shoulder", "lShldr", "+x+y", {0, 0, 8}}, {"left_elbow", "lForeArm", "+x+y", {0, 0, 8}}, {"left_wrist", "lHand", "+x+y", {0, 0, 8}}, {"left_hand", "lMid1"},
+      {"right_collar", "rCollar"}, {"right_shoulder", "rShldr", "+x+y", {0, 0, -8}}, {"right_elbow", "rForeArm", "+x+y", {0, 0, -8}}, {"right_wrist", "rHand", "+x+y", {0, 0, -8}}, {"right_hand", "rMid1"}},
+     false},
+    {"CMU MotionBuilder",
+     {{"pelvis", "Hips"}, {"spine1", "LowerBack"}, {"spine2", "Spine"}, {"spine3", "Spine1"}, {"neck", "Neck", "+x+y", {}, "Neck1", 0.5}, {"head", "Head"},
+      {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
+      {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
+      {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftFingerBase"}, {"left_hand", "LeftHandIndex1"},
+      {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightFingerBase"}, {"right_hand", "RightHandIndex1"}}},
+    {"CMU ASF",
+     {{"pelvis", "root"}, {"spine1", "lowerback"}, {"spine2", "upperback"}, {"spine3", "thorax"}, {"neck", "lowerneck", "+x+y", {}, "upperneck", 0.5}, {"head", "head"},
+      {"left_hip", "lfemur"}, {"left_knee", "ltibia"}, {"left_ankle", "lfoot"}, {"left_foot", "ltoes"},
+      {"right_hip", "rfemur"}, {"right_knee", "rtibia"}, {"right_ankle", "rfoot"}, {"right_foot", "rtoes"},
+      {"left_collar", "lclavicle"}, {"left_shoulder", "lhumerus"}, {"left_elbow", "lradius"}, {"left_wrist", "lhand"}, {"left_hand", "lfingers"},
+      {"right_collar", "rclavicle"}, {"right_shoulder", "rhumerus"}, {"right_elbow", "rradius"}, {"right_wrist", "rhand"}, {"right_hand", "rfingers"}}},
+    // Local axes of Maya's kind: x runs along the bone (on the right side against it), nothing is zero in a T-pose.
+    {"Bandai-Namco",
+     {{"pelvis", "Hips", "-y+x"}, {"spine1", "Hips", "-y+x", {}, "Spine", 0.48}, {"spine2", "Spine", "+z+x"}, {"spine3", "Chest", "+z+x"}, {"neck", "Neck", "+z+x"}, {"head", "Head", "+z+x"},
+      {"left_hip", "UpperLeg_L", "+y-x"}, {"left_knee", "LowerLeg_L", "+y-x"}, {"left_ankle", "Foot_L", "+y+z", {39.5, 0, 0}}, {"left_foot", "Toes_L", "+y+z", {21, 0, 0}},
+      {"right_hip", "UpperLeg_R", "+y+x"}, {"right_knee", "LowerLeg_R", "+y+x"}, {"right_ankle", "Foot_R", "+y-z", {39.5, 0, 0}}, {"right_foot", "Toes_R", "+y-z", {21, 0, 0}},
+      {"left_collar", "Shoulder_L", "+x+y"}, {"left_shoulder", "UpperArm_L", "+x+y"}, {"left_elbow", "LowerArm_L", "+x+y"}, {"left_wrist", "Hand_L", "+x+y"},
+      {"right_collar", "Shoulder_R", "+x-y"}, {"right_shoulder", "UpperArm_R", "+x-y"}, {"right_elbow", "LowerArm_R", "+x-y"}, {"right_wrist", "Hand_R", "+x-y"}}},
+    {"ReactIdle",
+     {{"pelvis", "pelvis"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "spine.001", 0.5}, {"spine3", "spine.001"}, {"neck", "neck"}, {"head", "face"},
+      {"left_hip", "thigh.L"}, {"left_knee", "shin.L"}, {"left_ankle", "foot.L"},
+      {"right_hip", "thigh.R"}, {"right_knee", "shin.R"}, {"right_ankle", "foot.R"},
+      {"left_collar", "shoulder.L"}, {"left_shoulder", "upper_arm.L"}, {"left_elbow", "forearm.L"},
+      {"right_collar", "shoulder.R"}, {"right_shoulder", "upper_arm.R"}, {"right_elbow", "forearm.R"}}},
+    {"ACCAD",
+     {{"pelvis", "Hips", "-z+x"}, {"spine1", "ToSpine"}, {"spine2", "Spine", "+z+x"}, {"spine3", "Spine1", "+z+x"}, {"neck", "Neck", "-z+x"}, {"head", "Head", "-y+x"},
+      {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
+      {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
+      {"left_collar", "LeftShoulder", "+z+x"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"},
+      {"right_collar", "RightShoulder", "+z+x"}, {"right_shoulder", "RightArm", "-x+y"}, {"right_elbow", "RightForeArm", "-x+y"}, {"right_wrist", "RightHand", "-x+y"}}},
+    // The figure of the first BVH files: upright, but with hanging arms when all rotations are zero.
+    {"Biovision",
+     {{"pelvis", "Hips"}, {"spine1", "Hips", "+x+y", {}, "Chest", 0.5}, {"spine2", "Chest"}, {"spine3", "Chest"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLowLeg"}, {"left_ankle", "LeftFoot"},
+      {"right_hip", "RightUpLeg"}, {"right_knee", "RightLowLeg"}, {"right_ankle", "RightFoot"},
+      {"left_collar", "LeftCollar"}, {"left_shoulder", "LeftUpArm", "-y+x"}, {"left_elbow", "LeftLowArm", "-y+x"}, {"left_wrist", "LeftHand", "-y+x"},
+      {"right_collar", "RightCollar"}, {"right_shoulder", "RightUpArm", "+y-x"}, {"right_elbow", "RightLowArm", "+y-x"}, {"right_wrist", "RightHand", "+y-x"}}},
+    // SMPL's joints as its add-ons for Blender and engines write them.
+    {"SMPL add-on",
+     {{"pelvis", "Pelvis"}, {"spine1", "Spine1"}, {"spine2", "Spine2"}, {"spine3", "Spine3"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "L_Hip"}, {"left_knee", "L_Knee"}, {"left_ankle", "L_Ankle"}, {"left_foot", "L_Foot"},
+      {"right_hip", "R_Hip"}, {"right_knee", "R_Knee"}, {"right_ankle", "R_Ankle"}, {"right_foot", "R_Foot"},
+      {"left_collar", "L_Collar"}, {"left_shoulder", "L_Shoulder"}, {"left_elbow", "L_Elbow"}, {"left_wrist", "L_Wrist"}, {"left_hand", "L_Hand"},
+      {"right_collar", "R_Collar"}, {"right_shoulder", "R_Shoulder"}, {"right_elbow", "R_Elbow"}, {"right_wrist", "R_Wrist"}, {"right_hand", "R_Hand"}},
+     true, true},
+    // Rigs of game characters: as GLB files hold them, rest rotations are taken out, so that all axes are "+x+y".
+    {"Mixamo",
+     {{"pelvis", "Hips"}, {"spine1", "Spine"}, {"spine2", "Spine1"}, {"spine3", "Spine2"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
+      {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
+      {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"}, {"left_hand", "LeftHandMiddle1"},
+      {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightHandMiddle1"}},
+     true, true},
+    // Ubisoft's LaFAN1 has Mixamo's names, but in its zero pose all bones lie along x. In a T-pose x runs along the bone
+    // and y to the front (of feet up); sides are mirrored by z. Offsets show that of the trunk; limbs are taken to be
+    // alike, which was not compared with recordings. Feet are turned by the slope of SMPL's.
+    {"LaFAN1",
+     {{"pelvis", "Hips", "+z+x"}, {"spine1", "Spine", "+z+x"}, {"spine2", "Spine1", "+z+x"}, {"spine3", "Spine2", "+z+x"}, {"neck", "Neck", "+z+x"}, {"head", "Head", "+z+x"},
+      {"left_hip", "LeftUpLeg", "-z-x"}, {"left_knee", "LeftLeg", "-z-x"}, {"left_ankle", "LeftFoot", "-z+y", {23, 0, 0}}, {"left_foot", "LeftToe", "-z+y"},
+      {"right_hip", "RightUpLeg", "-z-x"}, {"right_knee", "RightLeg", "-z-x"}, {"right_ankle", "RightFoot", "-z+y", {23, 0, 0}}, {"right_foot", "RightToe", "-z+y"},
+      {"left_collar", "LeftShoulder", "+x-z"}, {"left_shoulder", "LeftArm", "+x-z"}, {"left_elbow", "LeftForeArm", "+x-z"}, {"left_wrist", "LeftHand", "+x-z"},
+      {"right_collar", "RightShoulder", "-x+z"}, {"right_shoulder", "RightArm", "-x+z"}, {"right_elbow", "RightForeArm", "-x+z"}, {"right_wrist", "RightHand", "-x+z"}}},
+    // Xsens' suits, and 100STYLE, recorded with one. Chest is their L5, Chest2 L3, Chest3 T12 and Chest4 T8.
+    {"Xsens",
+     {{"pelvis", "Hips"}, {"spine1", "Chest"}, {"spine2", "Chest2", "+x+y", {}, "Chest3", 0.5}, {"spine3", "Chest4"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "LeftHip"}, {"left_knee", "LeftKnee"}, {"left_ankle", "LeftAnkle"}, {"left_foot", "LeftToe"},
+      {"right_hip", "RightHip"}, {"right_knee", "RightKnee"}, {"right_ankle", "RightAnkle"}, {"right_foot", "RightToe"},
+      {"left_collar", "LeftCollar"}, {"left_shoulder", "LeftShoulder"}, {"left_elbow", "LeftElbow"}, {"left_wrist", "LeftWrist"},
+      {"right_collar", "RightCollar"}, {"right_shoulder", "RightShoulder"}, {"right_elbow", "RightElbow"}, {"right_wrist", "RightWrist"}}},
+    {"KayKit",
+     {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "chest", "+x+y", {}, "head", 0.5}, {"head", "head"},
+      {"left_hip", "upperleg.l"}, {"left_knee", "lowerleg.l"}, {"left_ankle", "foot.l"}, {"left_foot", "toes.l"},
+      {"right_hip", "upperleg.r"}, {"right_knee", "lowerleg.r"}, {"right_ankle", "foot.r"}, {"right_foot", "toes.r"},
+      {"left_shoulder", "upperarm.l"}, {"left_elbow", "lowerarm.l"}, {"left_wrist", "wrist.l"}, {"left_hand", "hand.l"},
+      {"right_shoulder", "upperarm.r"}, {"right_elbow", "lowerarm.r"}, {"right_wrist", "wrist.r"}, {"right_hand", "hand.r"}},
+     true, true},
+    {"Quaternius",
+     {{"pelvis", "DEF-hips"}, {"spine1", "DEF-spine.001"}, {"spine2", "DEF-spine.002"}, {"spine3", "DEF-spine.003"}, {"neck", "DEF-neck"}, {"head", "DEF-head"},
+      {"left_hip", "DEF-thigh.L"}, {"left_knee", "DEF-shin.L"}, {"left_ankle", "DEF-foot.L"}, {"left_foot", "DEF-toe.L"},
+      {"right_hip", "DEF-thigh.R"}, {"right_knee", "DEF-shin.R"}, {"right_ankle", "DEF-foot.R"}, {"right_foot", "DEF-toe.R"},
+      {"left_collar", "DEF-shoulder.L"}, {"left_shoulder", "DEF-upper_arm.L"}, {"left_elbow", "DEF-forearm.L"}, {"left_wrist", "DEF-hand.L"}, {"left_hand", "DEF-f_middle.01.L"},
+      {"right_collar", "DEF-shoulder.R"}, {"right_shoulder", "DEF-upper_arm.R"}, {"right_elbow", "DEF-forearm.R"}, {"right_wrist", "DEF-hand.R"}, {"right_hand", "DEF-f_middle.01.R"}},
+     true, true},
+    // The mannequins; the fourth has three joints in the spine and one in the neck.
+    {"Unreal 5",
+     {{"pelvis", "pelvis"}, {"spine1", "spine_01"}, {"spine2", "spine_03"}, {"spine3", "spine_05"}, {"neck", "neck_01", "+x+y", {}, "neck_02", 0.5}, {"head", "head"},
+      {"left_hip", "thigh_l"}, {"left_knee", "calf_l"}, {"left_ankle", "foot_l"}, {"left_foot", "ball_l"},
+      {"right_hip", "thigh_r"}, {"right_knee", "calf_r"}, {"right_ankle", "foot_r"}, {"right_foot", "ball_r"},
+      {"left_collar", "clavicle_l"}, {"left_shoulder", "upperarm_l"}, {"left_elbow", "lowerarm_l"}, {"left_wrist", "hand_l"}, {"left_hand", "middle_01_l"},
+      {"right_collar", "clavicle_r"}, {"right_shoulder", "upperarm_r"}, {"right_elbow", "lowerarm_r"}, {"right_wrist", "hand_r"}, {"right_hand", "middle_01_r"}},
+     true, true},
+    {"Unreal 4",
+     {{"pelvis", "pelvis"}, {"spine1", "spine_01"}, {"spine2", "spine_02"}, {"spine3", "spine_03"}, {"neck", "neck_01"}, {"head", "head"},
+      {"left_hip", "thigh_l"}, {"left_knee", "calf_l"}, {"left_ankle", "foot_l"}, {"left_foot", "ball_l"},
+      {"right_hip", "thigh_r"}, {"right_knee", "calf_r"}, {"right_ankle", "foot_r"}, {"right_foot", "ball_r"},
+      {"left_collar", "clavicle_l"}, {"left_shoulder", "upperarm_l"}, {"left_elbow", "lowerarm_l"}, {"left_wrist", "hand_l"}, {"left_hand", "middle_01_l"},
+      {"right_collar", "clavicle_r"}, {"right_shoulder", "upperarm_r"}, {"right_elbow", "lowerarm_r"}, {"right_wrist", "hand_r"}, {"right_hand", "middle_01_r"}},
+     true, true},
+    // The humanoid bones of VRM. Files name their joints as they like and say which bone each is; VRoid's names are below.
+    {"VRM",
+     {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "chest"}, {"spine3", "upperChest"}, {"neck", "neck"}, {"head", "head"},
+      {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
+      {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
+      {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
+      {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
+     true, true},
+    {"VRM without upper chest",
+     {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "neck"}, {"head", "head"},
+      {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
+      {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
+      {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
+      {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
+     true, true},
+    {"VRoid",
+     {{"pelvis", "J_Bip_C_Hips"}, {"spine1", "J_Bip_C_Spine"}, {"spine2", "J_Bip_C_Chest"}, {"spine3", "J_Bip_C_UpperChest"}, {"neck", "J_Bip_C_Neck"}, {"head", "J_Bip_C_Head"},
+      {"left_hip", "J_Bip_L_UpperLeg"}, {"left_knee", "J_Bip_L_LowerLeg"}, {"left_ankle", "J_Bip_L_Foot"}, {"left_foot", "J_Bip_L_ToeBase"},
+      {"right_hip", "J_Bip_R_UpperLeg"}, {"right_knee", "J_Bip_R_LowerLeg"}, {"right_ankle", "J_Bip_R_Foot"}, {"right_foot", "J_Bip_R_ToeBase"},
+      {"left_collar", "J_Bip_L_Shoulder"}, {"left_shoulder", "J_Bip_L_UpperArm"}, {"left_elbow", "J_Bip_L_LowerArm"}, {"left_wrist", "J_Bip_L_Hand"}, {"left_hand", "J_Bip_L_Middle1"},
+      {"right_collar", "J_Bip_R_Shoulder"}, {"right_shoulder", "J_Bip_R_UpperArm"}, {"right_elbow", "J_Bip_R_LowerArm"}, {"right_wrist", "J_Bip_R_Hand"}, {"right_hand", "J_Bip_R_Middle1"}},
+     true, true},
+    // The Master Motor Map as KIT and TEMOS have it, see known_skeletons.hpp. The joints of the shoulders hang on the lower neck.
+    {"MMM",
+     {{"pelvis", "root"}, {"spine1", "BP"}, {"spine2", "BP", "+x+y", {}, "BT", 0.5}, {"spine3", "BT"}, {"neck", "BLN"}, {"head", "BUN"},
+      {"left_hip", "LH"}, {"left_knee", "LK"}, {"left_ankle", "LA"}, {"left_foot", "LMrot"},
+      {"right_hip", "RH"}, {"right_knee", "RK"}, {"right_ankle", "RA"}, {"right_foot", "RMrot"},
+      {"left_shoulder", "LS"}, {"left_elbow", "LE"}, {"left_wrist", "LW"},
+      {"right_shoulder", "RS"}, {"right_elbow", "RE"}, {"right_wrist", "RW"}},
+     true, true},
+};
+// clang-format on
+
+}  // namespace detail
+
+MOTIONLANG_BODY const std::vector<SkeletonTable>& skeleton_tables() {
+  static const std::vector<SkeletonTable> tables(std::begin(detail::known_tables), std::end(detail::known_tables));
+  return tables;
+}
+
+MOTIONLANG_BODY const SkeletonTable* find_skeleton_table(const Skeleton& source) {
+  const SkeletonTable* best = nullptr;
+  std::pair<bool, int> most{};
+  for (const SkeletonTable& table : skeleton_tables()) {
+    if (!table.missing(source).empty()) continue;
+    const std::pair fits(detail::StandingSkeleton(source, table).lies().empty(), table.found(source));
+    if (best == nullptr || fits > most) best = &table, most = fits;
+  }
+  return best;
+}
+
+MOTIONLANG_BODY const SkeletonTable& detect_skeleton_table(const Skeleton& source) {
+  if (const SkeletonTable* fits = find_skeleton_table(source)) return *fits;
+  const SkeletonTable* closest = &skeleton_tables().front();
+  for (const SkeletonTable& table : skeleton_tables()) {
+    if (table.found(source) > closest->found(source)) closest = &table;
+  }
+  raise<config_error>(103, "detect_skeleton_table: no table fits a skeleton of ", source.size(), " joints (root '",
+                      source.names.front(), "'); the closest, ", closest->name, ", needs a joint '",
+                      closest->missing(source), "'; ", detail::own_table_hint);
+}
+
+MOTIONLANG_BODY const SkeletonTable& skeleton_table(std::string_view name) {
+  for (const SkeletonTable& table : skeleton_tables()) {
+    if (table.name == name) return table;
+  }
+  raise<config_error>(103, "skeleton_table: no table '", name, "'");
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+class StandingSkeleton;
+}
+
+/// What a map did with the joints of both skeletons.
+struct RetargetReport {
+  std::string table, target_table;                          // the kinds of source and target
+  std::vector<std::pair<std::string, std::string>> mapped;  // joint of the target, joint (or "a + b") of the source
+  std::vector<std::string> unmapped;                        // joints of the target that stay at rest
+  std::vector<std::string> unused;                          // joints of the source that nothing follows
+  double leg_ratio = 1, arm_ratio = 1;  // target / source, 0 without arms; the path is scaled by leg_ratio
+};
+std::string to_string(const RetargetReport& r);
+
+/// How one skeleton follows another; made once, used for every clip.
+class SkeletonMap {
+ public:
+  /// Throws config_error 103 with the name of a joint that the source's table needs and the source lacks (or, for
+  /// unknown axes, or hips that a skeleton lacks), and if a skeleton does not stand at rest by its table; 101 if the
+  /// legs of a skeleton have no length.
+  SkeletonMap(const Skeleton& source, const SkeletonTable& source_table, const Skeleton& target,
+              const SkeletonTable& target_table);
+  /// The target has SMPL's names.
+  SkeletonMap(const Skeleton& source, const Skeleton& target, const SkeletonTable& source_table)
+      : SkeletonMap(source, source_table, target, skeleton_table("SMPL")) {}
+  /// With the built-in tables that fit.
+  explicit SkeletonMap(const Skeleton& source, const Skeleton& target = smpl24_skeleton())
+      : SkeletonMap(source, detect_skeleton_table(source), target, detect_skeleton_table(target)) {}
+
+  const Skeleton& source() const { return source_; }
+  const Skeleton& target() const { return target_; }
+  const RetargetReport& report() const { return report_; }
+
+  /// One frame: world transforms of the source to root position and local rotations of the target.
+  void apply(const JointTransforms<double>& from, Vec3<double>& root, std::span<Quaternion<double>> local) const;
+
+ private:
+  struct Link {
+    int source = -1, second = -1;
+    Quaternion<double> undo{1, 0, 0, 0}, undo_second{1, 0, 0, 0};  // C_s^-1 C_t
+    Quaternion<double> at_rest{1, 0, 0, 0};                        // of a joint that follows none, seen from its parent
+    double share = 0;
+  };
+
+  static Quaternion<double> turned(const JointTransforms<double>& from, int joint, const Quaternion<double>& undo) {
+    return to_quaternion(from.rotation[static_cast<std::size_t>(joint)]) * undo;
+  }
+  static const Vec3<double>& position(const JointTransforms<double>& from, int joint) {
+    return from.position[static_cast<std::size_t>(joint)];
+  }
+  /// A joint of the target seen from its root.
+  Vec3<double> from_root(int joint, const std::vector<Quaternion<double>>& world) const;
+
+  /// Of joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
+  int namesake(const std::string& name) const;
+  void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
+
+  /// The rotation that brings a joint of the source from its T-pose to the pose in which it stands like the target.
+  /// Limbs are turned along, joint by joint; feet only roll with their shins, unless a table says that they stand
+  /// level, so that soles stay level; the trunk is taken as it stands.
+  static Quaternion<double> bone_turn(std::string_view role, const detail::StandingSkeleton& from,
+                                      const detail::StandingSkeleton& to, const Quaternion<double>& up);
+
+  /// Lengths of legs and arms, and where the hips are.
+  void measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
+
+  Skeleton source_, target_;
+  RetargetReport report_;
+  std::vector<Link> links_;  // of the target's joints
+  int left_hip_ = -1, right_hip_ = -1, target_left_hip_ = -1, target_right_hip_ = -1;
+};
+
+/// Moves a clip up or down so that its feet stand on y = 0 as they do in the rest pose: the lowest joint of a frame, in
+/// all but the lowest 5 % of the frames, is not below the lowest joint at rest. A rest pose that is below the floor
+/// tells nothing of it (the root of many BVH files has OFFSET 0); that joint then stands on y = 0 itself. Returns by
+/// how much the clip was moved.
+double place_on_floor(Motion& motion);
+
+struct RetargetOptions {
+  bool floor = true;  // place_on_floor
+};
+
+/// The clip on the target of the map. Throws config_error 106 if its skeleton is not the source of the map.
+Motion retarget(const Motion& motion, const SkeletonMap& map, const RetargetOptions& options = {});
+/// With the built-in tables that fit the clip and the target; on its own skeleton a motion stays as it is. Throws
+/// config_error 103 with the joint that is missing.
+Motion retarget(const Motion& motion, const Skeleton& target = smpl24_skeleton(), const RetargetOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_RETARGET_IPP  // <motionlang/kinematics/retarget.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_RETARGET_IPP
+// Bodies of retarget.hpp.
+
+#ifndef MOTIONLANG_HAS_CORE_QUANTILE_HPP  // <motionlang/core/quantile.hpp>
+#define MOTIONLANG_HAS_CORE_QUANTILE_HPP
+/// Values by their rank: medians, quartiles, "all but the lowest 5 %".
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The value that n others are not above; n below the number of values.
+double nth_smallest(std::vector<double> values, std::size_t n);
+/// The value below which a share of the values is; 0 of none.
+double quantile(std::vector<double> values, double share);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_QUANTILE_IPP  // <motionlang/core/quantile.ipp>
+#define MOTIONLANG_HAS_CORE_QUANTILE_IPP
+// Bodies of quantile.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY double nth_smallest(std::vector<double> values, std::size_t n) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(n);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+MOTIONLANG_BODY double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const auto n = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
+  return nth_smallest(std::move(values), n);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_GEOMETRY_SLERP_HPP  // <motionlang/geometry/slerp.hpp>
+#define MOTIONLANG_HAS_GEOMETRY_SLERP_HPP
+/// Interpolation between rotations along the shortest arc.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Spherical linear interpolation: a at t = 0, b at t = 1, constant angular velocity in between.
+///     slerp = (sin((1-t) h) a + sin(t h) b) / sin h,   h = angle between the quaternions (shorter arc)
+/// Source  Shoemake, "Animating rotation with quaternion curves" (SIGGRAPH 1985). Below h = 1e-3 a normalised lerp.
+template <class S>
+Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& other, const S& t) {
+  const S d = dot(a, other), sign = where_less(d, S(0), S(-1), S(1));
+  const Quaternion<S> b = sign * other;
+  const Quaternion<S> chord = b + (S(-1)) * a, sum = b + a;
+  const S half = atan2(norm_or_zero(chord), norm_or_zero(sum));  // exact for small and large angles
+  const S h = S(2) * half, limit = S(1e-3), safe = where_less(h, limit, S(1), h);
+  const S wa = where_less(h, limit, S(1) - t, sin((S(1) - t) * safe) / sin(safe));
+  const S wb = where_less(h, limit, t, sin(t * safe) / sin(safe));
+  return normalized(wa * a + wb * b);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP  // <motionlang/kinematics/finger_names.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_HPP
+/// Joints of fingers by their names, which every program forms in its own way. No table lists them: hands may have any
+/// number of fingers.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. From
+/// "LeftHandIndex1" (Mixamo), "index_01_l" (Unreal), "DEF-f_index.01.L" (Rigify), "lIndex1" (Daz), "leftIndexProximal"
+/// (VRM) and their like. "" for another joint, and for tips and metacarpals.
+std::string finger_of(std::string_view joint);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_IPP  // <motionlang/kinematics/finger_names.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_FINGER_NAMES_IPP
+// Bodies of finger_names.hpp.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_JOINT_SIDES_HPP  // <motionlang/kinematics/joint_sides.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_JOINT_SIDES_HPP
+/// The side of the body that the name of a joint tells, and what its partner may be called.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Side of the body: a rest pose faces +Z, its left is at +X.
+enum class Side : int { middle, left, right };
+
+namespace detail {
+
+/// The side that a joint's name tells: left, Left, l_, _L, .l, _L_, lHand, LHip and the same for the right.
+Side side_of_name(std::string_view name);
+
+bool has_side_word(std::string_view name);
+/// What the joint on the other side may be called. A letter may be a coincidence ("lowerback"): look the names up.
+std::vector<std::string> other_side(const std::string& name);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_JOINT_SIDES_IPP  // <motionlang/kinematics/joint_sides.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_JOINT_SIDES_IPP
+// Bodies of joint_sides.hpp.
+
+#include <cctype>     // tolower
+#include <iterator>   // begin
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// What parts the words of a name.
+inline bool is_separator(char c) { return c == '_' || c == '.' || c == '-' || c == ' '; }
+
+/// Where a letter stands alone inside of a name (J_Bip_L_Hand, "Bip01 L Thigh"), or npos.
+inline std::size_t lone_letter(std::string_view name, char letter) {
+  for (std::size_t at = 1; at + 1 < name.size(); ++at) {
+    if (name[at] == letter && is_separator(name[at - 1]) && is_separator(name[at + 1])) return at;
+  }
+  return name.npos;
+}
+
+MOTIONLANG_BODY Side side_of_name(std::string_view name) {
+  auto lower = [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); };
+  auto is_capital = [](char c) { return c >= 'A' && c <= 'Z'; };
+  std::string small(name);
+  std::transform(small.begin(), small.end(), small.begin(), lower);
+  for (const auto& [side, word] : {std::pair{Side::left, std::string_view("left")}, {Side::right, "right"}}) {
+    const char letter = word.front();
+    if (small.find(word) != std::string::npos) return side;
+    if (name.size() < 2) continue;
+    const char second = name[1], before_last = name[name.size() - 2];
+    if (small.front() == letter && (second == '_' || second == '.' || is_capital(second))) return side;
+    if (small.back() == letter && is_separator(before_last)) return side;
+    if (lone_letter(small, letter) != small.npos) return side;
+  }
+  return Side::middle;
+}
+
+/// How names mark their side: words anywhere, single letters at either end or alone (lThigh, UpperArm_L, J_Bip_L_Hand).
+inline constexpr std::string_view side_words[][2] = {{"left", "right"}, {"Left", "Right"}, {"LEFT", "RIGHT"}};
+
+inline constexpr std::string_view side_letters[][2] = {{"l", "r"}, {"L", "R"}};
+
+MOTIONLANG_BODY bool has_side_word(std::string_view name) {
+  return std::any_of(std::begin(side_words), std::end(side_words), [&](const auto& pair) {
+    return name.find(pair[0]) != name.npos || name.find(pair[1]) != name.npos;
+  });
+}
+
+MOTIONLANG_BODY std::vector<std::string> other_side(const std::string& name) {
+  std::vector<std::string> candidates;
+  auto replaced = [&](std::string_view mark, std::string_view other, std::size_t at) {
+    candidates.push_back(std::string(name).replace(at, mark.size(), other));
+  };
+  for (const int side : {0, 1}) {
+    for (const auto& pair : side_words) {
+      if (const auto at = name.find(pair[side]); at != name.npos) replaced(pair[side], pair[1 - side], at);
+    }
+    for (const auto& pair : side_letters) {
+      if (name.starts_with(pair[side])) replaced(pair[side], pair[1 - side], 0);
+      if (name.ends_with(pair[side])) replaced(pair[side], pair[1 - side], name.size() - 1);
+      if (const auto at = lone_letter(name, pair[side][0]); at != name.npos) replaced(pair[side], pair[1 - side], at);
+    }
+  }
+  return candidates;
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string finger_of(std::string_view joint) {
+  const Side side = detail::side_of_name(joint);
+  if (side == Side::middle) return "";
+  const std::string_view own = side == Side::left ? "left" : "right", opposite = side == Side::left ? "right" : "left";
+  std::string name(joint);
+  for (char& c : name) c = detail::lower(c);
+  const auto has = [&](std::string_view part) { return name.find(part) != name.npos; };
+  if (has(opposite)) return "";
+  for (const char* other : {"leaf", "end", "tip", "nub", "meta", "twist"}) {
+    if (has(other)) return "";
+  }
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> fingers{{{"thumb", "thumb"},
+                                                                                  {"index", "index"},
+                                                                                  {"mid", "middle"},
+                                                                                  {"ring", "ring"},
+                                                                                  {"pinky", "pinky"},
+                                                                                  {"little", "pinky"}}};
+  constexpr std::array<std::string_view, 3> phalanges{"proximal", "intermediate", "distal"};
+  for (const auto& [part, finger] : fingers) {
+    const std::size_t at = name.find(part);
+    if (at == name.npos) continue;
+    std::size_t number = 0;
+    for (std::size_t i = name.find_first_of("0123456789", at);
+         i < name.size() && '0' <= name[i] && name[i] <= '9' && number < 10; ++i)
+      number = 10 * number + static_cast<std::size_t>(name[i] - '0');
+    for (std::size_t i = 0; i < phalanges.size() && number == 0; ++i) number = has(phalanges[i]) ? i + 1 : 0;
+    if (number < 1 || number > 3) return "";
+    return std::string(own) + "_" + std::string(finger) + static_cast<char>('0' + number);
+  }
+  return "";
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string to_string(const RetargetReport& r) {
+  auto list = [](const std::vector<std::string>& names) {
+    return names.empty() ? std::string("none") : join_text(names);
+  };
+  auto rounded = [](double x) { return std::round(x * 1000) / 1000; };
+  std::vector<std::string> pairs;
+  pairs.reserve(r.mapped.size());
+  for (const auto& [to, from] : r.mapped) pairs.push_back(from + " -> " + to);
+  return concat_text(r.table, " -> ", r.target_table, ": ", r.mapped.size(), " of ",
+                     r.mapped.size() + r.unmapped.size(), " joints follow, legs x ", rounded(r.leg_ratio), ", arms x ",
+                     rounded(r.arm_ratio), "\n  mapped: ", list(pairs), "\n  target joints at rest: ", list(r.unmapped),
+                     "\n  source joints not used: ", list(r.unused));
+}
+
+namespace detail {
+
+/// The limb joints whose bones are turned to the target's direction in the rest pose.
+inline constexpr std::array<LimbBone, 4> leg_bones{{{"left_hip", "left_knee"},
+                                                    {"left_knee", "left_ankle"},
+                                                    {"right_hip", "right_knee"},
+                                                    {"right_knee", "right_ankle"}}};
+
+inline constexpr std::array<LimbBone, 4> arm_bones{{{"left_shoulder", "left_elbow"},
+                                                    {"left_elbow", "left_wrist"},
+                                                    {"right_shoulder", "right_elbow"},
+                                                    {"right_elbow", "right_wrist"}}};
+
+inline constexpr std::array<LimbBone, 2> hand_bones{{{"left_wrist", "left_hand"}, {"right_wrist", "right_hand"}}};
+
+inline const LimbBone* find_limb_bone(std::string_view joint) {
+  for (const std::span<const LimbBone> bones : {std::span<const LimbBone>(leg_bones), {arm_bones}, {hand_bones}}) {
+    for (const LimbBone& bone : bones) {
+      if (bone.joint == joint) return &bone;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY SkeletonMap::SkeletonMap(const Skeleton& source, const SkeletonTable& source_table,
+                                         const Skeleton& target, const SkeletonTable& target_table)
+    : source_(source), target_(target) {
+  const std::string missing = source_table.missing(source);
+  if (!missing.empty()) raise<config_error>(103, "SkeletonMap: ", source_table.name, " needs a joint '", missing, "'");
+  report_.table = source_table.name;
+  report_.target_table = target_table.name;
+  const detail::StandingSkeleton from(source, source_table), to(target, target_table);
+  for (const detail::StandingSkeleton* s : {&from, &to}) {
+    const std::string lies = s->lies();
+    if (!lies.empty())
+      raise<config_error>(103, "SkeletonMap: a skeleton of ", s->skeleton.size(), " joints (root '",
+                          s->skeleton.name(0), "') does not stand as ", s->table.name, ": ", lies, "; ",
+                          detail::own_table_hint);
+  }
+  connect(from, to);
+  measure(from, to);
+}
+
+MOTIONLANG_BODY void SkeletonMap::apply(const JointTransforms<double>& from, Vec3<double>& root,
+                                        std::span<Quaternion<double>> local) const {
+  std::vector<Quaternion<double>> world(links_.size());
+  for (std::size_t t = 0; t < links_.size(); ++t) {
+    const Link& link = links_[t];
+    const int parent = target_.parents[t];
+    const auto up = parent < 0 ? Quaternion<double>::identity() : world[static_cast<std::size_t>(parent)];
+    world[t] = up * link.at_rest;
+    if (link.source >= 0) world[t] = turned(from, link.source, link.undo);
+    if (link.second >= 0) world[t] = slerp(world[t], turned(from, link.second, link.undo_second), link.share);
+    local[t] = inverse(up) * world[t];
+  }
+  const Vec3<double> middle = 0.5 * (position(from, left_hip_) + position(from, right_hip_));
+  root = report_.leg_ratio * middle - 0.5 * (from_root(target_left_hip_, world) + from_root(target_right_hip_, world));
+}
+
+MOTIONLANG_BODY Vec3<double> SkeletonMap::from_root(int joint, const std::vector<Quaternion<double>>& world) const {
+  Vec3<double> p{};
+  for (; target_.parent(joint) >= 0; joint = target_.parent(joint)) {
+    p = p + rotate(world[static_cast<std::size_t>(target_.parent(joint))], target_.offset(joint));
+  }
+  return p;
+}
+
+MOTIONLANG_BODY int SkeletonMap::namesake(const std::string& name) const {
+  int s = source_.find(name);
+  const std::string finger = finger_of(bare_joint_name(name));
+  for (int k = 0; k < source_.size() && s < 0 && !finger.empty(); ++k) {
+    if (finger_of(bare_joint_name(source_.name(k))) == finger) s = k;
+  }
+  return s;
+}
+
+MOTIONLANG_BODY void SkeletonMap::connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
+  links_.resize(static_cast<std::size_t>(target_.size()));
+  std::vector<bool> used(static_cast<std::size_t>(source_.size()), false);
+  // of the bones of the source, from its T-pose to the target's
+  std::vector<Quaternion<double>> turn(links_.size(), Quaternion<double>::identity());
+  for (std::size_t t = 0; t < links_.size(); ++t) {
+    Link& link = links_[t];
+    const int parent = target_.parents[t];
+    const auto up = parent < 0 ? Quaternion<double>::identity() : turn[static_cast<std::size_t>(parent)];
+    const std::string role = to.role(static_cast<int>(t));
+    turn[t] = bone_turn(role, from, to, up);
+    if (parent >= 0) link.at_rest = inverse(to.rotation[static_cast<std::size_t>(parent)]) * to.rotation[t];
+    auto follow = [&](int s) {
+      used[static_cast<std::size_t>(s)] = true;
+      return inverse(turn[t] * from.rotation[static_cast<std::size_t>(s)]) * to.rotation[t];
+    };
+    const MappedJoint* row = role.empty() ? nullptr : from.table.find(role);
+    link.source = row != nullptr ? find_joint(source_, row->source) : role.empty() ? namesake(target_.names[t]) : -1;
+    if (link.source < 0) {
+      report_.unmapped.push_back(target_.names[t]);
+      continue;
+    }
+    link.undo = follow(link.source);
+    std::string name = source_.name(link.source);
+    if (row != nullptr && !row->second.empty()) {
+      link.second = find_joint(source_, row->second);
+      link.undo_second = follow(link.second);
+      link.share = row->share;
+      name += " + " + source_.name(link.second);
+    }
+    report_.mapped.emplace_back(target_.names[t], std::move(name));
+  }
+  for (std::size_t s = 0; s < used.size(); ++s) {
+    if (!used[s]) report_.unused.push_back(source_.names[s]);
+  }
+}
+
+MOTIONLANG_BODY Quaternion<double> SkeletonMap::bone_turn(std::string_view role, const detail::StandingSkeleton& from,
+                                                          const detail::StandingSkeleton& to,
+                                                          const Quaternion<double>& up) {
+  if (const detail::LimbBone* limb = detail::find_limb_bone(role)) {
+    const Vec3<double> bone = from.bone(*limb), wanted = to.bone(*limb);
+    if (norm(bone) < 1e-9 || norm(wanted) < 1e-9) return up;
+    return rotation_between(rotate(up, bone), wanted) * up;
+  }
+  if (role == "left_ankle" || role == "right_ankle") {
+    const detail::LimbBone shin{role == "left_ankle" ? "left_knee" : "right_knee", role};
+    auto roll = [&](const detail::StandingSkeleton& s) {
+      const Vec3<double> bone = s.bone(shin);
+      return s.table.level_soles ? 0 : std::atan2(bone.x, -bone.y);
+    };
+    return from_axis_angle(Vec3<double>{0, 0, 1}, roll(to) - roll(from));
+  }
+  const bool follows = role.empty() || role.ends_with("_foot") || role.ends_with("_hand");
+  return follows ? up : Quaternion<double>::identity();
+}
+
+MOTIONLANG_BODY void SkeletonMap::measure(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to) {
+  auto hip = [](const detail::StandingSkeleton& s, std::string_view role) {
+    const int j = s.joint(role);
+    if (j < 0) raise<config_error>(103, "SkeletonMap: ", s.table.name, " has no '", role, "'");
+    return j;
+  };
+  left_hip_ = hip(from, "left_hip");
+  right_hip_ = hip(from, "right_hip");
+  target_left_hip_ = hip(to, "left_hip");
+  target_right_hip_ = hip(to, "right_hip");
+  auto ratio = [&](std::span<const detail::LimbBone> bones) {  // over the bones that both skeletons have
+    double here = 0, there = 0;
+    for (const detail::LimbBone& bone : bones) {
+      const double length = from.length(bone), wanted = to.length(bone);
+      if (length > 0 && wanted > 0) here += wanted, there += length;
+    }
+    return there > 0 ? here / there : 0;
+  };
+  report_.leg_ratio = ratio(detail::leg_bones);
+  report_.arm_ratio = ratio(detail::arm_bones);
+  if (!(report_.leg_ratio > 0) || !std::isfinite(report_.leg_ratio)) {
+    raise<config_error>(101, "SkeletonMap: legs of no length (target / source = ", report_.leg_ratio, ")");
+  }
+}
+
+MOTIONLANG_BODY double place_on_floor(Motion& motion) {
+  if (motion.frames() == 0) return 0;
+  auto lowest = [](std::span<const Vec3<double>> joints) {
+    return std::min_element(joints.begin(), joints.end(), [](auto& a, auto& b) { return a.y < b.y; })->y;
+  };
+  const auto rest = motion.skeleton.rest_positions(), positions = motion.positions();
+  std::vector<double> heights;
+  for (std::size_t at = 0; at < positions.size(); at += rest.size()) {
+    heights.push_back(lowest(std::span(positions).subspan(at, rest.size())));
+  }
+  const std::size_t lowest_frames = heights.size() / 20;
+  const double shift = std::max(lowest(rest), 0.0) - nth_smallest(std::move(heights), lowest_frames);
+  for (Vec3<double>& r : motion.root) r.y += shift;
+  return shift;
+}
+
+MOTIONLANG_BODY Motion retarget(const Motion& motion, const SkeletonMap& map, const RetargetOptions& options) {
+  if (motion.skeleton.names != map.source().names || motion.skeleton.parents != map.source().parents) {
+    raise<config_error>(106, "retarget: '", motion.name, "' has another skeleton than the map was made for");
+  }
+  Motion out{map.target(), motion.fps, {}, {}, motion.name};
+  out.root.resize(motion.root.size());
+  out.local.resize(motion.root.size() * static_cast<std::size_t>(out.skeleton.size()));
+  JointTransforms<double> world;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    motion.world(f, world);
+    map.apply(world, out.root[static_cast<std::size_t>(f)], out.rotations(f));
+  }
+  if (options.floor) place_on_floor(out);
+  return out;
+}
+
+MOTIONLANG_BODY Motion retarget(const Motion& motion, const Skeleton& target, const RetargetOptions& options) {
+  if (motion.skeleton == target) {
+    Motion out = motion;
+    if (options.floor) place_on_floor(out);
+    return out;
+  }
+  return retarget(motion, SkeletonMap(motion.skeleton, target), options);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct MotionFeatures {
+  std::string_view name;
+  Index width = 0;
+  double fps = 0;    // that the published systems use
+  Index joints = 0;  // of `joints_of`: the first ones of `skeleton`
+  const Skeleton& (*skeleton)();
+  FeatureLayout (*layout)();             // which numbers belong to which body part
+  std::span<const FeatureRange> ranges;  // what the numbers mean
+  /// The rows of a clip on SMPL's 24 joints, or on the joints of `skeleton`, that has the rate already. Throws
+  /// config_error 103 if the joints are others, shape_error 205 if it is too short.
+  std::vector<double> (*from_motion)(const Motion& motion);
+  /// (frames, joints), Y up, from the origin on. Throws shape_error 205.
+  std::vector<Vec3<double>> (*joints_of)(std::span<const double> rows);
+  /// A clip on the joints of `skeleton`; null where the rows have no rotations.
+  Motion (*to_motion)(std::span<const double> rows, double fps);
+};
+
+/// Rotations of 22 joints and translation, Z up, as a clip on SMPL's 24 joints.
+template <Scalar S>
+Motion motion_of_smplvelp(const SmplVelpMotion<S>& from, double fps) {
+  const auto y_up = axis_rotation(0, -std::numbers::pi / 2);
+  Motion out{smpl24_skeleton(), fps, {}, {}, {}};
+  for (const Vec3<S>& p : from.trans)
+    out.root.push_back({static_cast<double>(p.x), static_cast<double>(p.z), -static_cast<double>(p.y)});
+  for (std::size_t i = 0; i < from.rotations.size(); ++i) {
+    const auto r = matrix_cast<double>(from.rotations[i]);
+    out.local.push_back(to_quaternion(i % 22 == 0 ? y_up * r : r));
+    if (i % 22 == 21) out.local.insert(out.local.end(), 2, Quaternion<double>::identity());  // hands
+  }
+  return out;
+}
+
+/// Rotations and the way of the root as ACTOR and MDM have them of videos, as a clip on SMPL's 24 joints, on the floor.
+/// In the world of the camera the figure stands on its head: it is turned by 180 degrees about x.
+template <Scalar S>
+Motion motion_of_actor(const ActorMotion<S>& from, double fps) {
+  const auto upright = axis_rotation(0, std::numbers::pi);
+  Motion out{smpl24_skeleton(), fps, {}, {}, {}};
+  for (const Vec3<S>& p : from.root) out.root.push_back(upright * vec_cast<double>(p));
+  for (std::size_t i = 0; i < from.rotations.size(); ++i) {
+    const auto r = matrix_cast<double>(from.rotations[i]);
+    out.local.push_back(to_quaternion(i % 24 == 0 ? upright * r : r));
+  }
+  place_on_floor(out);
+  return out;
+}
+
+namespace detail {
+
+/// The first `count` joints of every frame, Y up.
+std::vector<Vec3<double>> first_joints(const Motion& motion, std::size_t count);
+std::vector<Vec3<double>> turned_up(std::vector<Vec3<double>> points, bool to_z_up);
+
+std::vector<double> guoh3d_rows_of(const Motion& motion);
+std::vector<Vec3<double>> joints_of_guoh3d(std::span<const double> rows);
+
+std::vector<double> rifke_rows_of(const Motion& motion);
+std::vector<Vec3<double>> joints_of_rifke(std::span<const double> rows);
+
+inline constexpr Index mmm_joints = 21;
+inline constexpr double mmm_units_per_metre = 640;
+
+/// The vector from between the ankles to the head, mean over the frames; of MMM's or of SMPL's joints.
+Vec3<double> mean_height(std::span<const Vec3<double>> joints, std::size_t count);
+/// The way back. The joints are in metres or, if they are large, in KIT's units.
+std::vector<Vec3<double>> mmm_in_metres(std::vector<Vec3<double>> joints);
+
+std::vector<double> kit_rows_of(const Motion& motion);
+std::vector<Vec3<double>> joints_of_kit(std::span<const double> rows);
+
+std::vector<double> rifke64_rows_of(const Motion& motion);
+std::vector<Vec3<double>> joints_of_rifke64(std::span<const double> rows);
+
+std::vector<double> smplvelp_rows(const Motion& motion, bool exact_yaw);
+template <bool exact_yaw>
+std::vector<double> smplvelp_rows_of(const Motion& motion) {
+  return smplvelp_rows(motion, exact_yaw);
+}
+Motion smplvelp_motion(std::span<const double> rows, double fps);
+std::vector<Vec3<double>> joints_of_smplvelp(std::span<const double> rows);
+
+Motion smplrifke_motion(std::span<const double> rows, double fps);
+std::vector<Vec3<double>> joints_of_smplrifke(std::span<const double> rows);
+
+}  // namespace detail
+
+/// The way back: what ACTOR's networks read of a clip on SMPL's 24 joints. Throws config_error 103 for other joints.
+std::vector<double> actor_rows_of_motion(const Motion& motion, const ActorFeatureOptions& options = {});
+
+namespace detail {
+
+std::vector<double> actor_rows_of(const Motion& motion);
+Motion actor_motion(std::span<const double> rows, double fps);
+std::vector<Vec3<double>> joints_of_actor(std::span<const double> rows);
+
+FeatureLayout layout_of_guoh3d();
+FeatureLayout layout_of_kit();
+FeatureLayout layout_of_rifke();
+FeatureLayout layout_of_rifke64();
+FeatureLayout layout_of_smplvelp();
+FeatureLayout layout_of_smplrifke();
+FeatureLayout layout_of_actor();
+
+}  // namespace detail
+
+inline constexpr std::array<MotionFeatures, 8> all_motion_features{{
+    {"guoh3d", 263, 20, 22, &smpl24_skeleton, &detail::layout_of_guoh3d, guoh3dfeats_ranges, &detail::guoh3d_rows_of,
+     &detail::joints_of_guoh3d, nullptr},
+    {"kit", 251, 12.5, 21, &kit21_skeleton, &detail::layout_of_kit, kit_ranges, &detail::kit_rows_of,
+     &detail::joints_of_kit, nullptr},
+    {"rifke", 67, 12.5, 22, &smpl24_skeleton, &detail::layout_of_rifke, rifke_ranges, &detail::rifke_rows_of,
+     &detail::joints_of_rifke, nullptr},
+    {"rifke64", 64, 12.5, 21, &kit21_skeleton, &detail::layout_of_rifke64, rifke64_ranges, &detail::rifke64_rows_of,
+     &detail::joints_of_rifke64, nullptr},
+    {"smplvelp", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, smplvelp_ranges,
+     &detail::smplvelp_rows_of<true>, &detail::joints_of_smplvelp, &detail::smplvelp_motion},
+    {"smplvelp-published", 135, 12.5, 22, &smpl24_skeleton, &detail::layout_of_smplvelp, smplvelp_ranges,
+     &detail::smplvelp_rows_of<false>, &detail::joints_of_smplvelp, &detail::smplvelp_motion},
+    {"smplrifke", smplrifke_size, 20, 22, &smpl24_skeleton, &detail::layout_of_smplrifke, smplrifke_ranges,
+     &smplrifke_from_motion, &detail::joints_of_smplrifke, &detail::smplrifke_motion},
+    {"actor", 150, 20, 22, &smpl24_skeleton, &detail::layout_of_actor, actor_ranges, &detail::actor_rows_of,
+     &detail::joints_of_actor, &detail::actor_motion},
+}};
+
+/// The clip of rows, on the joints of the features.
+/// fps     0: as the published systems have it
+/// Throws  shape_error 205, numeric_error 301 for values that are not finite, config_error 101 for such a rate
+Motion motion_of_rows(const MotionFeatures& features, std::span<const double> rows, double fps = 0);
+
+/// Throws config_error 103.
+const MotionFeatures& motion_features(std::string_view name);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_IPP  // <motionlang/features/motion_features.ipp>
+#define MOTIONLANG_HAS_FEATURES_MOTION_FEATURES_IPP
+// Bodies of motion_features.hpp.
+
+#ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_HPP  // <motionlang/features/guoh3d.hpp>
+#define MOTIONLANG_HAS_FEATURES_GUOH3D_HPP
+/// Joint positions from the 263 numbers per frame of HumanML3D ("guoh3dfeats"), or KIT's 251. The other direction:
+/// guoh3d_extraction.hpp; which number is what: Guoh3dSlots in layout.hpp.
+///
+/// Source  Guo et al. (CVPR 2022), motion_representation.ipynb recover_root_rot_pos, recover_from_ric,
+///         recover_from_rot
+/// World   Y up, frame 0 at x = z = 0; units as the features have them (metres; KIT: about 1/640 m), not normalised
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_CHAIN_KINEMATICS_HPP  // <motionlang/kinematics/chain_kinematics.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_CHAIN_KINEMATICS_HPP
+/// Rotations from joint positions and back, along chains of bones: the analytic inverse kinematics of HumanML3D.
+///
+/// The rotation of a joint is that of the bone that ENDS at it; it has no twist; the first rotation of a chain is
+/// relative to the root even where the chain begins at another joint. These are not SMPL's rotations.
+///
+///     g_j = between(direction_j, p_j - p_parent(j)),   g_0 = root,   q_j = g_before(j)^-1 g_j
+///     back:  g_j = g_before(j) q_j,   p_j = p_parent(j) + g_j offset_j
+/// Source  Guo et al. (CVPR 2022), HumanML3D common/skeleton.py inverse_kinematics_np, forward_kinematics
+/// Shapes  joints (frames, joints), joint fastest, any unit of length
+
+#ifndef MOTIONLANG_HAS_GEOMETRY_GUO_HPP  // <motionlang/geometry/guo.hpp>
+#define MOTIONLANG_HAS_GEOMETRY_GUO_HPP
+/// The quaternion formulas of HumanML3D, T2M and TM2T, for parity with their features. What is not here is the same as
+/// in quaternion.hpp, rotation6d.hpp, euler.hpp (`to_euler`) and axis_angle.hpp.
+///
+/// They differ where the general functions are safer: `between` has no answer for opposite vectors, `slerp` takes the
+/// long way if the quaternions lie in different hemispheres. Use them to reproduce published numbers, not otherwise.
+/// Source  Guo et al. (CVPR 2022), HumanML3D common/quaternion.py
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace guo {
+
+/// The shortest rotation from a to b, of any length:  q ~ (|a||b| + a . b, a x b).  NaN for opposite vectors.
+/// lengths = |a||b|, where it is known.
+template <class S>
+Quaternion<S> between(const Vec3<S>& a, const Vec3<S>& b, const S& lengths) {
+  const Vec3<S> c = cross(a, b);
+  return normalized(Quaternion<S>{lengths + dot(a, b), c.x, c.y, c.z});
+}
+template <class S>
+Quaternion<S> between(const Vec3<S>& a, const Vec3<S>& b) {
+  return between(a, b, sqrt(dot(a, a) * dot(b, b)));
+}
+
+/// Signs such that each quaternion and the same joint's in the frame before are no more than a half turn apart.
+/// rotations (frames, joints). Throws shape_error 205.
+template <Scalar S>
+std::vector<Quaternion<S>> continuous(std::span<const Quaternion<S>> rotations, Index joints) {
+  if (joints <= 0 || std::ssize(rotations) % joints != 0) {
+    raise<shape_error>(205, "continuous: ", rotations.size(), " rotations for frames of ", joints, " joints");
+  }
+  std::vector<Quaternion<S>> out(rotations.begin(), rotations.end());
+  const auto n = static_cast<std::size_t>(joints);
+  for (std::size_t i = n; i < out.size(); ++i) {
+    if (dot(out[i - n], out[i]) < 0) out[i] = -out[i];
+  }
+  return out;
+}
+
+/// a at t = 0, b at t = 1; both are normalised first, and no sign is changed.
+///     d = b a^-1 = (cos h, sin h u);   slerp = (cos(t h), sin(t h) u) a
+template <class S>
+Quaternion<S> slerp(const Quaternion<S>& a, const Quaternion<S>& b, const S& t) {
+  const Quaternion<S> from = normalized(a), d = normalized(normalized(b) * inverse(from));
+  const S h = atan2(norm(d.vec()), d.w);
+  const Vec3<S> u = sin(t * h) * normalized(d.vec(), 1e-9);
+  return Quaternion<S>{cos(t * h), u.x, u.y, u.z} * from;
+}
+
+/// The quaternion whose component that the published code divides by is positive; w may be negative.
+template <Scalar S>
+Quaternion<S> matrix_to_quaternion(const Matrix3<S>& m) {
+  const Quaternion<S> q = to_quaternion(m);
+  const S x = m(0, 0), y = m(1, 1), divisor = m(2, 2) < 0 ? (x > y ? q.x : q.y) : (x < -y ? q.z : q.w);
+  return divisor < 0 ? -q : q;
+}
+
+/// From angles about x, y and z in degrees, whatever the order. For the cyclic orders xyz, yzx and zxy the sign of the
+/// quaternion is the other one.
+template <Scalar S>
+Quaternion<S> from_euler_degrees(const Vec3<S>& angles, EulerOrder order) {
+  Quaternion<S> q = Quaternion<S>::identity();
+  for (const int axis : order.axis) {
+    const Vec3<S> about{S(axis == 0), S(axis == 1), S(axis == 2)};
+    q = q * from_axis_angle(about, dot(about, angles) * S(degree));
+  }
+  return (order.axis[1] - order.axis[0] + 3) % 3 == 1 ? -q : q;
+}
+
+}  // namespace guo
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_GAUSSIAN_SMOOTH_HPP  // <motionlang/kinematics/gaussian_smooth.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_GAUSSIAN_SMOOTH_HPP
+/// Smoothing of curves over time.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// From 0 at 0 to 1 at 1, level at both ends: s^2 (3 - 2 s).
+constexpr double smoothstep(double s) { return s * s * (3 - 2 * s); }
+
+/// Gaussian filter along time.
+///     y_t = sum_k w_k x_{t+k},   w_k ~ exp(-k^2 / (2 sigma^2)),   |k| <= floor(4 sigma + 1/2),   sum w = 1
+/// Beyond the ends the first and last frame go on. The sum is taken in double, as scipy does.
+/// Source  scipy.ndimage.gaussian_filter1d, mode "nearest"; MotionDiffuse smooths joints with sigma 1
+/// Shapes  values (frames, width) -> the same
+/// Throws  config_error 101 (sigma), shape_error 205 (size)
+template <Scalar S>
+std::vector<S> gaussian_smooth(std::span<const S> values, Index width, double sigma) {
+  if (!(sigma > 0) || !std::isfinite(sigma)) raise<config_error>(101, "gaussian_smooth: sigma ", sigma);
+  if (width <= 0 || std::ssize(values) % width != 0) {
+    raise<shape_error>(205, "gaussian_smooth: ", values.size(), " values are not rows of ", width);
+  }
+  if (values.empty()) return {};
+  const auto radius = static_cast<Index>(4 * sigma + 0.5);  // NOLINT(bugprone-incorrect-roundings): as scipy does
+  std::vector<double> kernel;
+  double sum = 0;
+  for (Index k = -radius; k <= radius; ++k) {
+    kernel.push_back(std::exp(-0.5 * static_cast<double>(k * k) / (sigma * sigma)));
+    sum += kernel.back();
+  }
+  for (double& w : kernel) w /= sum;
+  const Index frames = std::ssize(values) / width, size = frames * width;
+  std::vector<double> longer, sums(values.size());  // the values with the ends going on
+  for (Index t = -radius; t < frames + radius; ++t) {
+    const auto row = values.subspan(static_cast<std::size_t>(std::clamp<Index>(t, 0, frames - 1) * width));
+    for (Index c = 0; c < width; ++c) longer.push_back(static_cast<double>(row[static_cast<std::size_t>(c)]));
+  }
+  for (Index k = 0; k <= radius; ++k) {  // the kernel is the same on both sides
+    const double w = kernel[static_cast<std::size_t>(radius + k)] / (k == 0 ? 2 : 1);
+    const double *before = longer.data() + (radius - k) * width, *after = longer.data() + (radius + k) * width;
+    for (Index i = 0; i < size; ++i) sums[static_cast<std::size_t>(i)] += w * (before[i] + after[i]);
+  }
+  return std::vector<S>(sums.begin(), sums.end());
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_GUO_CHAINS_HPP  // <motionlang/kinematics/guo_chains.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_GUO_CHAINS_HPP
+/// A body as chains of joints with one zero direction for every bone: what HumanML3D and KIT need to know of a
+/// skeleton.
+///
+/// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), HumanML3D
+///         paramUtil.py
+/// World   Y up, a body faces +Z with its left side at +X (KIT's coordinates are mirrored, see below)
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The bone that ends at `joint`. `before` is the joint whose rotation goes ahead of it: the one before in its chain,
+/// but the root for the first bone of a chain, also where the chain branches off elsewhere.
+struct ChainBone {
+  std::size_t joint = 0, parent = 0, before = 0;
+};
+
+/// Chains are walked one after the other; each begins at the root (joint 0) or at a joint of an earlier chain.
+struct ChainSkeleton {
+  std::string name;
+  std::vector<std::vector<int>> chains;
+  std::vector<Vec3<double>> directions;  // unit vector of the bone that ends at each joint; nothing for the root
+  std::array<int, 4> face{};             // right hip, left hip, right shoulder, left shoulder: where it looks
+  std::array<int, 2> leg{};              // joints at which thigh and shank end: how tall it is
+  std::array<int, 2> left_foot{}, right_foot{};  // ankle and toes: where it touches the floor
+  double foot_threshold = 0;                     // a foot stands if its squared displacement per frame is smaller
+  double fps = 20;
+  std::vector<double> lengths{};  // of the bones of the reference skeleton; empty if not published
+
+  std::size_t size() const { return directions.size(); }
+
+  /// All bones in the order of the chains, parents first. Throws config_error 106 unless every joint but the root ends
+  /// one bone, chains begin where earlier ones have been, and all joints and directions are there.
+  std::vector<ChainBone> bones() const;
+  /// Throws as bones().
+  void validate() const { bones(); }
+  /// Parent of each joint, -1 for the root.
+  std::vector<int> parents() const;
+};
+
+/// HumanML3D: the first 22 joints of SMPL, metres, 20 frames per second. Lengths: first frame of its clip 000021.
+const ChainSkeleton& humanml3d_chains();
+
+/// KIT Motion-Language: 21 joints of the Master Motor Map, about 640 units per metre, 12.5 frames per second. The names
+/// of the data set are mirrored: joints 11 ... 15 and 5 ... 7 ("L") are the right side of the body, and so they are
+/// taken. The threshold is published in metres although the data are not, hence contacts are hardly ever on. The
+/// lengths of the reference clip 03950 are not published.
+const ChainSkeleton& kit_chains();
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_GUO_CHAINS_IPP  // <motionlang/kinematics/guo_chains.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_GUO_CHAINS_IPP
+// Bodies of guo_chains.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<ChainBone> ChainSkeleton::bones() const {
+  std::vector<ChainBone> out;
+  std::vector<bool> placed(size(), false);
+  auto known = [&](int joint) { return joint >= 0 && static_cast<std::size_t>(joint) < size(); };
+  if (size() == 0) raise<config_error>(106, "ChainSkeleton '", name, "': no joints");
+  placed[0] = true;
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    for (std::size_t k = 0; k < chains[c].size(); ++k) {
+      const int joint = chains[c][k];
+      const bool expected = k == 0;
+      if (!known(joint) || placed[static_cast<std::size_t>(joint)] != expected) {
+        raise<config_error>(106, "ChainSkeleton '", name, "': joint ", joint, " of chain ", c,
+                            !known(joint) ? " does not exist"
+                            : expected    ? " begins it, but no chain before contains it"
+                                          : " has a bone already");
+      }
+      if (k == 0) continue;
+      const auto j = static_cast<std::size_t>(joint), parent = static_cast<std::size_t>(chains[c][k - 1]);
+      const double length = norm(directions[j]);
+      if (std::abs(length - 1) > 1e-6) {
+        raise<config_error>(106, "ChainSkeleton '", name, "': the direction of joint ", j, " has length ", length);
+      }
+      placed[j] = true;
+      out.push_back({j, parent, k == 1 ? 0 : parent});
+    }
+  }
+  if (out.size() + 1 != size()) {
+    raise<config_error>(106, "ChainSkeleton '", name, "': bones end at ", out.size(), " of ", size() - 1, " joints");
+  }
+  for (const int j :
+       {face[0], face[1], face[2], face[3], leg[0], leg[1], left_foot[0], left_foot[1], right_foot[0], right_foot[1]}) {
+    if (!known(j)) raise<config_error>(106, "ChainSkeleton '", name, "': no joint ", j, " among ", size());
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<int> ChainSkeleton::parents() const {
+  std::vector<int> out(size(), -1);
+  for (const ChainBone& b : bones()) out[b.joint] = static_cast<int>(b.parent);
+  return out;
+}
+
+MOTIONLANG_BODY const ChainSkeleton& humanml3d_chains() {
+  static const ChainSkeleton skeleton{
+      .name = "HumanML3D",
+      .chains = {{0, 2, 5, 8, 11}, {0, 1, 4, 7, 10}, {0, 3, 6, 9, 12, 15}, {9, 14, 17, 19, 21}, {9, 13, 16, 18, 20}},
+      .directions = {{0, 0, 0},  {1, 0, 0},  {-1, 0, 0}, {0, 1, 0},  {0, -1, 0}, {0, -1, 0}, {0, 1, 0},  {0, -1, 0},
+                     {0, -1, 0}, {0, 1, 0},  {0, 0, 1},  {0, 0, 1},  {0, 1, 0},  {1, 0, 0},  {-1, 0, 0}, {0, 0, 1},
+                     {0, -1, 0}, {0, -1, 0}, {0, -1, 0}, {0, -1, 0}, {0, -1, 0}, {0, -1, 0}},
+      .face = {2, 1, 17, 16},
+      .leg = {5, 8},
+      .left_foot = {7, 10},
+      .right_foot = {8, 11},
+      .foot_threshold = 0.002,
+      .fps = 20,
+      .lengths = {0,          0.10307397, 0.10988337, 0.13156824, 0.3936232,  0.39018822, 0.14319022, 0.43243307,
+                  0.42564335, 0.05736474, 0.14338182, 0.14941907, 0.21936005, 0.13748677, 0.14338283, 0.10303922,
+                  0.13161404, 0.12298438, 0.25684,    0.26309174, 0.26601171, 0.2698764}};
+  return skeleton;
+}
+
+MOTIONLANG_BODY const ChainSkeleton& kit_chains() {
+  static const ChainSkeleton skeleton{
+      .name = "KIT",
+      .chains = {{0, 11, 12, 13, 14, 15}, {0, 16, 17, 18, 19, 20}, {0, 1, 2, 3, 4}, {3, 5, 6, 7}, {3, 8, 9, 10}},
+      .directions = {{0, 0, 0},  {0, 1, 0},  {0, 1, 0},  {0, 1, 0},  {0, 1, 0},  {1, 0, 0},  {0, -1, 0},
+                     {0, -1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, -1, 0}, {1, 0, 0},  {0, -1, 0}, {0, -1, 0},
+                     {0, 0, 1},  {0, 0, 1},  {-1, 0, 0}, {0, -1, 0}, {0, -1, 0}, {0, 0, 1},  {0, 0, 1}},
+      .face = {11, 16, 5, 8},
+      .leg = {17, 18},
+      .left_foot = {19, 20},
+      .right_foot = {14, 15},
+      .foot_threshold = 0.05,
+      .fps = 12.5};
+  return skeleton;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct FacingOptions {
+  double sigma = 0;            // frames; of the Gaussian filter over time, 0: none
+  bool legacy_forward = true;  // as published: hips count left minus right; false: right minus left, as shoulders do
+};
+struct ChainRotationOptions {
+  FacingOptions facing{};
+  bool fix_first_frame = false;     // false, as published: the root of frame 0 is the identity, whatever it faces
+  bool fix_opposite_bones = false;  // false, as published: NaN for a bone exactly opposite to its zero direction, and
+                                    // for a body that faces -Z
+};
+
+namespace detail {
+
+/// Number of frames. Throws shape_error 205 if the joints are not whole frames.
+template <class T>
+std::size_t chain_frames(std::string_view function, const ChainSkeleton& skeleton, std::span<const T> values) {
+  const std::size_t frames = values.size() / std::max<std::size_t>(skeleton.size(), 1);
+  if (values.size() != frames * skeleton.size()) {
+    raise<shape_error>(205, function, ": ", values.size(), " values are no frames of ", skeleton.size(), " joints");
+  }
+  return frames;
+}
+
+/// Throws numeric_error 302 for a bone of length 0, 301 for one that is not finite.
+template <Scalar S>
+[[noreturn]] void refuse_bone(const ChainSkeleton& skeleton, const ChainBone& bone, std::size_t frame, S length) {
+  raise<numeric_error>(length == 0 ? 302 : 301, "'", skeleton.name, "' frame ", frame, ": the bone from joint ",
+                       bone.parent, " to ", bone.joint, " has length ", length);
+}
+/// The vector from a bone's parent to its joint, and its length, which is positive.
+template <Scalar S>
+struct MeasuredBone {
+  Vec3<S> vector;
+  S length;
+};
+template <Scalar S>
+MeasuredBone<S> measure_bone(const ChainSkeleton& skeleton, const ChainBone& bone, const Vec3<S>* joints,
+                             std::size_t frame) {
+  const Vec3<S> v = joints[bone.joint] - joints[bone.parent];
+  const S length = norm(v);
+  if (!(length > 0 && length < std::numeric_limits<S>::infinity())) refuse_bone(skeleton, bone, frame, length);
+  return {v, length};
+}
+
+/// The joint that a skeleton names by number.
+template <class T>
+const T& joint_of(const T* frame, int joint) {
+  return frame[static_cast<std::size_t>(joint)];
+}
+
+}  // namespace detail
+
+/// Lengths of the bones in one frame, 0 for the root. Throws shape_error 205, numeric_error 301, 302.
+template <Scalar S>
+std::vector<S> bone_lengths(const ChainSkeleton& skeleton, std::span<const Vec3<S>> frame) {
+  if (frame.size() != skeleton.size()) {
+    raise<shape_error>(205, "bone_lengths: ", frame.size(), " joints for a skeleton of ", skeleton.size());
+  }
+  std::vector<S> out(skeleton.size());
+  for (const ChainBone& b : skeleton.bones()) {
+    out[b.joint] = detail::measure_bone(skeleton, b, frame.data(), 0).length;
+  }
+  return out;
+}
+
+/// Zero direction times length for every joint. Throws shape_error 204 unless there is one length for each joint.
+template <Scalar S, Scalar L>
+std::vector<Vec3<S>> chain_offsets(const ChainSkeleton& skeleton, std::span<const L> lengths) {
+  if (lengths.size() != skeleton.size()) {
+    raise<shape_error>(204, "chain_offsets: ", lengths.size(), " lengths for ", skeleton.size(), " joints");
+  }
+  std::vector<Vec3<S>> out;
+  for (std::size_t j = 0; j < lengths.size(); ++j) {
+    out.push_back(static_cast<S>(lengths[j]) * vec_cast<S>(skeleton.directions[j]));
+  }
+  return out;
+}
+
+/// Where a body faces in one frame, frame at its first joint: level, not of unit length (shorter if hips and shoulders
+/// are not level).
+///     a = (hip_r - hip_l) + (shoulder_r - shoulder_l) normalised,   forward = Y x a
+/// legacy: the hips are taken the other way round, as the published inverse kinematics does.
+template <Scalar S>
+Vec3<S> facing(const ChainSkeleton& skeleton, const Vec3<S>* frame, bool legacy) {
+  auto across = [&](std::size_t right, std::size_t left) {
+    return detail::joint_of(frame, skeleton.face[right]) - detail::joint_of(frame, skeleton.face[left]);
+  };
+  const Vec3<S> hips = across(0, 1), a = normalized((legacy ? -hips : hips) + across(2, 3));
+  return {a.z, S(0), -a.x};
+}
+
+/// Where it faces in every frame, unit vectors. Throws shape_error 205, config_error 101 (sigma) and 106.
+template <Scalar S>
+std::vector<Vec3<S>> facing_directions(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                       const FacingOptions& options = {}) {
+  const std::size_t frames = detail::chain_frames("facing_directions", skeleton, joints);
+  skeleton.validate();
+  std::vector<S> level;  // (frames, 2): x and z
+  for (std::size_t t = 0; t < frames; ++t) {
+    const Vec3<S> f = facing(skeleton, &joints[t * skeleton.size()], options.legacy_forward);
+    level.insert(level.end(), {f.x, f.z});
+  }
+  if (options.sigma != 0) level = gaussian_smooth(std::span<const S>(level), 2, options.sigma);
+  std::vector<Vec3<S>> out;
+  for (std::size_t t = 0; t < frames; ++t) out.push_back(normalized(Vec3<S>{level[2 * t], S(0), level[2 * t + 1]}));
+  return out;
+}
+
+namespace detail {
+
+/// The turn about Y that takes a level direction onto +Z, half a turn for -Z.
+template <Scalar S>
+Quaternion<S> turn_ahead(const Vec3<S>& level) {
+  const S half = std::atan2(level.x, level.z) / 2;
+  return {std::cos(half), S(0), -std::sin(half), S(0)};
+}
+
+/// Rotations of the root in all frames.
+template <Scalar S>
+std::vector<Quaternion<S>> chain_roots(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                       const ChainRotationOptions& options) {
+  std::vector<Quaternion<S>> out;
+  for (const Vec3<S>& forward : facing_directions(skeleton, joints, options.facing)) {
+    const Vec3<S> ahead{S(0), S(0), S(1)};
+    const bool replaced = out.empty() && !options.fix_first_frame;
+    out.push_back(replaced                     ? Quaternion<S>::identity()
+                  : options.fix_opposite_bones ? turn_ahead(forward)
+                                               : guo::between(forward, ahead));
+  }
+  return out;
+}
+
+/// Rotations of all joints of one frame, or of one frame in each lane.
+/// zero    directions of the bones
+/// world   workspace (joints)
+/// local   result (joints)
+/// Returns 0 where all bones have a length.
+template <ScalarLike T>
+T chain_rotations(std::span<const ChainBone> bones, std::span<const Vec3<T>> zero, const Vec3<T>* joints,
+                  const Quaternion<T>& root, bool fix_opposite, Quaternion<T>* world, Quaternion<T>* local) {
+  const T none = T(0), one = T(1), infinite = T(std::numeric_limits<float>::max());
+  T bad = none;
+  world[0] = local[0] = root;
+  for (const ChainBone& b : bones) {
+    const Vec3<T> v = joints[b.joint] - joints[b.parent];
+    const T squared = dot(v, v);
+    bad = bad + where_less(none, squared, where_less(squared, infinite, none, one), one);
+    world[b.joint] = fix_opposite ? rotation_between(zero[b.joint], v) : guo::between(zero[b.joint], v, sqrt(squared));
+    local[b.joint] = inverse(world[b.before]) * world[b.joint];
+  }
+  return bad;
+}
+
+/// Throws numeric_error 301 or 302 for the first bone of a frame that has no direction.
+template <Scalar S>
+void require_bones(const ChainSkeleton& skeleton, std::span<const ChainBone> bones, const Vec3<S>* joints,
+                   std::size_t frame) {
+  for (const ChainBone& b : bones) measure_bone(skeleton, b, joints, frame);
+}
+
+}  // namespace detail
+
+/// result  (frames, joints); joint 0: the rotation that turns the facing direction onto +Z
+/// Throws  shape_error 205, config_error 101 (sigma) and 106, numeric_error 301 and 302 for a bone without direction
+template <Scalar S>
+std::vector<Quaternion<S>> chain_inverse_kinematics(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                                    const ChainRotationOptions& options = {}) {
+  const std::size_t n = skeleton.size(), frames = detail::chain_frames("chain_inverse_kinematics", skeleton, joints);
+  const auto bones = skeleton.bones();
+  const auto roots = detail::chain_roots(skeleton, joints, options);
+  const auto zero = chain_offsets<S>(skeleton, std::span<const S>(std::vector<S>(n, S(1))));
+  std::vector<Quaternion<S>> out(frames * n), world(n);
+  for (std::size_t t = 0; t < frames; ++t) {
+    const S bad = detail::chain_rotations<S>(bones, zero, &joints[t * n], roots[t], options.fix_opposite_bones,
+                                             world.data(), &out[t * n]);
+    if (bad > 0) detail::require_bones(skeleton, bones, &joints[t * n], t);
+  }
+  return out;
+}
+
+/// local    (frames, joints), quaternions or matrices
+/// root     (frames)
+/// offsets  (joints), or (frames, joints) if bones change over time; see chain_offsets
+/// result   (frames, joints)
+/// Throws   shape_error 204, 205, config_error 106
+template <Rotation R, Scalar S>
+std::vector<Vec3<S>> chain_forward_kinematics(const ChainSkeleton& skeleton, std::span<const R> local,
+                                              std::span<const Vec3<S>> root, std::span<const Vec3<S>> offsets,
+                                              bool root_rotation = true) {
+  const std::size_t n = skeleton.size(), frames = detail::chain_frames("chain_forward_kinematics", skeleton, local);
+  if (root.size() != frames || (offsets.size() != n && offsets.size() != local.size())) {
+    raise<shape_error>(204, "chain_forward_kinematics: ", frames, " frames of ", n, " joints, ", root.size(),
+                       " root positions, ", offsets.size(), " offsets");
+  }
+  const auto bones = skeleton.bones();
+  std::vector<Vec3<S>> out(local.size());
+  std::vector<R> world(n);
+  for (std::size_t t = 0; t < frames; ++t) {
+    Vec3<S>* position = &out[t * n];
+    const Vec3<S>* offset = &offsets[offsets.size() == n ? 0 : t * n];
+    position[0] = root[t];
+    world[0] = root_rotation ? local[t * n] : R::identity();
+    for (const ChainBone& b : bones) {
+      world[b.joint] = world[b.before] * local[t * n + b.joint];
+      position[b.joint] = position[b.parent] + rotate(world[b.joint], offset[b.joint]);
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The path of the root. `turn` takes directions of the world to those seen from the body.
+template <Scalar S>
+struct Guoh3dRoot {
+  std::vector<Quaternion<S>> turn;  // (frames)
+  std::vector<Vec3<S>> position;    // (frames)
+};
+
+struct Guoh3dRecovery {
+  /// Adds the frame behind the last one: as features of T frames of joints are T - 1 rows, this gives all T back. Its
+  /// positions are those of the last row moved by the last row's velocities.
+  bool last_frame = false;
+};
+
+namespace detail {
+
+template <Scalar S>
+Vec3<S> vector_at(std::span<const S> values, Index at) {
+  const auto i = static_cast<std::size_t>(at);
+  return {values[i], values[i + 1], values[i + 2]};
+}
+/// Rows of the features. Throws shape_error 205 if they are not whole, config_error 101 for a body without joints.
+template <Scalar S>
+std::size_t guoh3d_rows(std::string_view function, std::span<const S> features, Index joints) {
+  const Index width = Guoh3dSlots{joints}.size();
+  if (joints < 1) raise<config_error>(101, function, ": ", joints, " joints");
+  if (std::ssize(features) % width != 0) {
+    raise<shape_error>(205, function, ": ", features.size(), " values are no rows of ", width, " (", joints,
+                       " joints)");
+  }
+  return features.size() / static_cast<std::size_t>(width);
+}
+
+}  // namespace detail
+
+/// features (frames, 12 J - 1)
+///     a_t = sum_{s<t} f[s, 0],   r_t = (cos a_t, 0, sin a_t, 0)
+///     p_t = p_{t-1} + r_t^-1 (f[t-1, 1], 0, f[t-1, 2]),   p_t.y = f[t, 3]
+/// Throws shape_error 205, config_error 101
+template <Scalar S>
+Guoh3dRoot<S> guoh3d_root(std::span<const S> features, Index joints = 22) {
+  const std::size_t frames = detail::guoh3d_rows("guoh3d_root", features, joints);
+  const auto width = static_cast<std::size_t>(Guoh3dSlots{joints}.size());
+  Guoh3dRoot<S> out;
+  S angle{};
+  Vec3<S> p{};
+  for (std::size_t t = 0; t < frames; ++t) {
+    const auto row = features.subspan(t * width, width);
+    const Quaternion<S> turn{cos(angle), S(0), sin(angle), S(0)};
+    if (t > 0) {
+      const S* before = row.data() - width;
+      p = p + rotate(inverse(turn), Vec3<S>{before[1], S(0), before[2]});
+    }
+    p.y = row[3];
+    out.turn.push_back(turn);
+    out.position.push_back(p);
+    angle += row[0];
+  }
+  return out;
+}
+
+/// features (frames, 12 J - 1) -> (frames, J), or (frames + 1, J) with `last_frame`, from the positions of the rows.
+///     X_{t,j} = r_t^-1 ric_{t,j} + (p_t.x, 0, p_t.z),   X_{t,0} = p_t
+/// Throws shape_error 205, config_error 101
+template <Scalar S>
+std::vector<Vec3<S>> guoh3d_joints(std::span<const S> features, Index joints = 22, const Guoh3dRecovery& options = {}) {
+  const auto root = guoh3d_root(features, joints);
+  const Guoh3dSlots slots{joints};
+  const std::size_t frames = root.turn.size();
+  std::vector<Vec3<S>> out;
+  out.reserve((frames + 1) * static_cast<std::size_t>(joints));
+  for (std::size_t t = 0; t < frames; ++t) {
+    const auto row = features.subspan(t * static_cast<std::size_t>(slots.size()));
+    const auto back = inverse(root.turn[t]);
+    const Vec3<S>& p = root.position[t];
+    out.push_back(p);
+    for (Index j = 1; j < joints; ++j) {
+      out.push_back(rotate(back, detail::vector_at(row, slots.positions().begin + 3 * (j - 1))) +
+                    Vec3<S>{p.x, S(0), p.z});
+    }
+  }
+  if (options.last_frame && frames > 0) {
+    const auto row = features.last(static_cast<std::size_t>(slots.size()));
+    const auto back = inverse(root.turn.back());
+    for (Index j = 0; j < joints; ++j) {
+      const Vec3<S> before = out[out.size() - static_cast<std::size_t>(joints)];
+      out.push_back(before + rotate(back, detail::vector_at(row, slots.velocities().begin + 3 * j)));
+    }
+  }
+  return out;
+}
+
+/// The same from the rotations of the rows, on bones of other lengths.
+/// offsets  (joints), see chain_offsets
+/// Throws   shape_error 204, 205, config_error 101, 106
+template <Scalar S>
+std::vector<Vec3<S>> guoh3d_joints_from_rotations(const ChainSkeleton& skeleton, std::span<const S> features,
+                                                  std::span<const Vec3<S>> offsets) {
+  const Guoh3dSlots slots{static_cast<Index>(skeleton.size())};
+  const auto root = guoh3d_root(features, slots.joints);
+  std::vector<Matrix3<S>> local;
+  local.reserve(root.turn.size() * skeleton.size());
+  for (std::size_t t = 0; t < root.turn.size(); ++t) {
+    const auto row = features.subspan(t * static_cast<std::size_t>(slots.size()));
+    local.push_back(to_matrix(root.turn[t]));
+    for (Index at = slots.rotations().begin; at < slots.rotations().end; at += 6) {
+      local.push_back(to_matrix(Rotation6dColumns<S>{detail::vector_at(row, at), detail::vector_at(row, at + 3)}));
+    }
+  }
+  return chain_forward_kinematics(skeleton, std::span<const Matrix3<S>>(local), std::span<const Vec3<S>>(root.position),
+                                  offsets);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_GUOH3D_EXTRACTION_HPP  // <motionlang/features/guoh3d_extraction.hpp>
+#define MOTIONLANG_HAS_FEATURES_GUOH3D_EXTRACTION_HPP
+/// The 263 numbers per frame of HumanML3D ("guoh3dfeats"), or KIT's 251, from joint positions: onto the reference
+/// skeleton, onto the floor, facing +Z, then rotations, velocities and contacts. Back: guoh3d.hpp.
+///
+///     auto features = guoh3d_features(humanml3d_chains(), joints);     // (frames, 22) -> (frames - 1, 263)
+///
+/// Another body is another ChainSkeleton. Which number is what: Guoh3dSlots in layout.hpp.
+///
+/// Source  Guo et al. (CVPR 2022), motion_representation.ipynb process_file, extract_features
+/// World   Y up; velocities and turns per frame (20 frames per second, KIT 12.5)
+
+#ifndef MOTIONLANG_HAS_CORE_LANE_ROWS_HPP  // <motionlang/core/lane_rows.hpp>
+#define MOTIONLANG_HAS_CORE_LANE_ROWS_HPP
+/// Rows of numbers into lanes, number k of row i in lane i of number k, and back.
+///
+/// Floats go four at a time: a register is made of pieces of 16 bytes, and piece i of register r takes four numbers of
+/// row 4 i + r. In four such registers the squares of four by four that stand at the same piece are transposed.
+
+#ifndef MOTIONLANG_HAS_CORE_LANE_HPP  // <motionlang/core/lane.hpp>
+#define MOTIONLANG_HAS_CORE_LANE_HPP
+/// A handful of numbers that are calculated with at once: one SIMD register as a `ScalarLike`.
+///
+/// Geometry over `Lane<float>` treats eight poses at a time with the same source text as for one; with
+/// `with_widest_lanes` as many as a register of this processor holds. The compiler's vector types are used, so the code
+/// is the same on every processor. Square roots are refined from an estimate (error below 2 ulp).
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+// Everything below is inlined: how such vectors are passed between functions depends on the caller's instruction set.
+#define MOTIONLANG_INLINE inline __attribute__((always_inline))
+
+template <Scalar S, int bytes = 32>
+struct Lane {
+  static constexpr int size = bytes / static_cast<int>(sizeof(S));
+  typedef S Register __attribute__((vector_size(bytes)));
+  using Bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
+  typedef Bits BitRegister __attribute__((vector_size(bytes)));
+
+  alignas(bytes) Register v{};  // said, since GCC aligns it less where such registers are not switched on
+
+  Lane() = default;
+  /// Not trivial on purpose: other functions then return a lane through memory, whatever their caller was compiled for.
+  MOTIONLANG_INLINE Lane(const Lane& other) : v(other.v) {}
+  Lane& operator=(const Lane&) = default;
+  template <class N>
+  requires std::is_arithmetic_v<N>
+  explicit MOTIONLANG_INLINE Lane(N x) : v(static_cast<S>(x) - Register{}) {}
+  static MOTIONLANG_INLINE Lane from(const Register& r) {
+    Lane l;
+    l.v = r;
+    return l;
+  }
+  MOTIONLANG_INLINE S& operator[](int i) { return reinterpret_cast<S*>(&v)[i]; }
+  MOTIONLANG_INLINE S operator[](int i) const { return v[i]; }
+
+  friend MOTIONLANG_INLINE Lane operator+(const Lane& a, const Lane& b) { return from(a.v + b.v); }
+  friend MOTIONLANG_INLINE Lane operator-(const Lane& a, const Lane& b) { return from(a.v - b.v); }
+  friend MOTIONLANG_INLINE Lane operator*(const Lane& a, const Lane& b) { return from(a.v * b.v); }
+  friend MOTIONLANG_INLINE Lane operator/(const Lane& a, const Lane& b) { return from(a.v / b.v); }
+  friend MOTIONLANG_INLINE Lane operator-(const Lane& a) { return from(-a.v); }
+  friend MOTIONLANG_INLINE Lane where_less(const Lane& a, const Lane& b, const Lane& x, const Lane& y) {
+    return from(a.v < b.v ? x.v : y.v);
+  }
+
+  /// 1 / sqrt(x) of a normal number x > 0, error below 2 ulp; finite of 0.
+  /// The well-known estimate by shifting the exponent, 3.5 % off, then Householder's iteration: with y = (1 + e) /
+  /// sqrt(x) and h = x y^2, the first terms of y / sqrt(h) around h = 1, which leave 2.5 e^3.
+  friend MOTIONLANG_INLINE Lane inverse_sqrt(const Lane& x) {
+    constexpr Bits magic = sizeof(S) == 4 ? static_cast<Bits>(0x5F375A86) : static_cast<Bits>(0x5FE6EB50C7B537A9);
+    Register y = (Register)(magic - ((BitRegister)x.v >> 1));
+    for (int i = 0; i < (sizeof(S) == 4 ? 2 : 3); ++i) {
+      const Register h = x.v * y * y;
+      y = y * (S(1.875) - h * (S(1.25) - S(0.375) * h));
+    }
+    return from(y);
+  }
+  /// x / sqrt(x), and one correction of the root itself. 0 for 0.
+  friend MOTIONLANG_INLINE Lane sqrt(const Lane& x) {
+    const Register y = inverse_sqrt(x).v, r = x.v * y;
+    return from(r + S(0.5) * y * (x.v - r * r));
+  }
+  friend MOTIONLANG_INLINE Lane sin(const Lane& a) {
+    return each(a, [](S x) { return std::sin(x); });
+  }
+  friend MOTIONLANG_INLINE Lane cos(const Lane& a) {
+    return each(a, [](S x) { return std::cos(x); });
+  }
+  friend MOTIONLANG_INLINE Lane atan2(const Lane& y, const Lane& x) {
+    Lane r;
+    for (int i = 0; i < size; ++i) r.v[i] = std::atan2(y.v[i], x.v[i]);
+    return r;
+  }
+
+ private:
+  template <class F>
+  static MOTIONLANG_INLINE Lane each(const Lane& a, F f) {
+    Lane r;
+    for (int i = 0; i < size; ++i) r.v[i] = f(a.v[i]);
+    return r;
+  }
+};
+static_assert(ScalarLike<Lane<float>> && ScalarLike<Lane<double>>);
+
+#undef MOTIONLANG_INLINE
+
+/// Calls f.operator()<Lane<S, bytes>>(), by GCC for the widest registers of this processor, compiled for them with all
+/// that it calls.
+template <Scalar S, class F>
+void with_widest_lanes(const F& f) {
+#if defined(MOTIONLANG_WIDER_COPIES)
+  static const detail::Isa isa = detail::widest_vectors();
+  if (isa == detail::Isa::avx512) return detail::with_avx512([&] { f.template operator()<Lane<S, 64>>(); });
+  if (isa == detail::Isa::avx2) return detail::with_avx2([&] { f.template operator()<Lane<S, 32>>(); });
+#endif
+  f.template operator()<Lane<S, 16>>();
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+// Inlined, as all of lane.hpp.
+#define MOTIONLANG_INLINE inline __attribute__((always_inline))
+
+/// Piece i of four numbers of a register is at from + i * step.
+template <int bytes>
+MOTIONLANG_INLINE void load_pieces(const float* from, std::size_t step, Lane<float, bytes>& to) {
+  if constexpr (bytes == 16) {
+    std::memcpy(&to.v, from, 16);
+  } else {
+    Lane<float, bytes / 2> low, high;
+    load_pieces(from, step, low);
+    load_pieces(from + bytes / 32 * step, step, high);
+    [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) {
+      to.v = __builtin_shufflevector(low.v, high.v, i...);
+    }
+    (std::make_integer_sequence<int, bytes / 4>());
+  }
+}
+template <int bytes>
+MOTIONLANG_INLINE void store_pieces(const Lane<float, bytes>& from, float* to, std::size_t step) {
+  if constexpr (bytes == 16) {
+    std::memcpy(to, &from.v, 16);
+  } else {
+    Lane<float, bytes / 2> low, high;
+    [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) {
+      low.v = __builtin_shufflevector(from.v, from.v, i...);
+      high.v = __builtin_shufflevector(from.v, from.v, (i + bytes / 8)...);
+    }
+    (std::make_integer_sequence<int, bytes / 8>());
+    store_pieces(low, to, step);
+    store_pieces(high, to + bytes / 32 * step, step);
+  }
+}
+
+/// In every piece: numbers p and q of a, then r and t of b.
+template <int p, int q, int r, int t, int bytes>
+MOTIONLANG_INLINE Lane<float, bytes> mix(const Lane<float, bytes>& a, const Lane<float, bytes>& b) {
+  constexpr int n = bytes / 4, from[4] = {p, q, n + r, n + t};
+  Lane<float, bytes> mixed;
+  [&]<int... i>(std::integer_sequence<int, i...>) __attribute__((always_inline)) {
+    mixed.v = __builtin_shufflevector(a.v, b.v, (i / 4 * 4 + from[i % 4])...);
+  }
+  (std::make_integer_sequence<int, n>());
+  return mixed;
+}
+
+/// In every piece: number k of in[i] becomes number i of in[k].
+template <int bytes>
+MOTIONLANG_INLINE void transpose_pieces(Lane<float, bytes> (&in)[4]) {
+  const auto low_a = mix<0, 1, 0, 1>(in[0], in[1]), high_a = mix<2, 3, 2, 3>(in[0], in[1]),
+             low_b = mix<0, 1, 0, 1>(in[2], in[3]), high_b = mix<2, 3, 2, 3>(in[2], in[3]);
+  in[0] = mix<0, 2, 0, 2>(low_a, low_b), in[1] = mix<1, 3, 1, 3>(low_a, low_b);
+  in[2] = mix<0, 2, 0, 2>(high_a, high_b), in[3] = mix<1, 3, 1, 3>(high_a, high_b);
+}
+
+}  // namespace detail
+
+/// Lane i of number k is from[i * step + k] for the first `count` lanes (at least one); further lanes are as the last
+/// of these.
+template <Scalar S, int bytes>
+MOTIONLANG_INLINE void load_rows(const S* from, std::size_t step, int count, std::span<Lane<S, bytes>> numbers) {
+  using L = Lane<S, bytes>;
+  constexpr auto lanes = static_cast<std::size_t>(L::size);
+  const auto last = static_cast<std::size_t>(count - 1);
+  const bool whole = last + 1 == lanes;
+  std::size_t k = 0;
+  if constexpr (sizeof(S) == 4) {
+    for (; k + 4 <= numbers.size(); k += 4) {
+      L block[4];
+      S copy[4 * lanes];  // where lanes are missing
+      if (!whole) {
+        for (std::size_t i = 0; i < lanes; ++i) std::memcpy(copy + 4 * i, from + std::min(i, last) * step + k, 16);
+      }
+      const S* const rows = whole ? from + k : copy;
+      const std::size_t row = whole ? step : 4;
+      for (std::size_t r = 0; r < 4; ++r) detail::load_pieces(rows + r * row, 4 * row, block[r]);
+      detail::transpose_pieces(block);
+      for (std::size_t r = 0; r < 4; ++r) numbers[k + r].v = block[r].v;
+    }
+  }
+  for (; k < numbers.size(); ++k) {
+    for (std::size_t i = 0; i < lanes; ++i) numbers[k][static_cast<int>(i)] = from[std::min(i, last) * step + k];
+  }
+}
+
+/// Number k of lane i goes to to[i * step + k] for the first `count` lanes.
+template <Scalar S, int bytes>
+MOTIONLANG_INLINE void store_rows(std::span<const Lane<S, bytes>> numbers, std::size_t step, int count, S* to) {
+  using L = Lane<S, bytes>;
+  constexpr auto lanes = static_cast<std::size_t>(L::size);
+  const auto used = static_cast<std::size_t>(count);
+  const bool whole = used == lanes;
+  std::size_t k = 0;
+  if constexpr (sizeof(S) == 4) {
+    for (; k + 4 <= numbers.size(); k += 4) {
+      L block[4];
+      S copy[4 * lanes];
+      for (std::size_t r = 0; r < 4; ++r) block[r].v = numbers[k + r].v;
+      detail::transpose_pieces(block);
+      S* const rows = whole ? to + k : copy;
+      const std::size_t row = whole ? step : 4;
+      for (std::size_t r = 0; r < 4; ++r) detail::store_pieces(block[r], rows + r * row, 4 * row);
+      if (!whole) {
+        for (std::size_t i = 0; i < used; ++i) std::memcpy(to + i * step + k, copy + 4 * i, 16);
+      }
+    }
+  }
+  for (; k < numbers.size(); ++k) {
+    for (std::size_t i = 0; i < used; ++i) to[i * step + k] = numbers[k][static_cast<int>(i)];
+  }
+}
+
+#undef MOTIONLANG_INLINE
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_UNIFORM_SKELETON_HPP  // <motionlang/kinematics/uniform_skeleton.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_UNIFORM_SKELETON_HPP
+/// Joint positions of anybody on a skeleton of given bone lengths: every bone keeps its direction, the path of the root
+/// is scaled with the length of the leg.
+///
+///     scale = (thigh + shank of the target) / (thigh + shank of frame 0)
+///     X_0 = scale p_0,   X_j = X_parent(j) + length_j (p_j - p_parent(j)) / |p_j - p_parent(j)|
+///
+/// Source  Guo et al. (CVPR 2022), HumanML3D motion_representation.ipynb uniform_skeleton. The
+///         published code goes there and back through rotations, which cancel; its NaN for a bone opposite to its zero
+///         direction is not reproduced here.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+template <Scalar S>
+struct UniformJoints {
+  std::vector<Vec3<S>> joints;  // (frames, joints)
+  S scale{};                    // of the root's path
+};
+
+/// joints   (frames, joints)
+/// lengths  (joints), of the target's bones
+/// The result stands at its own height; no floor is looked for. Of no frames: nothing, scale 0.
+/// Throws   shape_error 204, 205, config_error 106, numeric_error 301 for a bone that is not finite, 302 for one of
+///          length 0
+template <Scalar S>
+UniformJoints<S> uniform_skeleton(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                  std::span<const S> lengths) {
+  const std::size_t n = skeleton.size(), frames = detail::chain_frames("uniform_skeleton", skeleton, joints);
+  if (lengths.size() != n) {
+    raise<shape_error>(204, "uniform_skeleton: ", lengths.size(), " lengths for ", n, " joints");
+  }
+  UniformJoints<S> out{std::vector<Vec3<S>>(joints.size()), S(0)};
+  if (frames == 0) return out;
+  const auto source = bone_lengths(skeleton, joints.first(n));
+  auto leg = [&](const auto& of) {
+    return detail::joint_of(of.data(), skeleton.leg[0]) + detail::joint_of(of.data(), skeleton.leg[1]);
+  };
+  out.scale = leg(lengths) / leg(source);
+  const auto bones = skeleton.bones();
+  for (std::size_t t = 0; t < frames; ++t) {
+    Vec3<S>* to = &out.joints[t * n];
+    to[0] = out.scale * joints[t * n];
+    for (const ChainBone& b : bones) {
+      const auto [v, length] = detail::measure_bone(skeleton, b, &joints[t * n], t);
+      to[b.joint] = to[b.parent] + (lengths[b.joint] / length) * v;
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The defaults are as published.
+struct Guoh3dOptions {
+  ChainRotationOptions rotations{.facing = {.sigma = 20}};
+  /// false: where the heading passes 180 degrees, the turn of that frame gets the wrong sign.
+  bool fix_yaw_sign = false;
+};
+
+/// Without what the published code gets wrong: the heading follows hips and shoulders alike, does not jump behind the
+/// first frame, passes 180 degrees, and a bone may be opposite to its zero direction.
+inline Guoh3dOptions guoh3d_corrected() {
+  return {.rotations = {.facing = {.sigma = 20, .legacy_forward = false},
+                        .fix_first_frame = true,
+                        .fix_opposite_bones = true},
+          .fix_yaw_sign = true};
+}
+
+namespace detail {
+
+/// A turn about Y, as the rotation of a root is: two products for each coordinate instead of a quaternion's.
+template <ScalarLike T>
+struct LevelTurn {
+  T c, s;  // cosine and sine
+
+  explicit LevelTurn(const Quaternion<T>& q) : c(q.w * q.w - q.y * q.y), s(T(2) * q.w * q.y) {}
+  Vec3<T> operator()(const Vec3<T>& v) const { return {c * v.x + s * v.z, v.y, c * v.z - s * v.x}; }
+};
+
+}  // namespace detail
+
+/// Joints on the floor; frame 0 stands at x = z = 0 and faces +Z.
+template <Scalar S>
+struct GroundedJoints {
+  std::vector<Vec3<S>> joints;  // (frames, joints)
+  S floor{};                    // height of the lowest joint of the clip, before
+  Quaternion<S> turn{};         // that all joints have been turned by, last
+};
+
+/// first   how the facing direction of frame 0 is found; as published, from this frame alone. A body that faces -Z is
+///         turned by 180 degrees; published: NaN
+/// Throws  shape_error 205 if the joints are not whole frames, config_error 101 (sigma) and 106
+template <Scalar S>
+GroundedJoints<S> ground_joints(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                const FacingOptions& first = {.legacy_forward = false}) {
+  detail::chain_frames("ground_joints", skeleton, joints);
+  GroundedJoints<S> out{{}, S(0), Quaternion<S>::identity()};
+  if (joints.empty()) return out;
+  out.floor = joints[0].y;
+  for (const Vec3<S>& p : joints) out.floor = std::min(out.floor, p.y);
+  const auto facing = facing_directions(skeleton, first.sigma == 0 ? joints.first(skeleton.size()) : joints, first);
+  out.turn = detail::turn_ahead(facing[0]);
+  const Vec3<S> origin{joints[0].x, out.floor, joints[0].z};
+  out.joints.resize(joints.size());
+  const detail::LevelTurn<S> level(out.turn);
+  for (std::size_t i = 0; i < joints.size(); ++i) out.joints[i] = level(joints[i] - origin);
+  return out;
+}
+
+/// 1 while the squared displacement to the next frame is below the threshold, else 0.
+template <ScalarLike T>
+T guoh3d_contact(const Vec3<T>& now, const Vec3<T>& next, double threshold) {
+  const Vec3<T> moved = next - now;
+  return where_less(dot(moved, moved), T(threshold), T(1), T(0));
+}
+/// The same of two joints over time: (frames, joints) -> (frames - 1, 2). Throws shape_error 205, 203 for a joint that
+/// does not exist.
+template <Scalar S>
+std::vector<S> guoh3d_contacts(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                               const std::array<int, 2>& foot) {
+  const std::size_t frames = detail::chain_frames("guoh3d_contacts", skeleton, joints);
+  for (const int j : foot) {
+    if (j < 0 || static_cast<std::size_t>(j) >= skeleton.size())
+      raise<shape_error>(203, "guoh3d_contacts: joint ", j, " of ", skeleton.size());
+  }
+  std::vector<S> out;
+  for (std::size_t t = 0; t + 1 < frames; ++t) {
+    const Vec3<S>*now = &joints[t * skeleton.size()], *next = now + skeleton.size();
+    for (const int j : foot) {
+      out.push_back(guoh3d_contact(detail::joint_of(now, j), detail::joint_of(next, j), skeleton.foot_threshold));
+    }
+  }
+  return out;
+}
+
+/// The rotation from one root rotation to the next; its y is the sine of half the turn.
+/// fix_sign: the shorter way round.
+template <ScalarLike T>
+Quaternion<T> guoh3d_turn(const Quaternion<T>& root, const Quaternion<T>& next, bool fix_sign = false) {
+  const Quaternion<T> q = next * inverse(root);
+  return fix_sign ? where_less(q.w, T(0), T(-1), T(1)) * q : q;
+}
+/// The way of the root to the next frame, seen from the body there.
+template <ScalarLike T>
+Vec3<T> guoh3d_root_velocity(const Quaternion<T>& next, const Vec3<T>& now_position, const Vec3<T>& next_position) {
+  return rotate(next, next_position - now_position);
+}
+/// A joint seen from the body: x and z relative to the body's root, the height above the floor.
+template <ScalarLike T>
+Vec3<T> guoh3d_position(const Quaternion<T>& root, const Vec3<T>& root_position, const Vec3<T>& joint) {
+  return rotate(root, joint - Vec3<T>{root_position.x, T(0), root_position.z});
+}
+
+namespace detail {
+
+/// One row, or one in each lane: rotations of the frame, the root's of the next, joints of both. Number 0 is left as
+/// the sine of half the turn.
+template <ScalarLike T>
+void guoh3d_row(const ChainSkeleton& skeleton, bool fix_yaw_sign, std::span<const Quaternion<T>> local,
+                const Quaternion<T>& next_root, std::span<const Vec3<T>> now, std::span<const Vec3<T>> next, T* to) {
+  auto put = [&](const Vec3<T>& v) { *to++ = v.x, *to++ = v.y, *to++ = v.z; };
+  const Quaternion<T>& root = local[0];
+  const LevelTurn<T> level(root);
+  const Vec3<T> on_floor{now[0].x, T(0), now[0].z}, speed = LevelTurn<T>(next_root)(next[0] - now[0]);
+  *to++ = guoh3d_turn(root, next_root, fix_yaw_sign).y;
+  *to++ = speed.x;
+  *to++ = speed.z;
+  *to++ = now[0].y;
+  for (std::size_t j = 1; j < now.size(); ++j) put(level(now[j] - on_floor));
+  for (std::size_t j = 1; j < now.size(); ++j) {
+    const auto columns = to_rotation6d_columns(local[j]);
+    put(columns.a);
+    put(columns.b);
+  }
+  for (std::size_t j = 0; j < now.size(); ++j) put(level(next[j] - now[j]));
+  for (const auto& foot : {skeleton.left_foot, skeleton.right_foot}) {
+    for (const int j : foot) {
+      *to++ = guoh3d_contact(joint_of(now.data(), j), joint_of(next.data(), j), skeleton.foot_threshold);
+    }
+  }
+}
+
+}  // namespace detail
+
+/// joints  (frames, joints), grounded
+/// result  (frames - 1, 12 J - 1)
+/// Throws  shape_error 205 for fewer than two frames or joints that are not whole frames, config_error 101 (sigma) and
+///         106, numeric_error 301, 302
+template <Scalar S>
+std::vector<S> guoh3d_from_grounded(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                                    const Guoh3dOptions& options = {}) {
+  const std::size_t n = skeleton.size(), frames = detail::chain_frames("guoh3d_from_grounded", skeleton, joints);
+  if (frames < 2) raise<shape_error>(205, "guoh3d_from_grounded: ", frames, " frames; a row is made of two");
+  const auto bones = skeleton.bones();
+  const auto roots = detail::chain_roots(skeleton, joints, options.rotations);
+  const std::size_t rows = frames - 1, width = static_cast<std::size_t>(Guoh3dSlots{static_cast<Index>(n)}.size());
+  std::vector<S> out(width * rows);
+
+  using L = Lane<S>;  // eight frames at once
+  const auto zero = [&] {
+    std::vector<Vec3<L>> directions;
+    for (const auto& d : skeleton.directions) directions.push_back({L(d.x), L(d.y), L(d.z)});
+    return directions;
+  }();
+  std::vector<Vec3<L>> now(n), next(n);
+  std::vector<Quaternion<L>> world(n), local(n);
+  std::vector<L> row(width);
+  for (std::size_t first = 0; first < rows; first += L::size) {
+    Quaternion<L> root, next_root;
+    for (int i = 0; i < L::size; ++i) {
+      const std::size_t t = std::min(first + static_cast<std::size_t>(i), rows - 1);
+      auto lane = [i](Vec3<L>& to, const Vec3<S>& v) { to.x[i] = v.x, to.y[i] = v.y, to.z[i] = v.z; };
+      auto turn = [i](Quaternion<L>& to, const Quaternion<S>& q) {
+        to.w[i] = q.w, to.x[i] = q.x, to.y[i] = q.y, to.z[i] = q.z;
+      };
+      for (std::size_t j = 0; j < n; ++j) lane(now[j], joints[t * n + j]), lane(next[j], joints[(t + 1) * n + j]);
+      turn(root, roots[t]), turn(next_root, roots[t + 1]);
+    }
+    const L bad = detail::chain_rotations<L>(bones, zero, now.data(), root, options.rotations.fix_opposite_bones,
+                                             world.data(), local.data());
+    detail::guoh3d_row<L>(skeleton, options.fix_yaw_sign, local, next_root, now, next, row.data());
+    const int count = static_cast<int>(std::min<std::size_t>(L::size, rows - first));
+    store_rows(std::span<const L>(row), width, count, &out[first * width]);
+    for (int i = 0; i < count; ++i) {
+      const std::size_t t = first + static_cast<std::size_t>(i);
+      if (bad[i] > 0) detail::require_bones(skeleton, bones, &joints[t * n], t);
+      S& turn = out[t * width];
+      turn = std::asin(std::clamp(turn, S(-1), S(1)));
+    }
+  }
+  detail::require_bones(skeleton, bones, &joints[rows * n], rows);
+  return out;
+}
+
+/// The whole way.
+/// joints   (frames, joints), of anybody, anywhere
+/// lengths  (joints), bones of the reference skeleton
+/// result   (frames - 1, 12 J - 1)
+/// With fix_first_frame the smooth heading of frame 0 is turned onto +Z, so that the identity is right there.
+/// Throws   as above; shape_error 204 unless there is one length for each joint
+template <Scalar S>
+std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                               std::span<const S> lengths, const Guoh3dOptions& options = {}) {
+  const auto uniform = uniform_skeleton(skeleton, joints, lengths);
+  const FacingOptions published{.legacy_forward = false}, &smooth = options.rotations.facing;
+  const auto grounded = ground_joints(skeleton, std::span<const Vec3<S>>(uniform.joints),
+                                      options.rotations.fix_first_frame ? smooth : published);
+  return guoh3d_from_grounded(skeleton, std::span<const Vec3<S>>(grounded.joints), options);
+}
+/// With the lengths of the skeleton itself. Throws config_error 101 if it has none, as KIT's.
+template <Scalar S>
+std::vector<S> guoh3d_features(const ChainSkeleton& skeleton, std::span<const Vec3<S>> joints,
+                               const Guoh3dOptions& options = {}) {
+  if (skeleton.lengths.empty()) {
+    raise<config_error>(101, "guoh3d_features: '", skeleton.name, "' has 0 bone lengths for ", skeleton.size(),
+                        " joints; take those of its reference clip");
+  }
+  const std::vector<S> lengths(skeleton.lengths.begin(), skeleton.lengths.end());
+  return guoh3d_features(skeleton, joints, std::span<const S>(lengths), options);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_FEATURES_RIFKE_HPP  // <motionlang/features/rifke.hpp>
+#define MOTIONLANG_HAS_FEATURES_RIFKE_HPP
+/// Rotation invariant forward kinematic encoding of joint positions ("rifke"): TEMOS' 64 numbers of the 21 joints of
+/// MMM, SINC's 67 and TMR's 67 or 73 of SMPL's joints. There and back.
+///
+///     0             height of the root above the floor
+///     1:3J-2        joints 1 ... J-1 seen from the body: x', then y and z as the world has them, one of them turned
+///     3J-2          turn of the heading, radians per frame
+///     3J-1:3J+1     velocity of the root over the ground, seen from the body, per frame
+/// World: Y up with x, z level (TEMOS, any unit), or Z up with x, y level (SINC, TMR).
+///
+/// Source  Holden et al., "A deep learning framework for character motion synthesis and editing" (SIGGRAPH 2016); TEMOS
+///         (ECCV 2022), appendix B.1, temos/transforms/joints2jfeats/rifke.py; SINC
+///         sinc/transforms/joints2jfeats/rifke.py; TMR src/rifke.py
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// One of the published variants, or one of one's own.
+struct RifkeVariant {
+  Index joints = 0;
+  bool z_up = false;
+  std::array<std::array<int, 2>, 2> across{};  // pairs (right, left) whose difference points across the body
+  std::vector<int> floor{};                    // the lowest of these gives the floor; none: height 0
+  bool wrapped_turns = true;                   // turns in (-pi, pi]; false: they jump where the heading passes pi
+  bool swapped_forward = false;      // sine and cosine are (-x, y) of the vector across; false: (-y, x), straight ahead
+  bool forward_differences = false;  // turns and velocities to the next frame; false: from the one before
+  Index size() const { return 3 * joints + 1; }
+};
+
+/// TEMOS and TEACH's metrics. The heading is that of knees and elbows, as published (an index is off by one).
+inline RifkeVariant temos_rifke() {
+  return {.joints = 21, .across = {{{17, 12}, {9, 6}}}, .floor = {14, 15, 19, 20}, .wrapped_turns = false};
+}
+/// SINC's metrics, whose heading is swapped as published.
+inline RifkeVariant sinc_rifke() {
+  return {.joints = 22, .z_up = true, .across = {{{2, 1}, {17, 16}}}, .floor = {7, 10, 8, 11}, .swapped_forward = true};
+}
+/// TMR's canonical view; 22 or 24 joints of SMPL.
+inline RifkeVariant tmr_rifke(Index joints = 22) {
+  return {.joints = joints, .z_up = true, .across = {{{2, 1}, {17, 16}}}, .forward_differences = true};
+}
+
+template <Scalar S>
+struct RifkeFeatures {
+  std::vector<S> features;                // (frames, 3 J + 1)
+  S floor{};                              // height of the floor
+  std::vector<std::array<S, 2>> forward;  // (frames): sine and cosine of the heading
+  std::vector<S> angles;                  // (frames): the heading
+};
+
+namespace detail {
+
+/// Level coordinates and height of a vector.
+template <Scalar S>
+struct LevelVector {
+  S a{}, b{}, height{};
+};
+template <Scalar S>
+LevelVector<S> leveled(const Vec3<S>& v, bool z_up) {
+  return z_up ? LevelVector<S>{v.x, v.y, v.z} : LevelVector<S>{v.x, v.z, v.y};
+}
+template <Scalar S>
+Vec3<S> unleveled(const LevelVector<S>& v, bool z_up) {
+  return z_up ? Vec3<S>{v.a, v.b, v.height} : Vec3<S>{v.a, v.height, v.b};
+}
+/// Into the body's view: a' = a cos - b sin, b' = a sin + b cos. With -sine: back.
+template <Scalar S>
+LevelVector<S> turned(const LevelVector<S>& v, S sine, S cosine) {
+  return {v.a * cosine - v.b * sine, v.a * sine + v.b * cosine, v.height};
+}
+inline std::size_t rifke_frames(std::string_view function, std::size_t values, Index per_frame) {
+  if (per_frame < 2 || static_cast<Index>(values) % per_frame != 0) {
+    raise<shape_error>(205, function, ": ", values, " values are no frames of ", per_frame);
+  }
+  return values / static_cast<std::size_t>(per_frame);
+}
+/// Throws shape_error 203 for a joint that the variant names but does not have.
+inline void require_joints(const RifkeVariant& variant) {
+  auto require = [&](int joint) {
+    if (joint < 0 || joint >= variant.joints) raise<shape_error>(203, "rifke: joint ", joint, " of ", variant.joints);
+  };
+  for (const auto& [right, left] : variant.across) require(right), require(left);
+  for (const int joint : variant.floor) require(joint);
+}
+/// Smoothing with sigma 2 and zeros beyond the ends.
+template <Scalar S>
+void filter_forward(std::vector<std::array<S, 2>>& forward) {
+  constexpr std::size_t radius = 8;
+  std::vector<S> padded((forward.size() + 2 * radius) * 2);
+  for (std::size_t t = 0; t < forward.size(); ++t) std::copy_n(forward[t].begin(), 2, &padded[2 * (t + radius)]);
+  const auto smooth = gaussian_smooth(std::span<const S>(padded), 2, 2);
+  for (std::size_t t = 0; t < forward.size(); ++t) {
+    const Vec3<S> f = normalized(Vec3<S>{smooth[2 * (t + radius)], smooth[2 * (t + radius) + 1], S(0)});
+    forward[t] = {f.x, f.y};
+  }
+}
+
+}  // namespace detail
+
+/// joints          (frames, J)
+/// forward_filter  smooths the heading, as an option of TEMOS does
+/// The floor is soft: m - ln(1/2 + exp(m - M)) for the lowest (m) and highest (M) of the lowest joint's heights.
+/// Throws          shape_error 205, 203 if the variant names a joint that it does not have
+template <Scalar S>
+RifkeFeatures<S> rifke_features(const RifkeVariant& variant, std::span<const Vec3<S>> joints,
+                                bool forward_filter = false) {
+  const std::size_t frames = detail::rifke_frames("rifke_features", joints.size(), variant.joints);
+  detail::require_joints(variant);
+  const auto n = static_cast<std::size_t>(variant.joints);
+  auto at = [&](std::size_t t, std::size_t j) { return detail::leveled(joints[t * n + j], variant.z_up); };
+  RifkeFeatures<S> out;
+  if (!variant.floor.empty() && frames > 0) {
+    S lowest = std::numeric_limits<S>::infinity(), highest = -lowest;
+    for (std::size_t t = 0; t < frames; ++t) {
+      S height = std::numeric_limits<S>::infinity();
+      for (const int j : variant.floor) height = std::min(height, at(t, static_cast<std::size_t>(j)).height);
+      lowest = std::min(lowest, height), highest = std::max(highest, height);
+    }
+    out.floor = lowest - std::log(S(0.5) + std::exp(lowest - highest));
+  }
+  for (std::size_t t = 0; t < frames; ++t) {
+    S a{}, b{};
+    for (const auto& [right, left] : variant.across) {
+      const auto r = at(t, static_cast<std::size_t>(right)), l = at(t, static_cast<std::size_t>(left));
+      a += r.a - l.a, b += r.b - l.b;
+    }
+    const Vec3<S> f = normalized(variant.swapped_forward ? Vec3<S>{-a, b, S(0)} : Vec3<S>{-b, a, S(0)});
+    out.forward.push_back({f.x, f.y});
+  }
+  if (forward_filter) detail::filter_forward(out.forward);
+  for (const auto& [sine, cosine] : out.forward) out.angles.push_back(std::atan2(sine, cosine));
+
+  auto turn = [&](std::size_t t) {
+    const S d = out.angles[t + 1] - out.angles[t];
+    return variant.wrapped_turns ? detail::wrapped(d) : d;
+  };
+  auto way = [&](std::size_t t) { return joints[(t + 1) * n] - joints[t * n]; };
+  std::vector<S> turns(frames);
+  std::vector<Vec3<S>> ways(frames);
+  if (variant.forward_differences) {
+    turns = detail::to_next<S>(frames, turn);
+    ways = detail::to_next<Vec3<S>>(frames, way);
+    if (variant.wrapped_turns && frames > 0) turns.back() = detail::wrapped(turns.back());
+  } else {
+    for (std::size_t t = 0; t + 1 < frames; ++t) turns[t + 1] = turn(t), ways[t + 1] = way(t);
+  }
+  out.features.reserve(frames * static_cast<std::size_t>(variant.size()));
+  for (std::size_t t = 0; t < frames; ++t) {
+    const auto [sine, cosine] = out.forward[t];
+    const auto root = at(t, 0);
+    out.features.push_back(root.height - out.floor);
+    for (std::size_t j = 1; j < n; ++j) {
+      const auto p = at(t, j);
+      const detail::LevelVector<S> own{p.a - root.a, p.b - root.b, p.height - out.floor};
+      const auto v = detail::unleveled(detail::turned(own, sine, cosine), variant.z_up);
+      out.features.insert(out.features.end(), {v.x, v.y, v.z});
+    }
+    const auto v = detail::turned(detail::leveled(ways[t], variant.z_up), sine, cosine);
+    out.features.insert(out.features.end(), {turns[t], v.a, v.b});
+  }
+  return out;
+}
+
+/// features  (frames, 3 J + 1), not normalised
+/// result    (frames, J); frame 0 stands at the origin with heading 0, on the floor
+/// Throws    shape_error 205
+template <Scalar S>
+std::vector<Vec3<S>> rifke_joints(const RifkeVariant& variant, std::span<const S> features) {
+  const std::size_t frames = detail::rifke_frames("rifke_joints", features.size(), variant.size());
+  const auto width = static_cast<std::size_t>(variant.size());
+  std::vector<Vec3<S>> out;
+  S angle{};
+  detail::LevelVector<S> root{};
+  for (std::size_t t = 0; t < frames; ++t) {
+    const auto row = features.subspan(t * width, width);
+    const S turn = row[width - 3];
+    const detail::LevelVector<S> velocity{row[width - 2], row[width - 1], S(0)};
+    auto step = [&] {
+      const auto way = detail::turned(velocity, -std::sin(angle), std::cos(angle));
+      root.a += way.a, root.b += way.b;
+    };
+    if (!variant.forward_differences && t > 0) angle += turn, step();
+    root.height = row[0];
+    out.push_back(detail::unleveled(root, variant.z_up));
+    for (std::size_t at = 1; at + 3 < width; at += 3) {
+      const auto own = detail::leveled(Vec3<S>{row[at], row[at + 1], row[at + 2]}, variant.z_up);
+      const auto p = detail::turned(own, -std::sin(angle), std::cos(angle));
+      out.push_back(detail::unleveled<S>({p.a + root.a, p.b + root.b, p.height}, variant.z_up));
+    }
+    if (variant.forward_differences) step(), angle += turn;
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_FROM_JOINTS_HPP  // <motionlang/kinematics/motion_from_joints.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_MOTION_FROM_JOINTS_HPP
+/// A clip from the positions of its joints: what models that predict positions need to become BVH, GLB or AMASS.
+///
+///     const Motion clip = motion_from_joints(humanml3d22_skeleton(), joints, 20);
+///
+/// Bones get the mean length that they have in the clip, and where several begin at one joint, the angles between them.
+/// Each joint is turned so that its bones at rest come nearest to where they are seen, with as little twist against its
+/// parent as that leaves open; positions along bones of constant length are met.
+/// Source  Mueller, Bender, Chentanez, Macklin: "A robust method to extract the rotational part of deformations" (MIG
+///         2016), eq. 7,
+///         on pairs of vectors:   omega = sum_i R a_i x b_i / |sum_i R a_i . b_i|,   R <- exp(omega) R
+/// World   Y up, as Motion has it
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A vector at rest and where it is seen.
+struct SeenVector {
+  Vec3<double> rest, seen;
+};
+
+/// The rotation that brings vectors at rest nearest to where they are seen, in the sense of least squares, found from
+/// `start` on.
+Quaternion<double> fit_rotation(std::span<const SeenVector> vectors, Quaternion<double> start);
+
+/// skeleton  its names, parents and the directions of its bones at rest; joints beyond those that are given stay as at
+///           rest
+/// joints    (frames, count), count <= the joints of the skeleton, of which they are the first
+/// Throws    shape_error 205 unless `joints` are whole frames, config_error 101 for a wrong count or frame rate,
+///           numeric_error 301 for a position that is not finite
+Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<double>> joints, Index count, double fps);
+inline Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<double>> joints, double fps) {
+  return motion_from_joints(skeleton, joints, skeleton.size(), fps);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_FROM_JOINTS_IPP  // <motionlang/kinematics/motion_from_joints.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_MOTION_FROM_JOINTS_IPP
+// Bodies of motion_from_joints.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Quaternion<double> fit_rotation(std::span<const SeenVector> vectors, Quaternion<double> start) {
+  constexpr int most_steps = 200;
+  if (vectors.size() == 1 && norm(vectors[0].rest) > 0 && norm(vectors[0].seen) > 0)
+    return rotation_between(rotate(start, vectors[0].rest), vectors[0].seen) * start;
+  for (int step = 0; step < most_steps; ++step) {
+    Vec3<double> turn{};
+    double along = 0;
+    for (const SeenVector& v : vectors) {
+      const Vec3<double> a = rotate(start, v.rest);
+      turn = turn + cross(a, v.seen);
+      along += dot(a, v.seen);
+    }
+    const double size = norm(turn);
+    if (!(size > 1e-12 * std::abs(along)) || size < 1e-300) break;
+    const double angle = std::min(size / std::max(std::abs(along), 1e-300), 1.0);
+    start = normalized(from_axis_angle((1 / size) * turn, angle) * start);
+  }
+  return start;
+}
+
+namespace detail {
+
+inline double misfit(std::span<const SeenVector> vectors, const Quaternion<double>& q) {
+  double sum = 0;
+  for (const SeenVector& v : vectors) {
+    const Vec3<double> d = rotate(q, v.rest) - v.seen;
+    sum += dot(d, d);
+  }
+  return sum;
+}
+
+/// Bones that begin at one joint as they lie to one another in the clip, turned as at rest. They keep their lengths.
+/// Each round turns the bones of every frame onto those at rest and takes the means.
+/// rest   (bones); seen (frames, bones)
+inline std::vector<Vec3<double>> bones_of_one_joint(std::vector<Vec3<double>> rest,
+                                                    std::span<const Vec3<double>> seen) {
+  constexpr int rounds = 10;
+  constexpr std::size_t most_frames = 200;
+  const std::size_t n = rest.size(), frames = seen.size() / n, step = std::max<std::size_t>(1, frames / most_frames);
+  std::vector<Vec3<double>> at_rest = rest;
+  auto turn = Quaternion<double>::identity();
+  std::vector<SeenVector> pairs(n);
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<Vec3<double>> sum(n);
+    for (std::size_t f = 0; f < frames; f += step) {
+      for (std::size_t k = 0; k < n; ++k) pairs[k] = {rest[k], seen[f * n + k]};
+      turn = fit_rotation(pairs, turn);
+      for (std::size_t k = 0; k < n; ++k) sum[k] = sum[k] + rotate(inverse(turn), seen[f * n + k]);
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      if (!(norm(sum[k]) > 0)) return at_rest;
+      pairs[k] = {(norm(at_rest[k]) / norm(sum[k])) * sum[k], at_rest[k]};
+    }
+    const Quaternion<double> back = fit_rotation(pairs, Quaternion<double>::identity());
+    for (std::size_t k = 0; k < n; ++k) rest[k] = rotate(back, pairs[k].rest);
+  }
+  return rest;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Motion motion_from_joints(const Skeleton& skeleton, std::span<const Vec3<double>> joints, Index count,
+                                          double fps) {
+  if (count < 1 || count > skeleton.size())
+    raise<config_error>(101, "motion_from_joints: ", count, " joints for a skeleton of ", skeleton.size());
+  const auto n = static_cast<std::size_t>(count), frames = joints.size() / n;
+  if (joints.size() != frames * n)
+    raise<shape_error>(205, "motion_from_joints: ", joints.size(), " positions are no frames of ", count, " joints");
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (!std::isfinite(joints[i].x + joints[i].y + joints[i].z))
+      raise<numeric_error>(301, "motion_from_joints: joint ", i % n, " in frame ", i / n, " is not finite");
+  }
+  Motion out{skeleton, fps, {}, {}, {}};
+  std::vector<std::vector<std::size_t>> children(n);
+  for (std::size_t j = 1; j < n; ++j) {
+    const auto parent = static_cast<std::size_t>(skeleton.parents[j]);
+    children[parent].push_back(j);
+    double length = 0;
+    for (std::size_t f = 0; f < frames; ++f) length += norm(joints[f * n + j] - joints[f * n + parent]);
+    const double rest = norm(skeleton.offsets[j]);
+    if (rest > 0 && frames > 0)
+      out.skeleton.offsets[j] = (length / static_cast<double>(frames) / rest) * skeleton.offsets[j];
+  }
+  for (std::size_t j = 0; j < n; ++j) {
+    if (children[j].size() < 2 || frames == 0) continue;
+    std::vector<Vec3<double>> rest, seen;
+    for (const std::size_t c : children[j]) rest.push_back(out.skeleton.offsets[c]);
+    for (std::size_t f = 0; f < frames; ++f) {
+      for (const std::size_t c : children[j]) seen.push_back(joints[f * n + c] - joints[f * n + j]);
+    }
+    rest = detail::bones_of_one_joint(std::move(rest), seen);
+    for (std::size_t k = 0; k < rest.size(); ++k) out.skeleton.offsets[children[j][k]] = rest[k];
+  }
+  const auto all = static_cast<std::size_t>(skeleton.size());
+  std::vector<Quaternion<double>> world(all);
+  for (std::size_t f = 0; f < frames; ++f) {
+    const auto frame = joints.subspan(f * n, n);
+    out.root.push_back(frame[0]);
+    for (std::size_t j = 0; j < all; ++j) {
+      const int parent = skeleton.parents[j];
+      const auto up = parent < 0 ? Quaternion<double>::identity() : world[static_cast<std::size_t>(parent)];
+      std::vector<SeenVector> bones;
+      if (j < n) {
+        for (const std::size_t c : children[j]) bones.push_back({out.skeleton.offsets[c], frame[c] - frame[j]});
+      }
+      world[j] = fit_rotation(bones, up);
+      for (int quarter = 1; parent < 0 && quarter < 4; ++quarter) {  // whatever it faces
+        const auto start = from_axis_angle(Vec3<double>{0, 1, 0}, quarter * std::numbers::pi / 2);
+        const auto other = fit_rotation(bones, start);
+        if (detail::misfit(bones, other) < detail::misfit(bones, world[j]) - 1e-12) world[j] = other;
+      }
+      out.local.push_back(inverse(up) * world[j]);
+    }
+  }
+  out.validate();
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline void require_smpl24(const Motion& motion) {
+  if (motion.skeleton.names != smpl24_skeleton().names || motion.skeleton.parents != smpl24_skeleton().parents) {
+    raise<config_error>(103, "motion_features: the ", motion.skeleton.size(), " joints of '", motion.name,
+                        "' are not the 24 of SMPL; retarget first");
+  }
+}
+
+MOTIONLANG_BODY std::vector<Vec3<double>> first_joints(const Motion& motion, std::size_t count) {
+  require_smpl24(motion);
+  const auto all = motion.positions();
+  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
+  std::vector<Vec3<double>> out;
+  for (std::size_t at = 0; at < all.size(); at += joints)
+    out.insert(out.end(), all.begin() + static_cast<std::ptrdiff_t>(at),
+               all.begin() + static_cast<std::ptrdiff_t>(at + count));
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<Vec3<double>> turned_up(std::vector<Vec3<double>> points, bool to_z_up) {
+  for (Vec3<double>& p : points) p = to_z_up ? Vec3<double>{p.x, -p.z, p.y} : Vec3<double>{p.x, p.z, -p.y};
+  return points;
+}
+
+MOTIONLANG_BODY std::vector<double> guoh3d_rows_of(const Motion& motion) {
+  const auto joints = first_joints(motion, 22);
+  return guoh3d_features(humanml3d_chains(), std::span<const Vec3<double>>(joints));
+}
+
+MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_guoh3d(std::span<const double> rows) { return guoh3d_joints(rows); }
+
+MOTIONLANG_BODY std::vector<double> rifke_rows_of(const Motion& motion) {
+  const auto joints = turned_up(first_joints(motion, 22), true);
+  return rifke_features(tmr_rifke(22), std::span<const Vec3<double>>(joints)).features;
+}
+
+MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_rifke(std::span<const double> rows) {
+  return turned_up(rifke_joints(tmr_rifke(22), rows), false);
+}
+
+/// MMM's joints of every frame as KIT has them and TEMOS makes them: reflected, Y up.
+inline std::vector<Vec3<double>> mmm_joints_of(const Motion& motion) {
+  const bool own =
+      motion.skeleton.names == kit21_skeleton().names && motion.skeleton.parents == kit21_skeleton().parents;
+  if (!own) require_smpl24(motion);
+  auto joints = (own ? motion : retarget(motion, kit21_skeleton())).positions();
+  for (Vec3<double>& p : joints) p = mmm_units_per_metre * Vec3<double>{-p.x, p.y, p.z};
+  return joints;
+}
+
+MOTIONLANG_BODY Vec3<double> mean_height(std::span<const Vec3<double>> joints, std::size_t count) {
+  const bool mmm = count == mmm_joints;
+  const std::size_t head = mmm ? 4 : 15, left = mmm ? 13 : 7, right = mmm ? 18 : 8;
+  Vec3<double> sum{};
+  for (std::size_t at = 0; at < joints.size(); at += count) {
+    sum = sum + joints[at + head] - 0.5 * (joints[at + left] + joints[at + right]);
+  }
+  return joints.empty() ? sum : (static_cast<double>(count) / static_cast<double>(joints.size())) * sum;
+}
+
+MOTIONLANG_BODY std::vector<Vec3<double>> mmm_in_metres(std::vector<Vec3<double>> joints) {
+  const double unit = norm(mean_height(joints, mmm_joints)) > 20 ? 1 / mmm_units_per_metre : 1;
+  for (Vec3<double>& p : joints) p = unit * Vec3<double>{-p.x, p.y, p.z};
+  return joints;
+}
+
+MOTIONLANG_BODY std::vector<double> kit_rows_of(const Motion& motion) {
+  const auto joints = mmm_joints_of(motion);
+  const std::span<const Vec3<double>> all(joints);
+  const auto lengths =
+      joints.empty() ? std::vector<double>(mmm_joints) : bone_lengths(kit_chains(), all.first(mmm_joints));
+  return guoh3d_features(kit_chains(), all, std::span<const double>(lengths));
+}
+
+MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_kit(std::span<const double> rows) {
+  return mmm_in_metres(guoh3d_joints(rows, mmm_joints));
+}
+
+MOTIONLANG_BODY std::vector<double> rifke64_rows_of(const Motion& motion) {
+  const auto joints = mmm_joints_of(motion);
+  return rifke_features(temos_rifke(), std::span<const Vec3<double>>(joints)).features;
+}
+
+MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_rifke64(std::span<const double> rows) {
+  return mmm_in_metres(rifke_joints(temos_rifke(), rows));
+}
+
+MOTIONLANG_BODY std::vector<double> smplvelp_rows(const Motion& motion, bool exact_yaw) {
+  require_smpl24(motion);
+  const auto z_up = axis_rotation(0, std::numbers::pi / 2);
+  std::vector<Matrix3<double>> rotations;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    for (std::size_t j = 0; j < 22; ++j) {
+      const auto r = to_matrix(motion.rotations(f)[j]);
+      rotations.push_back(j == 0 ? z_up * r : r);
+    }
+  }
+  return smplvelp_features(std::span<const Matrix3<double>>(rotations),
+                           std::span<const Vec3<double>>(turned_up(motion.root, true)), {.exact_yaw = exact_yaw});
+}
+
+MOTIONLANG_BODY Motion smplvelp_motion(std::span<const double> rows, double fps) {
+  return motion_of_smplvelp(smplvelp_inverse(rows), fps);
+}
+
+MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_smplvelp(std::span<const double> rows) {
+  return first_joints(smplvelp_motion(rows, 12.5), 22);
+}
+
+MOTIONLANG_BODY Motion smplrifke_motion(std::span<const double> rows, double fps) {
+  return smplrifke_to_motion(rows, {}, fps);
+}
+
+MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_smplrifke(std::span<const double> rows) {
+  return first_joints(smplrifke_motion(rows, 20), 22);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<double> actor_rows_of_motion(const Motion& motion, const ActorFeatureOptions& options) {
+  detail::require_smpl24(motion);
+  const auto upside_down = axis_rotation(0, std::numbers::pi);
+  std::vector<Matrix3<double>> rotations;
+  for (std::size_t i = 0; i < motion.local.size(); ++i) {
+    const auto r = to_matrix(motion.local[i]);
+    rotations.push_back(i % 24 == 0 ? upside_down * r : r);
+  }
+  std::vector<Vec3<double>> root;
+  for (const Vec3<double>& p : motion.root) root.push_back(upside_down * p);
+  return actor_frame_features(std::span<const Matrix3<double>>(rotations), std::span<const Vec3<double>>(root), 24,
+                              options);
+}
+
+namespace detail {
+
+MOTIONLANG_BODY std::vector<double> actor_rows_of(const Motion& motion) { return actor_rows_of_motion(motion); }
+
+MOTIONLANG_BODY Motion actor_motion(std::span<const double> rows, double fps) {
+  return motion_of_actor(actor_inverse(rows), fps);
+}
+
+MOTIONLANG_BODY std::vector<Vec3<double>> joints_of_actor(std::span<const double> rows) {
+  return first_joints(actor_motion(rows, 20), 22);
+}
+
+MOTIONLANG_BODY FeatureLayout layout_of_guoh3d() { return guoh3dfeats_layout(); }
+
+MOTIONLANG_BODY FeatureLayout layout_of_kit() { return guoh3dfeats_layout(kit_part_of_joint); }
+
+MOTIONLANG_BODY FeatureLayout layout_of_rifke() { return rifke_layout(); }
+
+MOTIONLANG_BODY FeatureLayout layout_of_rifke64() { return rifke_layout(kit_part_of_joint); }
+
+MOTIONLANG_BODY FeatureLayout layout_of_smplvelp() { return smplvelp_layout(); }
+
+MOTIONLANG_BODY FeatureLayout layout_of_smplrifke() { return smplrifke_layout(); }
+
+MOTIONLANG_BODY FeatureLayout layout_of_actor() { return actor_layout(); }
+
+}  // namespace detail
+
+MOTIONLANG_BODY Motion motion_of_rows(const MotionFeatures& features, std::span<const double> rows, double fps) {
+  const double rate = fps > 0 ? fps : features.fps;
+  const auto odd = std::find_if(rows.begin(), rows.end(), [](double x) { return !std::isfinite(x); });
+  if (odd != rows.end()) {
+    const Index at = odd - rows.begin();
+    raise<numeric_error>(301, "motion_of_rows: number ", at % features.width, " of frame ", at / features.width,
+                         " is not finite");
+  }
+  if (features.to_motion != nullptr) {
+    Motion out = features.to_motion(rows, rate);
+    out.validate();
+    return out;
+  }
+  return motion_from_joints(features.skeleton(), features.joints_of(rows), features.joints, rate);
+}
+
+MOTIONLANG_BODY const MotionFeatures& motion_features(std::string_view name) {
+  for (const MotionFeatures& f : all_motion_features) {
+    if (f.name == name) return f;
+  }
+  raise<config_error>(103, "motion_features: '", name, "' is not one of ",
+                      join_text(all_motion_features, ", ", [](const MotionFeatures& f) { return f.name; }));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_ON_SMPL_HPP  // <motionlang/kinematics/on_smpl.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_ON_SMPL_HPP
+/// A motion on SMPL's 24 joints, whatever skeleton it is on. Models, AMASS files and joint arrays want it there.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The motion on SMPL's 24 joints. If it has them already, in whatever order (a BVH file goes depth first), they are
+/// only put in SMPL's order and the bones keep their lengths. Otherwise it is retargeted.
+/// report  is set only if the motion is retargeted
+/// Throws  config_error 103 with the joint that is missing, as retarget does
+Motion on_smpl(const Motion& motion, RetargetReport* report = nullptr);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_ON_SMPL_IPP  // <motionlang/kinematics/on_smpl.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_ON_SMPL_IPP
+// Bodies of on_smpl.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Motion on_smpl(const Motion& motion, RetargetReport* report) {
+  const Skeleton &own = motion.skeleton, &smpl = smpl24_skeleton();
+  std::vector<std::size_t> from;  // our joint for each of SMPL's
+  for (int j = 0; j < smpl.size(); ++j) {
+    const int k = own.find(smpl.name(j));
+    const bool same = k >= 0 && own.size() == smpl.size() && (j == 0) == (own.parent(k) < 0) &&
+                      (j == 0 || own.name(own.parent(k)) == smpl.name(smpl.parent(j)));
+    if (!same) {
+      const SkeletonMap map(own);
+      if (report != nullptr) *report = map.report();
+      return retarget(motion, map);
+    }
+    from.push_back(static_cast<std::size_t>(k));
+  }
+  Motion out{smpl, motion.fps, motion.root, {}, motion.name};
+  for (std::size_t j = 0; j < from.size(); ++j) out.skeleton.offsets[j] = own.offsets[from[j]];
+  for (Index f = 0; f < motion.frames(); ++f) {
+    for (const std::size_t k : from) out.local.push_back(motion.rotations(f)[k]);
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Whether a motion has exactly the joints of these features, SMPL's or MMM's: rows are then made of it as it is.
+bool has_joints_of(const MotionFeatures& features, const Motion& motion);
+/// Whether a motion has the joints of any of the known features, in their order: a reader of a joint array, which has
+/// no names, takes it for what it is.
+bool has_joints_of_arrays(const Motion& motion);
+/// The motion as it is if it has the joints of these features, otherwise on SMPL's. Throws what on_smpl throws.
+Motion on_joints_of(const MotionFeatures& features, const Motion& motion);
+
+/// The rows of a motion on any joints, (frames, features.width), not normalised.
+/// fps     frames per second of the rows, above 0
+/// Throws  what on_smpl, resample and MotionFeatures::from_motion throw
+std::vector<double> rows_of_motion(const MotionFeatures& features, const Motion& motion, double fps);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FEATURES_FEATURE_ROWS_IPP  // <motionlang/features/feature_rows.ipp>
+#define MOTIONLANG_HAS_FEATURES_FEATURE_ROWS_IPP
+// Bodies of feature_rows.hpp.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP  // <motionlang/kinematics/motion_tools.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_HPP
+/// Editing clips: crop, resample, change speed, join, mirror, and take away the T-pose at the start of CMU files. Pure
+/// functions; the clip that is passed stays as it is.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Frames first ... last - 1. Throws shape_error 203 unless 0 <= first <= last <= frames.
+Motion crop(const Motion& motion, Index first, Index last);
+
+/// The clip at another frame rate: frame i shows the moment i / fps, as long as the clip lasts (its last frame stands
+/// at (frames - 1) / old fps). Root positions are interpolated linearly, rotations along the shortest arc. Moments that
+/// coincide with a frame take it unchanged, so going up by a whole factor and down again gives the same clip.
+/// Throws config_error 101 unless fps > 0, and for more than max_rotations.
+Motion resample(const Motion& motion, double fps);
+
+/// The clip `factor` times as fast at the same frame rate (0.5: slow motion). Throws config_error 101 unless factor >
+/// 0, and for more than max_rotations.
+Motion change_speed(const Motion& motion, double factor);
+
+namespace detail {
+
+/// Throws config_error 102 unless both clips have one skeleton and one frame rate.
+void require_same_kind(std::string_view function, const Motion& first, const Motion& second);
+
+}  // namespace detail
+
+/// `second` after `first`, as they stand (no blending, no alignment: see blend.hpp). Throws config_error 102 if
+/// skeletons or frame rates differ.
+Motion concatenate(const Motion& first, const Motion& second);
+
+/// For each joint its partner on the other side, found by name; a joint in the middle is its own partner.
+/// Throws config_error 103 if a name says "left" or "right" and its partner is missing.
+std::vector<int> mirror_partners(const Skeleton& skeleton);
+
+/// The clip in a mirror that stands in the sagittal plane x = 0: left becomes right.
+///     p'_partner(j) = (-x, y, z)_j,   q'_partner(j) = (w, x, -y, -z)_j
+/// The skeleton is mirrored too, so that positions are exact images whatever its local axes; a symmetric one stays as
+/// it is. Throws config_error 102 if the partners do not pair up or their parents are not partners.
+Motion mirror(const Motion& motion, std::span<const int> partners);
+/// With the partners that the names of the joints tell.
+inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partners(motion.skeleton)); }
+
+/// How many frames at the start are not performed but an inserted T-pose: exporters put the zero pose in front of CMU
+/// trials, and some blend out of it (Daz files, with a spline that swings over for as long again).
+///
+/// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
+/// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last
+/// digit counts as one frame. Returns 0 for skeletons whose zero pose is no T-pose: call it before retargeting.
+Index detect_t_pose_lead_in(const Motion& motion);
+
+/// The clip without those frames.
+inline Motion drop_lead_in(const Motion& motion) {
+  return crop(motion, detect_t_pose_lead_in(motion), motion.frames());
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_IPP  // <motionlang/kinematics/motion_tools.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_MOTION_TOOLS_IPP
+// Bodies of motion_tools.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Motion crop(const Motion& motion, Index first, Index last) {
+  if (first < 0 || last < first || last > motion.frames()) {
+    raise<shape_error>(203, "crop: frames ", first, " to ", last, " of a clip of ", motion.frames());
+  }
+  const Index joints = motion.skeleton.size();
+  return {motion.skeleton, motion.fps,
+          std::vector<Vec3<double>>(motion.root.begin() + first, motion.root.begin() + last),
+          std::vector<Quaternion<double>>(motion.local.begin() + first * joints, motion.local.begin() + last * joints),
+          motion.name};
+}
+
+MOTIONLANG_BODY Motion resample(const Motion& motion, double fps) {
+  if (!(fps > 0) || !std::isfinite(fps)) raise<config_error>(101, "resample: frame rate ", fps);
+  Motion out{motion.skeleton, fps, {}, {}, motion.name};
+  if (motion.frames() == 0) return out;
+  const double step = motion.fps / fps, rounding = 1e-6;  // frame times are not exact in decimal files
+  const auto last = static_cast<double>(motion.frames() - 1);
+  const double whole_frames = std::floor(last / step + rounding) + 1;
+  if (!(whole_frames * motion.skeleton.size() <= max_rotations)) {
+    raise<config_error>(101, "resample: '", motion.name, "' of ", motion.seconds(), " s at ", fps,
+                        " frames per second has ", whole_frames, " frames of ",
+                        counted(motion.skeleton.size(), "joint"), ", more than ", max_rotations, " rotations");
+  }
+  const auto frames = static_cast<Index>(whole_frames);
+  out.root.reserve(static_cast<std::size_t>(frames));
+  out.local.reserve(static_cast<std::size_t>(frames * motion.skeleton.size()));
+  for (Index i = 0; i < frames; ++i) {
+    const double moment = std::min(static_cast<double>(i) * step, last), whole = std::floor(moment + rounding);
+    const auto a = static_cast<Index>(whole), b = std::min(a + 1, motion.frames() - 1);
+    const double t = moment - whole < rounding ? 0 : moment - whole;
+    out.root.push_back((1 - t) * motion.root_at(a) + t * motion.root_at(b));
+    const auto from = motion.rotations(a), to = motion.rotations(b);
+    for (std::size_t j = 0; j < from.size(); ++j) out.local.push_back(t == 0 ? from[j] : slerp(from[j], to[j], t));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY Motion change_speed(const Motion& motion, double factor) {
+  if (!(factor > 0) || !std::isfinite(factor)) raise<config_error>(101, "change_speed: factor ", factor);
+  Motion out = resample(motion, motion.fps / factor);
+  out.fps = motion.fps;
+  return out;
+}
+
+namespace detail {
+
+MOTIONLANG_BODY void require_same_kind(std::string_view function, const Motion& first, const Motion& second) {
+  if (first.skeleton != second.skeleton || first.fps != second.fps) {
+    raise<config_error>(102, function, ": '", first.name, "' has ", counted(first.skeleton.size(), "joint"), " at ",
+                        first.fps, " frames per second, '", second.name, "' ", second.skeleton.size(), " at ",
+                        second.fps);
+  }
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Motion concatenate(const Motion& first, const Motion& second) {
+  detail::require_same_kind("concatenate", first, second);
+  Motion out = first;
+  out.root.insert(out.root.end(), second.root.begin(), second.root.end());
+  out.local.insert(out.local.end(), second.local.begin(), second.local.end());
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<int> mirror_partners(const Skeleton& skeleton) {
+  std::vector<int> partners;
+  for (int j = 0; j < skeleton.size(); ++j) {
+    const std::string& name = skeleton.name(j);
+    int partner = -1;
+    for (const std::string& candidate : detail::other_side(name)) {
+      if (partner < 0) partner = skeleton.find(candidate);
+    }
+    if (partner < 0 && detail::has_side_word(name))
+      raise<config_error>(103, "mirror_partners: '", name, "' has no partner");
+    partners.push_back(partner < 0 ? j : partner);
+  }
+  return partners;
+}
+
+MOTIONLANG_BODY Motion mirror(const Motion& motion, std::span<const int> partners) {
+  const Skeleton& skeleton = motion.skeleton;
+  const auto joints = static_cast<std::size_t>(skeleton.size());
+  if (partners.size() != joints) {
+    raise<config_error>(102, "mirror: ", partners.size(), " partners for ", counted(joints, "joint"));
+  }
+  Motion out = motion;
+  for (std::size_t j = 0; j < joints; ++j) {
+    const int p = partners[j], parent = skeleton.parents[j];
+    const bool paired = p >= 0 && p < skeleton.size() && partners[static_cast<std::size_t>(p)] == static_cast<int>(j);
+    if (!paired || skeleton.parent(p) != (parent < 0 ? -1 : partners[static_cast<std::size_t>(parent)])) {
+      raise<config_error>(102, "mirror: joint '", skeleton.names[j], "' and its partner are not mirror images");
+    }
+    const auto mirrored = [](const Vec3<double>& v) { return Vec3<double>{-v.x, v.y, v.z}; };
+    out.skeleton.offsets[static_cast<std::size_t>(p)] = mirrored(skeleton.offsets[j]);
+    if (!skeleton.ends.empty()) out.skeleton.ends[static_cast<std::size_t>(p)] = mirrored(skeleton.ends[j]);
+  }
+  for (Vec3<double>& r : out.root) r.x = -r.x;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const auto from = motion.rotations(f);
+    const auto to = out.rotations(f);
+    for (std::size_t j = 0; j < joints; ++j) {
+      to[static_cast<std::size_t>(partners[j])] = {from[j].w, from[j].x, -from[j].y, -from[j].z};
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY Index detect_t_pose_lead_in(const Motion& motion) {
+  const auto same = [&](Index f) {
+    return std::equal(motion.rotations(f).begin(), motion.rotations(f).end(), motion.rotations(0).begin(),
+                      [](const auto& p, const auto& q) { return distance(p, q) < 1e-6; });
+  };
+  Index held = 0;  // the last frame of the first pose
+  while (held + 1 < motion.frames() && same(held + 1)) ++held;
+  constexpr double zero_pose = 5 * degree, fastest = 0.5 * degree;
+  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
+  const Index left = motion.frames() - held;
+  const auto frames = static_cast<double>(left);  // a rate may be larger than any Index
+  const auto longest = static_cast<Index>(std::min(std::ceil(0.1 * motion.fps), frames));  // of a blend, frames
+  const Index seen = std::min(left - 1, longest + static_cast<Index>(std::min(motion.fps, frames)));
+  if (seen < 2 || joints < 2) return 0;
+  double from_zero = 0;
+  for (const auto& q : motion.rotations(0).subspan(1)) from_zero += distance(q, Quaternion<double>::identity());
+  if (from_zero / static_cast<double>(joints - 1) > zero_pose) return 0;
+
+  std::vector<double> step(static_cast<std::size_t>(seen));  // mean turn of a joint from frame held + f to the next
+  for (Index f = 0; f < seen; ++f) {
+    const auto a = motion.rotations(held + f), b = motion.rotations(held + f + 1);
+    double& turn = step[static_cast<std::size_t>(f)];
+    for (std::size_t j = 1; j < joints; ++j) turn += distance(a[j], b[j]) / static_cast<double>(joints - 1);
+  }
+  const double usual = nth_smallest(std::vector<double>(step.begin() + 1, step.end()), (step.size() - 1) / 2);
+  auto inserted = [&](Index f) {
+    const double turn = step[static_cast<std::size_t>(f)];
+    const double before = f == 0 ? turn : step[static_cast<std::size_t>(f - 1)];
+    return turn > 3 * usual && turn > fastest && turn > 0.65 * before;  // a blend slows down gradually
+  };
+  Index blend = 0;
+  while (blend < std::min(longest, seen) && inserted(blend)) ++blend;
+  if (blend == 0) return 0;
+  return held + (blend < 2 ? blend : std::min(2 * blend, left - 1));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY bool has_joints_of(const MotionFeatures& features, const Motion& motion) {
+  const Skeleton &own = motion.skeleton, &wanted = features.skeleton();
+  return own.names == wanted.names && own.parents == wanted.parents;
+}
+
+MOTIONLANG_BODY bool has_joints_of_arrays(const Motion& motion) {
+  return std::any_of(all_motion_features.begin(), all_motion_features.end(),
+                     [&](const MotionFeatures& features) { return has_joints_of(features, motion); });
+}
+
+MOTIONLANG_BODY Motion on_joints_of(const MotionFeatures& features, const Motion& motion) {
+  return has_joints_of(features, motion) ? motion : on_smpl(motion);
+}
+
+MOTIONLANG_BODY std::vector<double> rows_of_motion(const MotionFeatures& features, const Motion& motion, double fps) {
+  return features.from_motion(resample(on_joints_of(features, motion), fps));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_GENERATE_DETAIL_KEPT_CLIP_HPP  // <motionlang/generate/detail/kept_clip.hpp>
+#define MOTIONLANG_HAS_GENERATE_DETAIL_KEPT_CLIP_HPP
+/// What generate_motion does with a motion that is kept and with options, whatever the backend.
+
+#ifndef MOTIONLANG_HAS_GENERATE_FINISH_MOTION_HPP  // <motionlang/generate/finish_motion.hpp>
+#define MOTIONLANG_HAS_GENERATE_FINISH_MOTION_HPP
+/// From the numbers that a model makes to a motion that can be shown: rows of features become a motion, which is
+/// smoothed and put on its feet.
+///
+///     Motion m = motion_of_features(stmc.layout.name, rows, stmc.layout.size, stmc.fps);
+///     m = finish_motion(std::move(m), {});
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The named features that a model of this layout and width makes: "guoh3dfeats" is HumanML3D's or KIT's. Throws
+/// config_error 103 for another layout.
+const MotionFeatures& features_of_layout(std::string_view layout, Index width);
+
+/// rows    (frames, width), not normalised
+/// layout  that of a model: "smplrifke", which starts facing pi as published; "guoh3dfeats", of HumanML3D or KIT; or
+///         the name of any motion_features
+/// Throws  config_error 103 for another layout, and what motion_of_rows throws
+Motion motion_of_features(std::string_view layout, std::span<const double> rows, Index width, double fps);
+/// fps: 0 is the rate of the features.
+Motion motion_of_features(const MotionFeatures& features, std::span<const float> rows, double fps = 0);
+
+/// Without trembling (smooth_motion) and with feet that stand (fix_feet), as the options say. Feet are fixed on
+/// skeletons with known_legs, and last: feet that stand are to be still.
+Motion finish_motion(Motion motion, const GenerateOptions& options);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_GENERATE_FINISH_MOTION_IPP  // <motionlang/generate/finish_motion.ipp>
+#define MOTIONLANG_HAS_GENERATE_FINISH_MOTION_IPP
+// Bodies of finish_motion.hpp.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP  // <motionlang/kinematics/foot_lock.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP
+/// Feet that stay where they stand. Y up, metres. Generated motions slide a little: the path of the root and the legs
+/// are predicted side by side and agree only nearly.
+///
+///     Motion steady = fix_feet(motion);      // path_from_feet, lock_feet, raise_swings
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP  // <motionlang/kinematics/foot_contact.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP
+/// When feet touch the floor. Y up, metres.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A joint that may touch the floor, and the height below which it does.
+struct ContactJoint {
+  int joint = 0;
+  double height = 0.05;  // metres above the floor
+};
+/// Of SMPL (and HumanML3D). When a foot stands, its ankle is about 7 cm and its toe joint 1 to 2 cm high.
+inline constexpr double smpl_ankle_contact = 0.10, smpl_toe_contact = 0.05;
+/// Ankles and toes of SMPL (and HumanML3D).
+inline constexpr ContactJoint smpl_contact_joints[] = {
+    {7, smpl_ankle_contact}, {8, smpl_ankle_contact}, {10, smpl_toe_contact}, {11, smpl_toe_contact}};
+
+namespace detail {
+
+/// The way of a joint over the floor from one frame to the next; `low` if it is below its height in both.
+struct Slide {
+  bool low = false;
+  Vec3<double> step{};
+  double length() const { return norm(step); }
+};
+/// positions (frames, joints); frame + 1 is one of them.
+inline Slide slide(std::span<const Vec3<double>> positions, Index joints, Index frame, const ContactJoint& foot,
+                   double floor) {
+  const auto &a = positions[static_cast<std::size_t>(frame * joints + foot.joint)],
+             &b = positions[static_cast<std::size_t>((frame + 1) * joints + foot.joint)];
+  return {std::max(a.y, b.y) - floor < foot.height, {b.x - a.x, 0, b.z - a.z}};
+}
+
+}  // namespace detail
+
+struct ContactOptions {
+  double floor = 0;
+  double speed = 0.6;  // m/s over the floor; a joint that is faster is only passing
+};
+
+/// (frames, feet): 1 where a foot is below its height and slower than options.speed between a frame and the next (the
+/// last frame: the one before). Throws shape_error 203 for a joint out of range.
+std::vector<std::uint8_t> foot_contacts(const Motion& motion, std::span<const ContactJoint> feet = smpl_contact_joints,
+                                        const ContactOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_IPP  // <motionlang/kinematics/foot_contact.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_IPP
+// Bodies of foot_contact.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<std::uint8_t> foot_contacts(const Motion& motion, std::span<const ContactJoint> feet,
+                                                        const ContactOptions& options) {
+  const Index joints = motion.skeleton.size(), frames = motion.frames();
+  for (const ContactJoint& foot : feet) {
+    if (foot.joint < 0 || foot.joint >= joints)
+      raise<shape_error>(203, "foot_contacts: joint ", foot.joint, " of ", joints);
+  }
+  const auto positions = motion.positions();
+  std::vector<std::uint8_t> flags;
+  for (Index f = 0; f < frames; ++f) {
+    const Index from = std::max<Index>(0, std::min(f, frames - 2)), to = std::min(from + 1, frames - 1);
+    for (const ContactJoint& foot : feet) {
+      auto at = [&](Index frame) { return positions[static_cast<std::size_t>(frame * joints + foot.joint)]; };
+      const Vec3<double> step = at(to) - at(from);
+      const double speed = norm(Vec3<double>{step.x, 0, step.z}) * motion.fps;
+      flags.push_back(at(f).y - options.floor < foot.height && speed < options.speed ? 1 : 0);
+    }
+  }
+  return flags;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_LIMB_IK_HPP  // <motionlang/kinematics/limb_ik.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_LIMB_IK_HPP
+/// Inverse kinematics of a limb of two bones: hip, knee and ankle, or shoulder, elbow and wrist.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Joints of a limb, each the parent of the next.
+struct Limb {
+  int upper = 0, middle = 0, end = 0;
+};
+
+namespace detail {
+
+/// Throws config_error 103 unless each joint of the limb is the parent of the next.
+void require_limb(std::string_view function, const Skeleton& skeleton, const Limb& limb);
+
+}  // namespace detail
+
+/// Bends and turns a limb so that its end comes to `target`, or as near as its bones reach. The middle joint stays in
+/// its plane, and the rotation of the end in the world is kept.
+///     cos(middle) = (l1^2 + l2^2 - r^2) / (2 l1 l2),   r = |target - upper|
+/// pose        (joints) local rotations of one frame, changed in place
+/// world       the same frame by forward kinematics, as it was before; not changed
+/// towards     where in the world the middle joint goes if the limb is straight (knees: forward)
+/// Throws      config_error 103 if the joints do not hang together, shape_error 205 unless there is one rotation for
+///             each joint, numeric_error 302 for a bone that is shorter than 0.1 mm
+void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose, const JointTransforms<double>& world,
+           const Limb& limb, const Vec3<double>& target, const Vec3<double>& towards);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_LIMB_IK_IPP  // <motionlang/kinematics/limb_ik.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_LIMB_IK_IPP
+// Bodies of limb_ik.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY void require_limb(std::string_view function, const Skeleton& skeleton, const Limb& limb) {
+  auto hangs_on = [&](int joint, int parent) {
+    return parent >= 0 && joint >= 0 && joint < skeleton.size() && skeleton.parent(joint) == parent;
+  };
+  if (!hangs_on(limb.end, limb.middle) || !hangs_on(limb.middle, limb.upper)) {
+    raise<config_error>(103, function, ": joints ", limb.upper, ", ", limb.middle, ", ", limb.end,
+                        " are no limb of a skeleton of ", skeleton.size());
+  }
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY void reach(const Skeleton& skeleton, std::span<Quaternion<double>> pose,
+                           const JointTransforms<double>& world, const Limb& limb, const Vec3<double>& target,
+                           const Vec3<double>& towards) {
+  detail::require_limb("reach", skeleton, limb);
+  if (std::ssize(pose) != skeleton.size())
+    raise<shape_error>(205, "reach: ", pose.size(), " rotations for ", skeleton.size(), " joints");
+  const auto upper = static_cast<std::size_t>(limb.upper), middle = static_cast<std::size_t>(limb.middle),
+             end = static_cast<std::size_t>(limb.end);
+  const Vec3<double> a = world.position[upper], b = world.position[middle], c = world.position[end];
+  const double l1 = norm(b - a), l2 = norm(c - b);
+  constexpr double slack = 1e-4;  // a limb never gets quite straight, where its plane would be lost
+  if (std::min(l1, l2) < slack) raise<numeric_error>(302, "reach: bones of ", l1, " m and ", l2, " m");
+  const double r = std::clamp(norm(target - a), std::abs(l1 - l2) + slack, l1 + l2 - slack);
+  auto angle = [](const Vec3<double>& u, const Vec3<double>& v) {
+    return std::acos(std::clamp(dot(normalized(u), normalized(v)), -1.0, 1.0));
+  };
+  auto corner = [](double left, double right, double opposite) {
+    return std::acos(std::clamp((left * left + right * right - opposite * opposite) / (2 * left * right), -1.0, 1.0));
+  };
+  const Vec3<double> plane = cross(c - a, b - a);
+  const Vec3<double> axis = norm(plane) > 1e-6 ? normalized(plane) : normalized(cross(c - a, towards));
+  const auto at_upper = from_axis_angle(axis, corner(l1, r, l2) - angle(c - a, b - a));
+  const auto at_middle = from_axis_angle(axis, corner(l1, l2, r) - angle(a - b, c - b));
+  const auto aim = rotation_between(normalized(c - a), normalized(target - a));
+
+  const std::size_t above = skeleton.parents[upper] < 0 ? upper : static_cast<std::size_t>(skeleton.parents[upper]);
+  const auto parent =
+      skeleton.parents[upper] < 0 ? Quaternion<double>::identity() : to_quaternion(world.rotation[above]);
+  const auto upper_now = aim * at_upper * to_quaternion(world.rotation[upper]);
+  const auto middle_now = aim * at_upper * at_middle * to_quaternion(world.rotation[middle]);
+  pose[upper] = normalized(inverse(parent) * upper_now);
+  pose[middle] = normalized(inverse(upper_now) * middle_now);
+  pose[end] = normalized(inverse(middle_now) * to_quaternion(world.rotation[end]));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A leg and its toe.
+struct Leg {
+  Limb limb;
+  int toe = 0;
+};
+inline constexpr Leg smpl_legs[] = {{{1, 4, 7}, 10}, {{2, 5, 8}, 11}};
+inline constexpr Leg kit_legs[] = {{{11, 12, 13}, 15}, {{16, 17, 18}, 20}};
+
+/// Those of a skeleton with the joints of SMPL, with or without its hands, or of KIT; none of another one.
+std::span<const Leg> known_legs(const Skeleton& skeleton);
+
+struct FootFixOptions {
+  double floor = 0;
+  double ankle_height = smpl_ankle_contact, toe_height = smpl_toe_contact;  // below: in contact
+  double speed = 0.5;       // m/s; lock_feet takes a foot that slides faster to swing
+  double path_speed = 2;    // m/s; path_from_feet takes no foot that slides faster to carry the body
+  double path_sigma = 1.5;  // frames; smoothness of the correction of the path
+  Index blend = 4;          // frames before and after a contact in which the leg comes and goes
+  double clearance = 0.03;  // m; toes swing this high above where they stand; in recorded walks mostly 2.7 to 5.5 cm
+};
+
+/// The clip with its path over the floor corrected so that the foot that stands (of the low ones the slowest) does not
+/// slide: where somebody goes is decided by the legs. Rotations and heights stay; in the air the path stays, too.
+/// Throws config_error 103 if the skeleton has no such legs, 101 unless path_sigma > 0.
+Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
+
+namespace detail {
+
+/// Moves the foot of a leg in every frame by its offset.
+void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<double>> offset);
+
+}  // namespace detail
+
+/// The clip with legs bent so that ankles and toes in contact stay in place. Between contacts the correction fades out
+/// and in. Throws config_error 103 if the skeleton has no such legs, numeric_error 302 if a leg has no length.
+Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
+
+/// The clip with legs bent so that a foot swings over the floor, not along it: generated ones pass too low. A foot that
+/// stands is not moved. Throws as lock_feet.
+Motion raise_swings(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
+
+/// path_from_feet, lock_feet, raise_swings. Throws what they throw.
+inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                       const FootFixOptions& options = {}) {
+  return raise_swings(lock_feet(path_from_feet(motion, legs, options), legs, options), legs, options);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_IPP  // <motionlang/kinematics/foot_lock.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_IPP
+// Bodies of foot_lock.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::span<const Leg> known_legs(const Skeleton& skeleton) {
+  auto is = [&](const Skeleton& s) { return skeleton.names == s.names && skeleton.parents == s.parents; };
+  if (is(smpl24_skeleton()) || is(humanml3d22_skeleton())) return smpl_legs;
+  if (is(kit21_skeleton())) return kit_legs;
+  return {};
+}
+
+namespace detail {
+
+/// Throws config_error 103 unless the skeleton has these legs.
+inline void require_legs(std::string_view function, const Skeleton& skeleton, std::span<const Leg> legs) {
+  for (const Leg& leg : legs) {
+    require_limb(function, skeleton, leg.limb);
+    if (leg.toe < 0 || leg.toe >= skeleton.size())
+      raise<config_error>(103, function, ": toe ", leg.toe, " of a skeleton of ", skeleton.size());
+  }
+}
+
+/// The two joints of a leg that may stand: ankle and toe.
+inline std::array<ContactJoint, 2> feet_of(const Leg& leg, const FootFixOptions& options) {
+  return {{{leg.limb.end, options.ankle_height}, {leg.toe, options.toe_height}}};
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Motion path_from_feet(const Motion& motion, std::span<const Leg> legs, const FootFixOptions& options) {
+  detail::require_legs("path_from_feet", motion.skeleton, legs);
+  const Index joints = motion.skeleton.size(), steps = motion.frames() - 1;
+  if (steps < 1) return motion;
+  const auto positions = motion.positions();
+  std::vector<double> wanted;  // (steps, 3): x, z, weight
+  for (Index f = 0; f < steps; ++f) {
+    std::optional<detail::Slide> slowest;
+    for (const Leg& leg : legs) {
+      for (const ContactJoint& foot : detail::feet_of(leg, options)) {
+        const auto s = detail::slide(positions, joints, f, foot, options.floor);
+        const bool stands = s.low && s.length() * motion.fps < options.path_speed;
+        if (stands && (!slowest || s.length() < slowest->length())) slowest = s;
+      }
+    }
+    if (slowest)
+      wanted.insert(wanted.end(), {slowest->step.x, slowest->step.z, 1.0});
+    else
+      wanted.insert(wanted.end(), {0.0, 0.0, 0.0});
+  }
+  const auto smooth = gaussian_smooth(std::span<const double>(wanted), 3, options.path_sigma);
+  Motion out = motion;
+  Vec3<double> moved{};
+  for (Index f = 0; f < steps; ++f) {
+    const double* s = smooth.data() + 3 * f;
+    const double weight = std::max(s[2], 0.25);  // few contacts near: less
+    moved = moved - Vec3<double>{s[0] / weight, 0, s[1] / weight};
+    auto& root = out.root[static_cast<std::size_t>(f) + 1];
+    root = root + moved;
+  }
+  return out;
+}
+
+namespace detail {
+
+/// (frames): how far a foot that stands slides to the next frame, on its toe or its ankle, whichever carries it.
+/// Nothing for a foot that swings, and in the last frame.
+inline std::vector<std::optional<Vec3<double>>> standing_steps(const Motion& motion,
+                                                               std::span<const Vec3<double>> positions, const Leg& leg,
+                                                               const FootFixOptions& options) {
+  std::vector<std::optional<Vec3<double>>> steps(static_cast<std::size_t>(motion.frames()));
+  const auto [ankle_joint, toe_joint] = feet_of(leg, options);
+  for (Index f = 0; f + 1 < motion.frames(); ++f) {
+    const auto ankle = slide(positions, motion.skeleton.size(), f, ankle_joint, options.floor),
+               toe = slide(positions, motion.skeleton.size(), f, toe_joint, options.floor);
+    const auto& pivot = toe.low && (!ankle.low || toe.length() < ankle.length()) ? toe : ankle;
+    if (pivot.low && pivot.length() * motion.fps < options.speed) steps[static_cast<std::size_t>(f)] = pivot.step;
+  }
+  return steps;
+}
+
+/// Where the knee of a straight leg goes, seen from the thigh: where the toes point in the rest pose, whatever that
+/// faces. +Z for a foot that does not tell.
+inline Vec3<double> forward_of(const Skeleton& skeleton, const Leg& leg) {
+  const auto rest = skeleton.rest_positions();
+  const auto at = [&](int joint) { return rest[static_cast<std::size_t>(joint)]; };
+  const Vec3<double> shank = at(leg.limb.end) - at(leg.limb.upper), foot = at(leg.toe) - at(leg.limb.end);
+  const double length = dot(shank, shank);
+  const Vec3<double> forward = length > 0 ? foot - (dot(foot, shank) / length) * shank : foot;
+  return norm(forward) > 0.1 * norm(foot) ? normalized(forward) : Vec3<double>{0, 0, 1};
+}
+
+MOTIONLANG_BODY void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<double>> offset) {
+  JointTransforms<double> world;
+  const Vec3<double> forward_at_rest = forward_of(motion.skeleton, leg);
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const Vec3<double> by = offset[static_cast<std::size_t>(f)];
+    if (norm(by) < 1e-6) continue;
+    motion.world(f, world);
+    const Vec3<double> target = world.position[static_cast<std::size_t>(leg.limb.end)] + by;
+    const Vec3<double> forward = world.rotation[static_cast<std::size_t>(leg.limb.upper)] * forward_at_rest;
+    reach(motion.skeleton, motion.rotations(f), world, leg.limb, target, forward);
+  }
+}
+
+/// (frames): by how much a foot has to be raised so that its toe swings `clearance` above the lower of the heights
+/// where it left the floor and where it comes back. One bump sin^2 for each swing, no higher than that or a tenth of
+/// its way: a foot that only trembles is left alone.
+inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<const Vec3<double>> positions,
+                                             const Leg& leg, const FootFixOptions& options) {
+  const Index frames = motion.frames(), joints = motion.skeleton.size();
+  const auto standing = standing_steps(motion, positions, leg, options);
+  auto toe = [&](Index f) { return positions[static_cast<std::size_t>(f * joints + leg.toe)]; };
+  std::vector<Vec3<double>> lift(static_cast<std::size_t>(frames));
+  for (Index first = 0; first + 1 < frames; ++first) {  // first: the last frame in which the foot stands
+    if (standing[static_cast<std::size_t>(first)]) continue;
+    Index last = first + 1;  // the next frame in which it stands
+    while (last + 1 < frames && !standing[static_cast<std::size_t>(last)]) ++last;
+    const bool from_floor = first > 0, to_floor = last + 1 < frames;
+    auto bump = [&](Index f) {  // at an end of the clip the foot is in mid-swing
+      const double t = static_cast<double>(f - first) / static_cast<double>(last - first);
+      const double s = std::sin(std::numbers::pi * (from_floor && to_floor ? t : from_floor ? t / 2 : (1 - t) / 2));
+      return s * s;
+    };
+    if (from_floor || to_floor) {
+      const double from = toe(first).y, to = toe(last).y;
+      const double level = options.clearance + (!to_floor ? from : !from_floor ? to : std::min(from, to));
+      double height = 0, way = 0;
+      for (Index f = first; f <= last; ++f) {
+        if (bump(f) > 0.5) height = std::max(height, (level - toe(f).y) / bump(f));
+        if (f > first) way += norm(Vec3<double>{toe(f).x - toe(f - 1).x, 0, toe(f).z - toe(f - 1).z});
+      }
+      height = std::min({height, options.clearance, way / 10});
+      for (Index f = first; f <= last; ++f) lift[static_cast<std::size_t>(f)].y = height * bump(f);
+    }
+    first = last - 1;
+  }
+  return lift;
+}
+
+/// (frames): by how much a foot has to be moved to stay where it stands. During a contact the offset undoes the slide;
+/// its mean is zero, so that the foot stands where it was on average. Between contacts it fades out and in.
+inline std::vector<Vec3<double>> foot_offsets(const Motion& motion, std::span<const Vec3<double>> positions,
+                                              const Leg& leg, const FootFixOptions& options) {
+  const Index frames = motion.frames();
+  const auto standing = standing_steps(motion, positions, leg, options);
+  std::vector<std::uint8_t> fixed(standing.size(), 0);
+  std::vector<Vec3<double>> offset(standing.size());
+  for (std::size_t f = 0; f < standing.size(); ++f) {
+    if (!standing[f]) continue;
+    const std::size_t first = f;
+    Vec3<double> sum{};
+    for (; standing[f]; ++f) {  // nothing in the last frame
+      offset[f + 1] = offset[f] - *standing[f];
+      sum = sum + offset[f + 1];
+    }
+    const Vec3<double> mean = (1.0 / static_cast<double>(f - first + 1)) * sum;
+    for (std::size_t i = first; i <= f; ++i) offset[i] = offset[i] - mean, fixed[i] = 1;
+  }
+  for (Index f = 0; f < frames; ++f) {
+    if (fixed[static_cast<std::size_t>(f)] != 0) continue;
+    double share = 0;
+    auto fade = [&](Index direction) {  // from the nearest contact on one side
+      for (Index d = 1; d <= options.blend; ++d) {
+        const Index from = f + direction * d;
+        if (from < 0 || from >= frames) break;
+        if (fixed[static_cast<std::size_t>(from)] == 0) continue;
+        const double weight = smoothstep(1 - static_cast<double>(d) / static_cast<double>(options.blend + 1));
+        share += weight;
+        return weight * offset[static_cast<std::size_t>(from)];
+      }
+      return Vec3<double>{};
+    };
+    const Vec3<double> both = fade(-1) + fade(1);
+    offset[static_cast<std::size_t>(f)] = (1 / std::max(share, 1.0)) * both;  // contacts that are near: their mean
+  }
+  return offset;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Motion lock_feet(const Motion& motion, std::span<const Leg> legs, const FootFixOptions& options) {
+  detail::require_legs("lock_feet", motion.skeleton, legs);
+  if (motion.frames() < 2) return motion;
+  const auto positions = motion.positions();
+  Motion out = motion;
+  for (const Leg& leg : legs) detail::move_foot(out, leg, detail::foot_offsets(motion, positions, leg, options));
+  return out;
+}
+
+MOTIONLANG_BODY Motion raise_swings(const Motion& motion, std::span<const Leg> legs, const FootFixOptions& options) {
+  detail::require_legs("raise_swings", motion.skeleton, legs);
+  const auto positions = motion.positions();
+  Motion out = motion;
+  for (const Leg& leg : legs) detail::move_foot(out, leg, detail::swing_lifts(motion, positions, leg, options));
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP  // <motionlang/kinematics/smooth_motion.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP
+/// A clip without its trembling. Slow movement, peaks and the ends of the clip stay where they are.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct SmoothOptions {
+  /// Seconds. At 20 frames per second and 0.04 s a movement of 2.5 Hz keeps 98 % of its size, one of 5 Hz 82 %, one of
+  /// 10 Hz 35 %. Heels and toes strike the floor at such rates: more makes feet slide.
+  double sigma = 0.04;
+};
+
+/// The clip with its root positions and local rotations smoothed along time by local parabolas. Rotations are averaged
+/// where they are: as rotation vectors seen from the frame itself.
+///     p'_f = sum_k c_k p_{f+k},   q'_f = q_f exp(sum_k c_k log(q_f^-1 q_{f+k})),   |k| <= floor(4 sigma fps + 1/2)
+/// With fewer than two neighbours on each side within reach nothing changes.
+/// Throws config_error 101 unless sigma >= 0.
+Motion smooth_motion(const Motion& motion, const SmoothOptions& options = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_IPP  // <motionlang/kinematics/smooth_motion.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_IPP
+// Bodies of smooth_motion.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The weights c of x_{first} ... x_{last} (0 is the frame itself) in the value at 0 of the parabola that fits them
+/// best, errors weighted by exp(-k^2 / (2 sigma^2)). They sum to 1, and a parabola is its own fit: so peaks are not
+/// blunted and ends are not pulled. Fewer than three values: the frame itself.
+///     c_k = w_k (1 0 0) M^-1 (1, k, k^2)^T,   M_ab = sum_k w_k k^(a + b)
+/// Source  Savitzky and Golay (1964); with Gaussian weights local regression, Cleveland (1979)
+inline std::vector<double> parabola_weights(Index first, Index last, double sigma) {
+  std::vector<double> c;
+  std::array<double, 5> s{};
+  for (Index k = first; k <= last; ++k) {
+    const auto x = static_cast<double>(k);
+    c.push_back(std::exp(-0.5 * x * x / (sigma * sigma)));
+    double power = c.back();
+    for (double& sum : s) sum += power, power *= x;
+  }
+  const std::array<double, 3> row{s[2] * s[4] - s[3] * s[3], s[2] * s[3] - s[1] * s[4], s[1] * s[3] - s[2] * s[2]};
+  const double determinant = s[0] * row[0] + s[1] * row[1] + s[2] * row[2];
+  for (Index k = first; k <= last; ++k) {
+    const auto x = static_cast<double>(k);
+    double& weight = c[static_cast<std::size_t>(k - first)];
+    if (last - first < 2)
+      weight = k == 0 ? 1 : 0;
+    else
+      weight *= (row[0] + row[1] * x + row[2] * x * x) / determinant;
+  }
+  return c;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Motion smooth_motion(const Motion& motion, const SmoothOptions& options) {
+  const double sigma = options.sigma * motion.fps;  // frames
+  if (!(sigma >= 0) || !std::isfinite(sigma)) raise<config_error>(101, "smooth_motion: sigma ", options.sigma, " s");
+  const auto radius = static_cast<Index>(std::min(4 * sigma + 0.5, static_cast<double>(motion.frames())));
+  if (radius < 2) return motion;
+  const auto inner = detail::parabola_weights(-radius, radius, sigma);
+  Motion out = motion;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const Index first = std::max(-radius, -f), last = std::min(radius, motion.frames() - 1 - f);
+    const auto c = last - first == 2 * radius ? inner : detail::parabola_weights(first, last, sigma);
+    auto weight = [&](Index k) { return c[static_cast<std::size_t>(k - first)]; };
+    Vec3<double> root{};
+    for (Index k = first; k <= last; ++k) root = root + weight(k) * motion.root_at(f + k);
+    out.root[static_cast<std::size_t>(f)] = root;
+    const auto here = motion.rotations(f);
+    for (std::size_t j = 0; j < here.size(); ++j) {
+      const Quaternion<double> undo = inverse(here[j]);
+      Vec3<double> turn{};
+      for (Index k = first; k <= last; ++k) {
+        if (k != 0) turn = turn + weight(k) * log_so3(undo * motion.rotations(f + k)[j]);
+      }
+      out.rotations(f)[j] = normalized(here[j] * to_quaternion(AxisAngle<double>{turn}));
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY const MotionFeatures& features_of_layout(std::string_view layout, Index width) {
+  if (layout != "guoh3dfeats") return motion_features(layout);
+  const MotionFeatures& kit = motion_features("kit");
+  return width == kit.width ? kit : motion_features("guoh3d");
+}
+
+MOTIONLANG_BODY Motion motion_of_features(std::string_view layout, std::span<const double> rows, Index width,
+                                          double fps) {
+  if (layout == "smplrifke") return detail::published_motion(rows, fps);
+  return motion_of_rows(features_of_layout(layout, width), rows, fps);
+}
+
+MOTIONLANG_BODY Motion motion_of_features(const MotionFeatures& features, std::span<const float> rows, double fps) {
+  const std::vector<double> values(rows.begin(), rows.end());
+  return motion_of_rows(features, values, fps);
+}
+
+MOTIONLANG_BODY Motion finish_motion(Motion motion, const GenerateOptions& options) {
+  if (options.smooth) motion = smooth_motion(motion);
+  const auto legs = known_legs(motion.skeleton);
+  if (options.fix_feet && !legs.empty()) motion = fix_feet(motion, legs);
+  return motion;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Throws option_error 105 if more steps are wanted than the model has.
+void require_steps(const GenerateOptions& options, Index steps);
+/// Throws option_error 102 for options of models that go through STMC that contradict each other.
+void require_one_source(const GenerateOptions& options);
+
+/// The frames that are kept of a clip of `frames` frames in a timeline of `wanted`. Throws option_error 101 for frames
+/// that are not there.
+std::vector<IndexRange> kept_frames(const KeptClip& keep, Index frames, Index wanted, double fps);
+
+/// Made frames, at most so many beside those that are kept, lead from the ones to the others.
+Motion without_jumps(Motion motion, std::span<const IndexRange> kept, Index frames);
+
+/// Where the clip is, if its way is kept: turned and moved over the floor. Frames that are kept behind made ones are
+/// where these lead.
+/// clip  what is kept, at the rate of the motion
+Motion in_its_place(Motion motion, const Motion& other, Index clip_frames, const GenerateOptions& options);
+
+/// Metres over the floor that the root of any kept frame is from where it was; 0 where the way is not kept.
+double farthest_from(const Motion& motion, const Motion& clip, Index clip_frames, const KeptClip& keep);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_GENERATE_DETAIL_KEPT_CLIP_IPP  // <motionlang/generate/detail/kept_clip.ipp>
+#define MOTIONLANG_HAS_GENERATE_DETAIL_KEPT_CLIP_IPP
+// Bodies of kept_clip.hpp.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_BLEND_HPP  // <motionlang/kinematics/blend.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_BLEND_HPP
+/// Blending clips: one into another, the end of a clip into its start, so that it can be repeated for ever, and frames
+/// into those beside them.
+///
+///     Motion both = blend_into(walk, run, 10);      // half a second at 20 frames per second
+///     Motion cycle = make_loop(in_place(walk), 8).motion;
+///     Motion whole = without_jump(motion, 20, 30);  // frame 20 follows on frame 19, frame 30 is as it was
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_HPP  // <motionlang/kinematics/root_motion.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_HPP
+/// Where a clip stands and goes on the floor: moving a whole clip, clips in place, and the path of the root as a track
+/// of its own, as game engines want it. Y up, metres, radians; a turn to the left is positive.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The turn about the vertical that brings rotation `from` nearest to `to`, in [-pi, pi]. Whatever the local axes of
+/// the root are: turn_between(q, Ry(a) q) = a.
+///     max over a of |<to, Ry(a) from>|:   a = 2 atan2(d_y, d_w),   d = to from^-1
+inline double turn_between(const Quaternion<double>& from, const Quaternion<double>& to) {
+  const Quaternion<double> d = to * inverse(from);
+  return std::remainder(2 * std::atan2(d.y, d.w), 2 * std::numbers::pi);
+}
+
+/// A clip moved over the floor.   p' = Ry(turn) p + shift
+struct Placement {
+  double turn = 0;
+  Vec3<double> shift{};
+
+  Quaternion<double> rotation() const { return from_axis_angle(Vec3<double>{0, 1, 0}, turn); }
+  Vec3<double> operator()(const Vec3<double>& p) const { return rotate(rotation(), p) + shift; }
+};
+
+/// What brings the root in frame `from` of one clip over the place and heading of the root in frame `to` of another.
+/// Heights stay. The frames exist.
+Placement placement_between(const Motion& clip, Index from, const Motion& other, Index to);
+
+/// The whole clip moved.
+Motion placed(const Motion& motion, const Placement& placement);
+
+struct InPlaceOptions {
+  bool keep_height = true;  // false: the root stays at the height of the first frame
+};
+/// The clip with its root over the origin, x = z = 0, in all frames. Rotations stay, headings with them.
+Motion in_place(const Motion& motion, const InPlaceOptions& options = {});
+
+/// The way of a root over the floor.
+struct RootMotion {
+  double fps = 20;
+  std::vector<Vec3<double>> position;  // (frames), y = 0
+  std::vector<double> heading;         // (frames), 0 in the first; continuous, so that two turns are 4 pi
+};
+struct ExtractedRoot {
+  RootMotion path;
+  Motion pose;  // in place, and always facing where the first frame faces
+};
+
+/// Takes the way of the root out of a clip. apply_root_motion puts it back.
+///     position = (x, 0, z) of the root,   heading_f = turn_between(q_0, q_f)
+///     pose: root (0, y, 0), rotation of the root Ry(-heading_f) q_f, all others as they are
+ExtractedRoot extract_root_motion(const Motion& motion);
+
+/// A clip carried along a path, frame by frame. Throws shape_error 204 unless both have as many frames.
+Motion apply_root_motion(const Motion& pose, const RootMotion& path);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_IPP  // <motionlang/kinematics/root_motion.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_ROOT_MOTION_IPP
+// Bodies of root_motion.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Placement placement_between(const Motion& clip, Index from, const Motion& other, Index to) {
+  Placement p{turn_between(clip.rotations(from)[0], other.rotations(to)[0]), {}};
+  const Vec3<double> way = other.root_at(to) - p(clip.root_at(from));
+  p.shift = {way.x, 0, way.z};
+  return p;
+}
+
+MOTIONLANG_BODY Motion placed(const Motion& motion, const Placement& placement) {
+  Motion out = motion;
+  for (Vec3<double>& r : out.root) r = placement(r);
+  const Quaternion<double> turn = placement.rotation();
+  for (Index f = 0; f < out.frames(); ++f) out.rotations(f)[0] = turn * out.rotations(f)[0];
+  return out;
+}
+
+MOTIONLANG_BODY Motion in_place(const Motion& motion, const InPlaceOptions& options) {
+  Motion out = motion;
+  for (Vec3<double>& r : out.root) r = {0, options.keep_height ? r.y : motion.root_at(0).y, 0};
+  return out;
+}
+
+MOTIONLANG_BODY ExtractedRoot extract_root_motion(const Motion& motion) {
+  ExtractedRoot out{{motion.fps, {}, {}}, in_place(motion)};
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const Vec3<double>& r = motion.root_at(f);
+    const double before = f == 0 ? 0 : out.path.heading.back();
+    const double turn = turn_between(motion.rotations(0)[0], motion.rotations(f)[0]);
+    const double heading = before + std::remainder(turn - before, 2 * std::numbers::pi);
+    out.path.position.push_back({r.x, 0, r.z});
+    out.path.heading.push_back(heading);
+    out.pose.rotations(f)[0] = Placement{-heading, {}}.rotation() * motion.rotations(f)[0];
+  }
+  return out;
+}
+
+MOTIONLANG_BODY Motion apply_root_motion(const Motion& pose, const RootMotion& path) {
+  if (std::ssize(path.position) != pose.frames() || std::ssize(path.heading) != pose.frames()) {
+    raise<shape_error>(204, "apply_root_motion: ", pose.frames(), " frames, a path of ", path.position.size(),
+                       " positions and ", path.heading.size(), " headings");
+  }
+  Motion out = pose;
+  for (Index f = 0; f < out.frames(); ++f) {
+    const auto at = static_cast<std::size_t>(f);
+    const Placement p{path.heading[at], path.position[at]};
+    out.root[at] = p(pose.root_at(f));
+    out.rotations(f)[0] = p.rotation() * pose.rotations(f)[0];
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// `second` after `first`, with `frames` frames in which both play and one gives way to the other. The second clip is
+/// turned and moved over the floor so that in the middle of these frames both roots stand over one place and have one
+/// heading; heights are only blended. The result has frames(first) + frames(second) - frames frames.
+/// Throws config_error 102 if skeletons or frame rates differ, 101 unless 1 <= frames <= those of each clip.
+Motion blend_into(const Motion& first, const Motion& second, Index frames);
+
+/// The clip without the jump into frame `from`: that frame goes where the ones before it lead, and what this moves it
+/// by fades away until frame `to`, which is as it was. With to < from the same backwards in time: for the jump out of
+/// frame `from`. k is the frame before `from`, k' the one before that (k, where the clip has none).
+///     r'_i = r_i + w_i (2 r_k - r_k' - r_from),   q'_i = q_i exp(w_i log(q_from^-1 q_k q_k'^-1 q_k)),
+///     w_i = 1 - smoothstep(|i - from| / |to - from|)
+/// Source  "Inertialization", D. Bollo, GDC 2018; here with the weights of the other blends
+/// Throws  config_error 101 unless `from` and k are frames, and -1 <= to <= frames
+Motion without_jump(const Motion& motion, Index from, Index to);
+
+/// One round of a loop.
+struct LoopRound {
+  Motion motion;
+  Placement next;  // moves the clip of one round to that of the next
+};
+
+/// The clip as one round of a loop: its last `frames` frames are blended into its first ones and then cut off, so that
+/// after the last frame the first one, moved by `next`, is the natural following one. `next` turns and moves over the
+/// floor only; it is what brings the middle of the first frames over the middle of the last. A walk so goes on from
+/// round to round; make a clip in place first and `next` is at most a turn.
+/// Throws config_error 101 unless 1 <= frames and 2 frames <= those of the clip.
+LoopRound make_loop(const Motion& motion, Index frames);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_BLEND_IPP  // <motionlang/kinematics/blend.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_BLEND_IPP
+// Bodies of blend.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Adds the mix of two frames to a clip: roots in a line, rotations on the shortest arc.
+inline void add_mixed_frame(Motion& out, const Motion& a, Index in_a, const Motion& b, Index in_b, double share_of_b) {
+  out.root.push_back((1 - share_of_b) * a.root_at(in_a) + share_of_b * b.root_at(in_b));
+  const auto from = a.rotations(in_a), to = b.rotations(in_b);
+  for (std::size_t j = 0; j < from.size(); ++j) out.local.push_back(slerp(from[j], to[j], share_of_b));
+}
+
+/// Share of the second clip in frame i of n blended frames.
+inline double share_of_second(Index i, Index n) {
+  return smoothstep(static_cast<double>(i + 1) / static_cast<double>(n + 1));
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Motion blend_into(const Motion& first, const Motion& second, Index frames) {
+  detail::require_same_kind("blend_into", first, second);
+  if (frames < 1 || frames > std::min(first.frames(), second.frames())) {
+    raise<config_error>(101, "blend_into: ", frames, " frames of clips of ", first.frames(), " and ", second.frames());
+  }
+  const Index start = first.frames() - frames, middle = frames / 2;
+  const Motion next = placed(second, placement_between(second, middle, first, start + middle));
+  Motion out = crop(first, 0, start);
+  for (Index i = 0; i < frames; ++i) {
+    detail::add_mixed_frame(out, first, start + i, next, i, detail::share_of_second(i, frames));
+  }
+  return concatenate(out, crop(next, frames, next.frames()));
+}
+
+MOTIONLANG_BODY Motion without_jump(const Motion& motion, Index from, Index to) {
+  const Index step = to < from ? -1 : 1, k = from - step, last = motion.frames() - 1;
+  if (std::min(from, k) < 0 || std::max(from, k) > last || to < -1 || to > last + 1) {
+    raise<config_error>(101, "without_jump: frames ", from, " to ", to, " of a clip of ", motion.frames());
+  }
+  const Index before = k - step < 0 || k - step > last ? k : k - step;
+  const Vec3<double> way = 2 * motion.root_at(k) - motion.root_at(before) - motion.root_at(from);
+  std::vector<Vec3<double>> turns;
+  for (std::size_t j = 0; j < motion.rotations(k).size(); ++j) {
+    const auto of = [&](Index frame) { return motion.rotations(frame)[j]; };
+    turns.push_back(log_so3(inverse(of(from)) * of(k) * inverse(of(before)) * of(k)));
+  }
+  Motion out = motion;
+  for (Index i = from; i != to; i += step) {
+    const double w = 1 - smoothstep(static_cast<double>(i - from) / static_cast<double>(to - from));
+    out.root[static_cast<std::size_t>(i)] = motion.root_at(i) + w * way;
+    const auto q = out.rotations(i);
+    for (std::size_t j = 0; j < q.size(); ++j) q[j] = normalized(q[j] * to_quaternion(AxisAngle<double>{w * turns[j]}));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY LoopRound make_loop(const Motion& motion, Index frames) {
+  if (frames < 1 || frames > motion.frames() / 2) {
+    raise<config_error>(101, "make_loop: ", frames, " frames to blend in a clip of ", motion.frames(), " at ",
+                        motion.fps, " per second: at most half of it");
+  }
+  const Index last = motion.frames() - frames, middle = frames / 2;
+  const Motion end = placed(motion, placement_between(motion, last + middle, motion, middle));
+  LoopRound loop{crop(motion, 0, 0), placement_between(motion, middle, motion, last + middle)};
+  for (Index i = 0; i < frames; ++i) {
+    detail::add_mixed_frame(loop.motion, end, last + i, motion, i, detail::share_of_second(i, frames));
+  }
+  loop.motion = concatenate(loop.motion, crop(motion, frames, last));
+  return loop;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY void require_steps(const GenerateOptions& options, Index steps) {
+  if (options.steps.value_or(0) > steps)
+    raise<option_error>(105, counted(*options.steps, "step is", "steps are"), " asked for, this model has ", steps);
+}
+
+MOTIONLANG_BODY void require_one_source(const GenerateOptions& o) {
+  const bool noise = !o.noise.string().empty(), record = !o.record.string().empty(), reuse = !o.reuse.string().empty();
+  if (o.keep && (noise || record || reuse)) raise<option_error>(102, "keep excludes noise, record and reuse");
+  if (noise && (record || reuse)) raise<option_error>(102, "noise excludes record and reuse");
+  if (o.keep_beyond && !reuse) raise<option_error>(102, "keep_beyond needs reuse");
+}
+
+MOTIONLANG_BODY std::vector<IndexRange> kept_frames(const KeptClip& keep, Index frames, Index wanted, double fps) {
+  const Index common = std::min(frames, wanted);
+  if (keep.seconds.empty()) return {{0, common}};
+  std::vector<IndexRange> out;
+  for (const auto& [from, to] : keep.seconds) {
+    const IndexRange range{frame_at(from, fps), frame_at(to, fps)};
+    if (range.begin < 0 || range.size() < 1 || range.end > common)
+      raise<option_error>(101, "keep: ", from, "-", to, " is frames ", range.begin, ":", range.end, " at ", fps,
+                          " per second; the motion to keep has ", frames, ", the timeline ", wanted);
+    out.push_back(range);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY Motion without_jumps(Motion motion, std::span<const IndexRange> kept, Index frames) {
+  const auto is_kept = [&](Index f) {
+    return std::any_of(kept.begin(), kept.end(), [f](const IndexRange& r) { return r.begin <= f && f < r.end; });
+  };
+  for (Index begin = 0, end = 0; begin < motion.frames(); begin = end) {
+    for (end = begin + 1; end < motion.frames() && is_kept(end) == is_kept(begin);) ++end;
+    if (is_kept(begin)) continue;
+    const Index reach = std::min(frames, end - begin);
+    if (begin > 0) motion = without_jump(motion, begin, begin + reach);
+    if (end < motion.frames()) motion = without_jump(motion, end - 1, end - 1 - reach);
+  }
+  return motion;
+}
+
+MOTIONLANG_BODY Motion in_its_place(Motion motion, const Motion& other, Index clip_frames,
+                                    const GenerateOptions& options) {
+  const KeptClip& keep = *options.keep;
+  const auto ranges = kept_frames(keep, clip_frames, motion.frames(), motion.fps);
+  const Index overlap = frame_at(options.overlap, motion.fps);
+  if (options.smooth) motion = without_jumps(std::move(motion), ranges, overlap);
+  if (!keep.parts.has(BodyPart::legs)) return motion;
+  Index first = ranges.front().begin;
+  for (const IndexRange& r : ranges) first = std::min(first, r.begin);
+  return placed(motion, placement_between(motion, first, other, first));
+}
+
+MOTIONLANG_BODY double farthest_from(const Motion& motion, const Motion& clip, Index clip_frames,
+                                     const KeptClip& keep) {
+  double out = 0;
+  if (!keep.parts.has(BodyPart::legs)) return out;
+  for (const IndexRange& r : kept_frames(keep, clip_frames, motion.frames(), motion.fps)) {
+    for (Index f = r.begin; f < r.end; ++f) {
+      const auto d = motion.root_at(f) - clip.root_at(f);
+      out = std::max(out, std::hypot(d.x, d.z));
+    }
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_SYSTEMS_STMC_KEEP_HPP  // <motionlang/systems/stmc_keep.hpp>
+#define MOTIONLANG_HAS_SYSTEMS_STMC_KEEP_HPP
+/// STMC around a motion that is there already: frames or body parts of it are kept, texts make the rest.
+///
+///     KeptMotion<B> clip{features};                            // (frames, 205), not normalised
+///     // Its first and last second: what is between is made. Or its way and steps: texts move the rest.
+///     clip.parts = {{{0, 20}}, {{100, 120}}};
+///     clip.parts = {{{0, 120}, BodyParts{}.with(BodyPart::legs)}};
+///     const std::span<const KeptMotion<B>> kept(&clip, 1);     // one for each timeline
+///     auto motions = generate_around(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, kept);
+///
+/// Rule    after every step the clean estimate is overwritten where something is kept; x_t stays as it is
+/// Source  MDM (Tevet et al. 2023), section 3 "Editing", MDM sample/edit.py
+/// Note    features tell the way over the ground by its velocity: frames that are kept at the end move as they did,
+///         from wherever the frames before them have led. Models that do not look at what is kept jump where it begins
+///         and ends: `without_jump` (kinematics/blend.hpp), as in the program
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Frames and body parts that are kept. The way over the ground belongs to the part with the path: the legs of a human.
+struct KeptPart {
+  IndexRange frames;
+  BodyParts parts = BodyParts::every();
+};
+
+/// What is kept of a motion; nothing without parts. Frame 0 is that of the timeline.
+template <Backend B>
+struct KeptMotion {
+  Tensor<B, 2> features{};  // (frames, features), not normalised
+  std::vector<KeptPart> parts{};
+};
+
+namespace detail {
+
+/// Positions of all these parts in a feature vector.
+std::vector<Index> positions_of(const FeatureLayout& layout, BodyParts parts);
+
+/// Normalised features where they are kept, over whatever is elsewhere.
+template <Backend B>
+class KeptRows {
+ public:
+  using S = typename B::scalar;
+
+  /// One motion for each timeline of the plan. Throws config_error 101, 102, shape_error 205, numeric_error 301.
+  KeptRows(std::span<const KeptMotion<B>> kept, const BatchPlan& plan, Index stride, const FeatureLayout& layout,
+           const Normalizer<B>& normalizer) {
+    if (kept.size() != plan.timelines.size())
+      raise<config_error>(102, "generate_around: ", kept.size(), " motions to keep for ", plan.timelines.size(),
+                          " timelines");
+    const Shape shape{std::ssize(kept) * stride, layout.size};
+    std::vector<S> open(static_cast<std::size_t>(shape.count()), S{1}), values(open.size(), S{0});
+    for (std::size_t m = 0; m < kept.size(); ++m) {
+      if (kept[m].parts.empty()) continue;
+      require_fitting(kept[m], layout, plan.timelines[m].frames);
+      const std::vector<S> rows = normalizer.normalize(kept[m].features).to_vector();
+      const std::size_t first = m * static_cast<std::size_t>(stride * layout.size);
+      for (const KeptPart& part : kept[m].parts) {
+        const std::vector<Index> positions = positions_of(layout, part.parts);
+        for (Index f = part.frames.begin; f < part.frames.end; ++f) {
+          for (const Index i : positions) {
+            const auto at = static_cast<std::size_t>(f * layout.size + i);
+            if (!std::isfinite(rows[at]))
+              raise<numeric_error>(301, "generate_around: number ", i, " of frame ", f, " that is kept is ", rows[at]);
+            values[first + at] = rows[at], open[first + at] = S{0};
+          }
+        }
+      }
+    }
+    open_ = Tensor<B, 2>::from(open, shape);
+    values_ = Tensor<B, 2>::from(values, shape);
+  }
+
+  Tensor<B, 2> over(const Tensor<B, 2>& x0) const { return x0 * open_ + values_; }
+
+ private:
+  static void require_fitting(const KeptMotion<B>& kept, const FeatureLayout& layout, Index frames) {
+    if (kept.features.size(1) != layout.size)
+      raise<shape_error>(205, "generate_around: features ", kept.features.shape(), ", the model's '", layout.name,
+                         "' are ", layout.size);
+    const Index known = kept.features.size(0);
+    for (const KeptPart& part : kept.parts) {
+      const IndexRange& r = part.frames;
+      if (r.begin < 0 || r.size() < 1 || r.end > std::min(known, frames))
+        raise<config_error>(101, "generate_around: frames ", r.begin, ":", r.end, " are kept of ", known,
+                            " in a timeline of ", frames);
+    }
+  }
+
+  Tensor<B, 2> open_, values_;  // 1 where nothing is kept, and 0 there
+};
+
+}  // namespace detail
+
+/// As stmc.generate, with one motion to keep for each timeline. What is kept comes back as it was, except for the
+/// rounding of the normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline
+/// does not have, 102 for another number of motions, shape_error 205 for other features, numeric_error 301.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                                          const Philox& rng, const StmcOptions& options,
+                                          std::span<const KeptMotion<B>> kept) {
+  std::optional<detail::KeptRows<B>> rows;
+  const auto estimate = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
+    if (!rows) rows.emplace(kept, collage.plan(), collage.stride(), stmc.layout, stmc.motion_normalizer);
+    return rows->over(whole(collage, x, t));
+  };
+  return stmc.generate_from(
+      timelines, [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape); }, options, estimate);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_SYSTEMS_STMC_KEEP_IPP  // <motionlang/systems/stmc_keep.ipp>
+#define MOTIONLANG_HAS_SYSTEMS_STMC_KEEP_IPP
+// Bodies of stmc_keep.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::vector<Index> positions_of(const FeatureLayout& layout, BodyParts parts) {
+  std::vector<Index> out;
+  for (int p = 0; p < layout.body.size(); ++p) {
+    if (!parts.has(static_cast<BodyPart>(p))) continue;
+    const std::vector<Index> own = layout.indices(static_cast<BodyPart>(p));
+    out.insert(out.end(), own.begin(), own.end());
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_STMC_RECORD_HPP  // <motionlang/weights/stmc_record.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_STMC_RECORD_HPP
+/// The record of an STMC run in one safetensors file, for edits in another process.
+///
+/// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp), the
+///            generator and the options of the run; for another body than the human one body/parts, the names joined by
+///            " # ", and body/path
+/// Tensors    x0/000, x0/001, ... (timelines * rows, features), normalised; timeline/0, ... (texts, 3): first frame,
+///            end, body parts as bits; their texts are metadata text/0/0, ...
+
+#ifndef MOTIONLANG_HAS_FILE_DETAIL_CONTENT_HASH_HPP  // <motionlang/file/detail/content_hash.hpp>
+#define MOTIONLANG_HAS_FILE_DETAIL_CONTENT_HASH_HPP
+/// A checksum of many bytes at the speed of memory. Against accidents, not against forgery.
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+/// FNV-1a over words of 64 bits in four lanes, then over the lanes, the rest and the length. Every step can be undone,
+/// so one changed word always changes the result.
+inline std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_t before = 0xCBF29CE484222325u) {
+  constexpr std::uint64_t prime = 0x100000001B3u;
+  std::uint64_t lanes[4] = {before, before ^ 1u, before ^ 2u, before ^ 3u}, words[4];
+  const std::uint64_t size = bytes.size();
+  for (; bytes.size() >= sizeof words; bytes = bytes.subspan(sizeof words)) {
+    std::memcpy(words, bytes.data(), sizeof words);
+    for (int i = 0; i < 4; ++i) lanes[i] = (lanes[i] ^ words[i]) * prime;
+  }
+  std::uint64_t h = before;
+  for (const std::uint64_t lane : lanes) h = (h ^ lane) * prime;
+  for (const std::byte b : bytes) h = (h ^ static_cast<std::uint64_t>(b)) * prime;
+  h = (h ^ size) * prime;
+  return h ^ h >> 32;
+}
+
+inline std::string hexadecimal(std::uint64_t value) {
+  std::string out(16, '0');
+  for (std::size_t i = 16; i-- > 0; value >>= 4) out[i] = "0123456789abcdef"[value & 15u];
+  return out;
+}
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_SYSTEMS_STMC_EDIT_HPP  // <motionlang/systems/stmc_edit.hpp>
+#define MOTIONLANG_HAS_SYSTEMS_STMC_EDIT_HPP
+/// STMC after an edit of its timelines: what the edit cannot have changed is taken from the run before.
+///
+///     StmcRecord<B> record;
+///     auto motion = generate_recorded(stmc, timelines, Philox{.seed = 7}, {.steps = 10}, record);
+///     timelines[0].intervals[2].text = "run";
+///     StmcReuse reuse;
+///     // The bits of generate(timelines, ...); then another motion than that, but only near the edit.
+///     motion = regenerate(stmc, record, timelines, {}, &reuse);
+///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);
+///
+/// What the mathematics allows (compose/edits.hpp): an edit goes one crop further with every step. Texts that follow
+/// each other with an overlap are one chain of crops, so after as many steps as the chain has crops beside the edit
+/// nothing is reused any more: with 100 steps a few per cent of the work, with 10 steps and a long timeline much of it.
+/// Free are timelines of the batch that were not edited, and with overlap 0 all texts behind a cut that nothing spans.
+/// For the rest there is an approximation, named `within`: frames further than that from the edit keep their clean
+/// estimates of every step, as if painted over, and the frames between are made to fit to them.
+/// Memory   a record has (steps, frames, 205) numbers: 20 MB for 12 s and 100 steps, 2 MB with 10
+
+#ifndef MOTIONLANG_HAS_COMPOSE_EDITS_HPP  // <motionlang/compose/edits.hpp>
+#define MOTIONLANG_HAS_COMPOSE_EDITS_HPP
+/// What an edit of a timeline can change in its motion, step by step. No tensors here.
+///
+/// A step of STMC makes every frame from the crops that are added and subtracted there, and a crop reads all of its
+/// frames. So an edit changes in the first step the frames that are made of other crops than before, in the second one
+/// all frames of every crop that reads one of these, and so on: it goes one crop further with every step. It stops
+/// where nothing spans a cut (overlap 0), and at the end of the run. As the noise belongs to the frame, all other
+/// frames are those of before, bit for bit.
+///
+/// Source   follows from STMC (thesis 6.2.3, figure 6.3 c); not in the thesis
+/// Caution  holds for denoisers whose sequences do not depend on their batch mates (see MdmSmplDenoiser)
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The frames that differ between two runs with the same noise, of which the first is recorded, after each step.
+class EditSpread {
+ public:
+  /// The plans of both runs, and how many rows every timeline has in them. The timelines of a batch are compared by
+  /// their place in it.
+  /// reads   frames that the denoiser reads from the start of a crop; 0: those of the crop
+  /// within  frames further than this from the edit are said not to differ, although they would
+  EditSpread(const BatchPlan& before, Index rows_before, BatchPlan after, Index rows, Index reads = 0,
+             std::optional<Index> within = {});
+
+  /// Whether frame f of timeline m differs after this step.
+  bool differs(std::size_t m, Index f) const { return differs_[m][static_cast<std::size_t>(f)] != 0; }
+  /// Frames of all timelines that differ.
+  Index frames() const;
+
+  /// Whether every timeline with frames that differ has no others.
+  bool everywhere() const;
+  /// Whether `within` has changed anything so far.
+  bool limited() const { return limited_; }
+
+  /// The next step. Whether more frames differ after it.
+  bool advance();
+
+  /// The plan with only those crops that make frames that differ; the others have no frames and no slices.
+  BatchPlan needed() const;
+
+ private:
+  template <class F>
+  static void for_each_slice(const TimelinePlan& plan, F f) {
+    for (const Slice& s : plan.add) f(s);
+    for (const Slice& s : plan.subtract) f(s);
+  }
+  Index count(std::size_t m) const {
+    return std::count(differs_[m].begin(), differs_[m].begin() + plan_.timelines[m].frames, 1);
+  }
+  bool any(std::size_t m, const FrameRange& range) const;
+  /// Frames that are at most `within` away from one that is marked.
+  static std::vector<char> near(const std::vector<char>& marked, Index within);
+
+  BatchPlan plan_;
+  Index rows_ = 0, reads_ = 0;
+  bool limited_ = false;
+  std::vector<std::vector<char>> differs_, reachable_;  // of every row of every timeline
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_EDITS_IPP  // <motionlang/compose/edits.ipp>
+#define MOTIONLANG_HAS_COMPOSE_EDITS_IPP
+// Bodies of edits.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// A crop that is added to a part of a frame, or subtracted from it. Two frames with equal lists are stitched alike.
+struct FrameTerm {
+  BodyPart part{};
+  bool add = true;
+  FrameRange crop;
+  std::string_view text;
+  bool operator==(const FrameTerm&) const = default;
+};
+
+/// Of `rows` frames; frames behind the end are made of nothing.
+inline std::vector<std::vector<FrameTerm>> frame_terms(const TimelinePlan& plan, Index rows) {
+  std::vector<std::vector<FrameTerm>> terms(static_cast<std::size_t>(rows));
+  const auto note = [&](const std::vector<Slice>& slices, bool add) {
+    for (const Slice& s : slices) {
+      const Crop& crop = plan.crops[static_cast<std::size_t>(s.crop)];
+      for (Index f = s.to.start; f < s.to.end; ++f)
+        terms[static_cast<std::size_t>(f)].push_back({s.part, add, crop.range, plan.text(crop)});
+    }
+  };
+  note(plan.add, true), note(plan.subtract, false);
+  return terms;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY EditSpread::EditSpread(const BatchPlan& before, Index rows_before, BatchPlan after, Index rows,
+                                       Index reads, std::optional<Index> within)
+    : plan_(std::move(after)), rows_(rows), reads_(reads) {
+  for (std::size_t m = 0; m < plan_.timelines.size(); ++m) {
+    std::vector<char> edited(static_cast<std::size_t>(rows), 1);  // where nothing is recorded, or of another body
+    if (m < before.timelines.size() && before.timelines[m].timeline.body == plan_.timelines[m].timeline.body) {
+      const Index longest = std::max(rows, rows_before);
+      const auto was = detail::frame_terms(before.timelines[m], longest),
+                 is = detail::frame_terms(plan_.timelines[m], longest);
+      for (std::size_t f = 0; f < edited.size(); ++f)
+        edited[f] = std::cmp_greater_equal(f, rows_before) || was[f] != is[f] ? 1 : 0;
+    }
+    reachable_.push_back(within ? near(edited, *within) : std::vector<char>(edited.size(), 1));
+    differs_.push_back(std::move(edited));
+  }
+}
+
+MOTIONLANG_BODY Index EditSpread::frames() const {
+  Index n = 0;
+  for (std::size_t m = 0; m < differs_.size(); ++m) n += count(m);
+  return n;
+}
+
+MOTIONLANG_BODY bool EditSpread::everywhere() const {
+  for (std::size_t m = 0; m < differs_.size(); ++m) {
+    const FrameRange all{0, plan_.timelines[m].frames};
+    if (any(m, all) && count(m) < all.size()) return false;
+  }
+  return true;
+}
+
+MOTIONLANG_BODY bool EditSpread::advance() {
+  const Index before = frames();
+  for (std::size_t m = 0; m < differs_.size(); ++m) {
+    const TimelinePlan& plan = plan_.timelines[m];
+    std::vector<char> now = differs_[m];
+    for_each_slice(plan, [&](const Slice& s) {
+      const FrameRange& crop = plan.crops[static_cast<std::size_t>(s.crop)].range;
+      if (crop.size() == 0 || !any(m, {crop.start, reads_ > 0 ? std::min(crop.start + reads_, rows_) : crop.end}))
+        return;
+      for (auto f = static_cast<std::size_t>(s.to.start); f < static_cast<std::size_t>(s.to.end); ++f) {
+        if (reachable_[m][f] != 0) now[f] = 1;
+        limited_ |= now[f] == 0;
+      }
+    });
+    differs_[m] = std::move(now);
+  }
+  return frames() > before;
+}
+
+MOTIONLANG_BODY BatchPlan EditSpread::needed() const {
+  BatchPlan out = plan_;
+  for (std::size_t m = 0; m < differs_.size(); ++m) {
+    TimelinePlan& plan = out.timelines[m];
+    std::vector<char> used(plan.crops.size());
+    for_each_slice(plan, [&](const Slice& s) {
+      if (any(m, s.to)) used[static_cast<std::size_t>(s.crop)] = 1;
+    });
+    const auto unused = [&](const Slice& s) { return used[static_cast<std::size_t>(s.crop)] == 0; };
+    std::erase_if(plan.add, unused), std::erase_if(plan.subtract, unused);
+    for (std::size_t c = 0; c < used.size(); ++c) {
+      if (used[c] == 0) plan.crops[c].range.end = plan.crops[c].range.start;
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY bool EditSpread::any(std::size_t m, const FrameRange& range) const {
+  const auto begin = differs_[m].begin();
+  return std::find(begin + range.start, begin + range.end, 1) != begin + range.end;
+}
+
+MOTIONLANG_BODY std::vector<char> EditSpread::near(const std::vector<char>& marked, Index within) {
+  std::vector<char> out(marked.size());
+  const auto sweep = [&](auto first, auto last, auto to) {
+    for (Index left = -1; first != last; ++first, ++to) {
+      left = *first != 0 ? within : left - 1;
+      if (left >= 0) *to = 1;
+    }
+  };
+  sweep(marked.begin(), marked.end(), out.begin());
+  sweep(marked.rbegin(), marked.rend(), out.rbegin());
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A run as it is needed after an edit.
+template <Backend B>
+struct StmcRecord {
+  std::vector<Timeline> timelines{};
+  Philox rng{};
+  StmcOptions options{};           // without progress
+  Index rows = 0;                  // of every timeline
+  std::vector<Tensor<B, 2>> x0{};  // after each step: clean estimate (timelines * rows, features), normalised
+  bool exact = true;               // false: not what a run without a record gives, because of `within`
+};
+
+struct RegenerateOptions {
+  std::optional<Index> within{};  // frames; approximation: what is further from the edit stays as it was
+  Progress progress{};
+};
+
+namespace detail {
+
+/// The clean estimates of a run: those that can differ from the recorded ones are calculated, the others taken.
+template <Backend B, class D>
+class Regeneration {
+ public:
+  Regeneration(const StmcRecord<B>& before, EditSpread spread, const Collage<B, D>& collage)
+      : before_(before), spread_(std::move(spread)), needed_(collage) {
+    for (const TimelinePlan& p : collage.plan().timelines) reuse_.frames += p.frames;
+  }
+
+  template <class Whole>
+  Tensor<B, 2> operator()(const Collage<B, D>& collage, const Whole& whole, const Tensor<B, 2>& x, Index t) {
+    const std::size_t step = x0_.size();
+    if (step == 0 || spread_.advance()) {
+      if (spread_.frames() > 0) needed_ = collage.with_plan(spread_.needed());
+      find_rows(collage);
+      if (reuse_.everywhere == 0 && spread_.frames() > 0 && spread_.everywhere())
+        reuse_.everywhere = static_cast<Index>(step) + 1;
+    }
+    const bool nothing = spread_.frames() == 0;
+    reuse_.work += nothing ? 0 : needed_.batch_rows();
+    reuse_.whole_work += collage.batch_rows();
+    const auto made = nothing ? Tensor<B, 2>::zeros(x.shape()) : whole(needed_, x, t);
+    x0_.push_back(gather(concat(0, before_.x0[step], made), rows_));
+    return x0_.back();
+  }
+
+  std::vector<Tensor<B, 2>> x0() && { return std::move(x0_); }
+  StmcReuse reuse() const {
+    StmcReuse r = reuse_;
+    r.kept = r.frames - spread_.frames();
+    r.steps = std::ssize(x0_);
+    r.exact = before_.exact && !spread_.limited();
+    return r;
+  }
+
+ private:
+  /// For every row of x0 where it is: among the recorded ones, or behind them among those just made.
+  void find_rows(const Collage<B, D>& collage) {
+    const Index recorded = before_.x0.front().size(0);
+    rows_.clear();
+    for (Index r = 0; r < collage.rows(); ++r) {
+      const Index m = r / collage.stride(), f = r % collage.stride();
+      rows_.push_back(spread_.differs(static_cast<std::size_t>(m), f) ? recorded + r : m * before_.rows + f);
+    }
+  }
+
+  const StmcRecord<B>& before_;
+  EditSpread spread_;
+  Collage<B, D> needed_;
+  std::vector<Index> rows_;
+  std::vector<Tensor<B, 2>> x0_;
+  StmcReuse reuse_;
+};
+
+template <Backend B, Denoiser<B> D>
+void require_own_results(const Collage<B, D>& collage) {
+  if (!collage.can_divide())
+    raise<config_error>(102,
+                        "edits: what this denoiser makes of a crop depends on the other crops, nothing can be kept");
+}
+
+}  // namespace detail
+
+/// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, config_error 102
+/// where crops depend on each other (BatchMates).
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                                            const Philox& rng, const StmcOptions& options, StmcRecord<B>& record) {
+  StmcRecord<B> made{.timelines = {timelines.begin(), timelines.end()}, .rng = rng, .options = options};
+  made.options.progress = {};
+  const auto note = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
+    detail::require_own_results(collage);
+    made.rows = collage.stride();
+    made.x0.push_back(whole(collage, x, t));
+    return made.x0.back();
+  };
+  const auto noise = [&](Index draw, const Shape& shape) { return stmc.noise(rng, draw, shape); };
+  auto motions = stmc.generate_from(timelines, noise, options, note);
+  record = std::move(made);
+  return motions;
+}
+
+/// The motions of other timelines with seed and options of the record, made from the record as far as possible; the
+/// record then is that of this run. Throws as generate does, config_error 102 if the record has another number of
+/// steps.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::vector<Tensor<B, 2>> regenerate(const Stmc<B, D, E>& stmc, StmcRecord<B>& record,
+                                     std::span<const Timeline> timelines, const RegenerateOptions& how = {},
+                                     StmcReuse* reuse = nullptr) {
+  StmcOptions options = record.options;
+  options.progress = how.progress;
+  const auto steps = stmc.process(options.steps).steps();
+  if (std::ssize(record.x0) != steps)
+    raise<config_error>(102, "regenerate: the record has ", record.x0.size(), " steps, a run of this model ", steps);
+  const DenoiserTraits traits = stmc.denoiser.traits();
+  const Index reads = traits.uses_lengths ? 0 : traits.crop_frames;
+  std::optional<detail::Regeneration<B, D>> run;
+  const auto estimate = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
+    if (!run) {
+      detail::require_own_results(collage);
+      const BatchPlan before = plan_timelines(record.timelines, stmc.plan_options(options));
+      run.emplace(record, EditSpread(before, record.rows, collage.plan(), collage.stride(), reads, how.within),
+                  collage);
+    }
+    return (*run)(collage, whole, x, t);
+  };
+  Index rows = 0;
+  const auto noise = [&](Index draw, const Shape& shape) {
+    return rows = shape[1], stmc.noise(record.rng, draw, shape);
+  };
+  auto motions = stmc.generate_from(timelines, noise, options, estimate);
+  const StmcReuse found = run->reuse();
+  if (reuse != nullptr) *reuse = found;
+  options.progress = {};
+  record = {{timelines.begin(), timelines.end()}, record.rng, options, rows, std::move(*run).x0(), found.exact};
+  return motions;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_STMC_FILE_HPP  // <motionlang/weights/stmc_file.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_STMC_FILE_HPP
+/// An STMC model in one safetensors file: weights under their names, sizes and vocabulary in the metadata.
+///
+/// Metadata    model = "stmc", format = "1", denoiser.*, text.*, diffusion.*, features, fps; how the model should be
+///             sampled: guidance and sampling ("ddpm 20": sampler and steps, all without a number); and, for people:
+///             license, provenance, data, command, commit. Nothing in the file is executed.
+
 #ifndef MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP  // <motionlang/weights/module_file.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_MODULE_FILE_HPP
-/// Parameters of modules in files of weights: paths of fields are the names of tensors. Any TensorSet will do:
-/// SafetensorsFile, WeightFile.
+/// Parameters of modules in files of weights: paths of fields are the names of tensors.
+///
+///     save_module("model.safetensors", model);
+///     load_module(model, "model.safetensors");                          // into a model of the same sizes
+///     load_module(model, open_weights("logs/last.ckpt"), "denoiser.");   // any TensorSet (weights/weight_file.hpp)
 
 #include <set>        // names
 
@@ -16518,12 +22454,12 @@ MOTIONLANG_NAMESPACE_END
 /// safetensors files: reading without a copy, writing. Includes no JSON library (see detail/json_cursor.hpp).
 ///
 ///     const auto file = SafetensorsFile::open("weights.safetensors");
-///     for (const TensorView& t : file.tensors()) ...                  // sorted by name
+///     for (const TensorView& t : file.tensors()) use(t);              // sorted by name
 ///     std::vector<float> bias = values_of<float>(file.tensor("head.bias"));
 ///
 /// Layout   8 bytes: length N of the header; N bytes: JSON, name -> {dtype, shape, data_offsets}, "__metadata__" -> map
 ///          of strings; the rest: data, without holes
-/// Checked  everything, before any tensor is handed out (spec weights.md 2.2): lengths, strict JSON, UTF-8, no name
+/// Checked  everything, before any tensor is handed out: lengths, strict JSON, UTF-8, no name
 ///          twice, products without overflow, ranges that tile the data exactly. Memory stays below a small multiple of
 ///          the header, and nothing is allocated for what a file merely claims.
 /// Caution  a file that another process shortens while it is mapped ends the program (SIGBUS); write_file never does so
@@ -16577,6 +22513,9 @@ void write_file(const FilePath& path, std::string_view contents);
 
 /// Makes the folder unless it is there. Its parent has to be. Throws io_error 401.
 void make_folder(const FilePath& path);
+
+/// A name as a part of a file's name: characters that some system does not allow there become "_".
+std::string safe_file_name(std::string name);
 
 MOTIONLANG_NAMESPACE_END
 
@@ -16864,6 +22803,15 @@ MOTIONLANG_BODY void write_file(const FilePath& path, std::string_view contents)
 MOTIONLANG_BODY void make_folder(const FilePath& path) {
   if (detail::system::make_folder(path.c_str()) || detail::system::is_folder(path.c_str())) return;
   raise<io_error>(401, "cannot make the folder ", path.string());
+}
+
+MOTIONLANG_BODY std::string safe_file_name(std::string name) {
+  for (char& c : name) {
+    const bool odd =
+        static_cast<unsigned char>(c) < ' ' || std::string_view("/\\:*?\"<>|").find(c) != std::string_view::npos;
+    if (odd) c = '_';
+  }
+  return name;
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -17163,6 +23111,10 @@ class TensorSet {
   std::vector<TensorView> tensors_;
 };
 
+/// A checksum of names, types, shapes and bytes of tensors, whatever their order: equal for equal weights, in
+/// hexadecimal.
+std::string tensors_checksum(std::span<const TensorView> tensors);
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_TENSOR_SET_IPP  // <motionlang/file/tensor_set.ipp>
@@ -17189,6 +23141,18 @@ MOTIONLANG_BODY const TensorView& TensorSet::tensor(std::string_view tensor) con
   const std::string like = nearest_name(tensor, names());
   raise<io_error>(406, name_, ": no tensor '", tensor, "' among ", tensors_.size(),
                   like.empty() ? "" : concat_text("; the file has '", like, "'"));
+}
+
+MOTIONLANG_BODY std::string tensors_checksum(std::span<const TensorView> tensors) {
+  std::vector<const TensorView*> sorted;
+  for (const TensorView& t : tensors) sorted.push_back(&t);
+  std::sort(sorted.begin(), sorted.end(), [](const TensorView* a, const TensorView* b) { return a->name < b->name; });
+  std::uint64_t hash = 1;
+  for (const TensorView* t : sorted) {
+    const std::string about = concat_text(t->name, " ", t->dtype, " ", t->shape);
+    hash = detail::content_hash(t->bytes, detail::content_hash(std::as_bytes(std::span(about)), hash));
+  }
+  return detail::hexadecimal(hash);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -17429,7 +23393,7 @@ class JsonCursor {
         const std::size_t start = at_;
         const auto [key, is_new] = keys.insert(string());
         if (keys.size() > max_members) fail(405, start, concat_text("more than ", max_members, " names in one object"));
-        if (!is_new) fail(403, start, "the name '" + *key + "' appears twice in one object");
+        if (!is_new) fail(403, start, "the name '" + *key + "' is duplicated in one object");
         expect(':');
         on_value(*key);
       } while (accept(','));
@@ -18064,6 +24028,23 @@ void load_module(M& module, const TensorSet& file, const std::string& prefix = "
   if (report.missing.empty() && report.unexpected.empty()) return;
   detail::raise_key_mismatch(file.name(), report);
 }
+/// The same from a safetensors file, as save_module writes it.
+template <Module M>
+void load_module(M& module, const FilePath& path, LoadFor use = LoadFor::any_use) {
+  load_module(module, SafetensorsFile::open(path), "", use);
+}
+
+/// Writes all tensors of a module into a safetensors file, without its sizes and options: the caller makes the module,
+/// load_module fills it. `dtype` is that of the module's numbers unless given. Throws io_error 401, and what
+/// TensorStore::add throws.
+template <Module M>
+void save_module(const FilePath& path, const M& module, std::optional<DType> dtype = {},
+                 const std::map<std::string, std::string>& metadata = {{"format", "pt"}}) {
+  constexpr bool is_double = std::is_same_v<typename module_backend<M>::scalar, double>;
+  TensorStore store;
+  store.add_module(module, "", dtype.value_or(is_double ? DType::F64 : DType::F32));
+  write_safetensors(path, store.views(), metadata);
+}
 
 MOTIONLANG_NAMESPACE_END
 #endif
@@ -18354,4 +24335,344 @@ MOTIONLANG_BODY void check_sizes(const SafetensorsFile& file, const StmcModelCon
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Of all numbers of a module and their scalar.
+template <Module M>
+std::string weights_checksum(const M& module) {
+  std::uint64_t h = 0;
+  for (const auto& t : tensors_of(module)) h = content_hash(std::as_bytes(t.span()), h);
+  return hexadecimal(h);
+}
+/// "x0/007": names whose order is that of the numbers, below 1000.
+std::string numbered_name(const char* what, std::size_t i);
+
+/// What does not depend on the backend.
+struct RecordAbout {
+  std::vector<Timeline> timelines{};
+  Philox rng{};
+  StmcOptions options{};
+  Index rows = 0;
+  bool exact = true;
+};
+/// Guidance and sampling are set in the options. The timelines are put into the store.
+Metadata record_metadata(const RecordAbout& run, const std::string& model, std::size_t steps, TensorStore& store);
+/// model   the checksum of the weights that are to go on with it
+RecordAbout read_record(const SafetensorsFile& file, const std::string& model, Index most_steps);
+
+}  // namespace detail
+
+/// `about` is added to the metadata. Throws io_error 401, config_error 102 if `about` would change what the record is.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+void save_stmc_record(const FilePath& path, const StmcRecord<B>& record, const Stmc<B, D, E>& stmc,
+                      const std::map<std::string, std::string>& about = {}) {
+  using S = typename B::scalar;
+  detail::RecordAbout run{record.timelines, record.rng, record.options, record.rows, record.exact};
+  run.options.sampling = record.options.sampling.value_or(stmc.sampling);
+  run.options.guidance = record.options.guidance.value_or(stmc.guidance);
+  TensorStore store;
+  auto metadata = detail::record_metadata(run, detail::weights_checksum(stmc), record.x0.size(), store);
+  detail::add_metadata(metadata, about, "record", path.string());
+  std::vector<TensorView> views = store.views();
+  for (std::size_t k = 0; k < record.x0.size(); ++k) {
+    views.push_back({.name = detail::numbered_name("x0", k),
+                     .dtype = sizeof(S) == 4 ? DType::F32 : DType::F64,
+                     .shape = record.x0[k].shape(),
+                     .bytes = std::as_bytes(record.x0[k].span())});
+  }
+  write_safetensors(path, views, metadata);
+}
+
+/// Reads a record and compares it with the model that is to go on with it. Throws io_error 401 ... 407, config_error
+/// 101, 102 (made with other weights or another precision), 103 (no record, or of an unknown sampler), 107.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+StmcRecord<B> load_stmc_record(const SafetensorsFile& file, const Stmc<B, D, E>& stmc) {
+  detail::RecordAbout run = detail::read_record(file, detail::weights_checksum(stmc), stmc.diffusion.steps());
+  const Shape shape{std::ssize(run.timelines) * run.rows, stmc.layout.size};
+  StmcRecord<B> out{.timelines = std::move(run.timelines),
+                    .rng = run.rng,
+                    .options = run.options,
+                    .rows = run.rows,
+                    .exact = run.exact};
+  for (Index k = 0; k < *out.options.steps; ++k) {
+    const TensorView& view = file.tensor(detail::numbered_name("x0", static_cast<std::size_t>(k)));
+    if (view.shape != shape)
+      raise<io_error>(407, file.name(), ": tensor '", view.name, "' is ", view.shape, ", expected ", shape);
+    out.x0.push_back(Tensor<B, 2>::from(values_of<typename B::scalar>(view), shape));
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_STMC_RECORD_IPP  // <motionlang/weights/stmc_record.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_STMC_RECORD_IPP
+// Bodies of stmc_record.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+inline std::string metadata_real_text(double x) {
+  std::string out;
+  append_python_float(out, x);
+  return out;
+}
+
+MOTIONLANG_BODY std::string numbered_name(const char* what, std::size_t i) {
+  const std::string digits = std::to_string(i);
+  return concat_text(what, '/', digits.size() < 3 ? std::string(3 - digits.size(), '0') : "", digits);
+}
+
+/// The body of a record's timelines.
+inline BodyPartition record_body(const SafetensorsFile& file) {
+  const auto parts = file.metadata().find("body/parts");
+  if (parts == file.metadata().end()) return {};
+  BodyPartNames names{.names = {}, .path = metadata_text(file.metadata(), "body/path", "")};
+  for (std::string_view rest = parts->second; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('#'), rest.size());
+    names.names.emplace_back(trim(rest.substr(0, end)));
+    rest.remove_prefix(std::min(rest.size(), end + 1));
+  }
+  return BodyPartition(names);
+}
+
+inline Timeline record_timeline(const SafetensorsFile& file, const BodyPartition& body, std::size_t m, Index rows) {
+  const TensorView& view = file.tensor(numbered_name("timeline", m));
+  if (view.shape.rank() != 2 || view.shape[1] != 3)
+    raise<io_error>(407, file.name(), ": tensor '", view.name, "' is ", view.shape, ", not (texts, 3)");
+  const auto numbers = values_of<double>(view);
+  Timeline out{{}, body};
+  for (std::size_t i = 0; 3 * i < numbers.size(); ++i) {
+    const auto number = [&](std::size_t column, Index largest) {
+      const double x = numbers[3 * i + column];
+      if (!(x >= 0 && x <= static_cast<double>(largest)))
+        raise<config_error>(101, file.name(), ": ", x, " in tensor '", view.name, "' is not in 0 ... ", largest);
+      return static_cast<Index>(x);
+    };
+    const auto text = file.metadata().find(concat_text("text/", m, '/', i));
+    if (text == file.metadata().end())
+      raise<config_error>(107, file.name(), ": metadata 'text/", m, "/", i, "' is missing");
+    out.intervals.push_back(
+        {text->second, number(0, rows), number(1, rows), {static_cast<unsigned>(number(2, body.all().bits))}});
+  }
+  return out;
+}
+
+MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const std::string& model, std::size_t steps,
+                                         TensorStore& store) {
+  const StmcOptions& o = run.options;
+  const SamplingOptions sampling = *o.sampling;
+  auto text = [](auto value) { return std::to_string(value); };
+  Metadata metadata{
+      {"record", "stmc"},
+      {"format", "1"},
+      {"model", model},
+      {"precision", precision_name(product_precision())},
+      {"seed", text(run.rng.seed)},
+      {"stream", text(run.rng.stream)},
+      {"timelines", text(run.timelines.size())},
+      {"steps", text(steps)},
+      {"rows", text(run.rows)},
+      {"exact", run.exact ? "1" : "0"},
+      {"overlap", text(o.overlap)},
+      {"guidance", metadata_real_text(*o.guidance)},
+      {"sampler", std::string(to_string(sampling.sampler))},
+      {"eta", metadata_real_text(sampling.eta)},
+      {"noise_scale", sampling.noise_scale == NoiseScale::posterior_std ? "posterior_std" : "posterior_variance"},
+      {"clip", sampling.clip ? "1" : "0"},
+      {"gaps", o.gaps == Gaps::fill ? "fill" : "refuse"},
+      {"hidden", o.hidden == HiddenTexts::refuse ? "refuse" : "ignore"}};
+  if (!run.timelines.empty() && run.timelines.front().body != BodyPartition()) {
+    const BodyPartition& body = run.timelines.front().body;  // that of all, because it is the layout's
+    metadata.emplace("body/parts", join_text(body.names(), " # "));
+    metadata.emplace("body/path", body.name(body.path()));
+  }
+  for (std::size_t m = 0; m < run.timelines.size(); ++m) {
+    std::vector<double> rows;
+    for (const Interval& i : run.timelines[m].intervals) {
+      metadata.emplace(concat_text("text/", m, '/', rows.size() / 3), i.text);
+      for (const auto n : {i.start, i.end, static_cast<Index>(i.parts.bits)}) rows.push_back(static_cast<double>(n));
+    }
+    store.add<double>(numbered_name("timeline", m), {std::ssize(rows) / 3, 3}, rows, DType::F64);
+  }
+  return metadata;
+}
+
+MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const std::string& model, Index most_steps) {
+  const auto& m = file.metadata();
+  const std::string& name = file.name();
+  const auto word = [&](const char* key) { return metadata_text(m, key, ""); };
+  const auto whole = [&](const char* key) { return metadata_number<std::uint64_t>(m, key, name); };
+  const auto real = [&](const char* key) { return metadata_number<double>(m, key, name); };
+  if (word("record") != "stmc" || word("format") != "1")
+    raise<config_error>(103, name, ": not a record of an STMC run of format 1 (metadata 'record' and 'format')");
+  if (word("model") != model)
+    raise<config_error>(
+        102, name, ": made with weights of checksum ", word("model"), ", these have ", model,
+        "; the checksum of the same weights is another in another scalar, which other backends may use");
+  const std::string precision = precision_name(product_precision());
+  if (word("precision") != precision)
+    raise<config_error>(102, name, ": made with products in ", word("precision"), ", not ", precision);
+  RecordAbout out{.rng = {.seed = whole("seed"), .stream = whole("stream")}};
+  out.rows = metadata_size(m, "rows", latest_time, name);
+  out.exact = word("exact") == "1";
+  out.options = {.overlap = metadata_number<Index>(m, "overlap", name),
+                 .guidance = real("guidance"),
+                 .steps = metadata_size(m, "steps", most_steps, name),
+                 .sampling = SamplingOptions{.sampler = parse_sampler(word("sampler"), name + ": metadata 'sampler':"),
+                                             .eta = real("eta"),
+                                             .clip = word("clip") == "1"},
+                 .gaps = word("gaps") == "refuse" ? Gaps::refuse : Gaps::fill,
+                 .hidden = word("hidden") == "ignore" ? HiddenTexts::ignore : HiddenTexts::refuse};
+  if (word("noise_scale") == "posterior_std") out.options.sampling->noise_scale = NoiseScale::posterior_std;
+  const Index timelines = metadata_size(m, "timelines", latest_time, name);
+  const BodyPartition body = record_body(file);
+  for (Index i = 0; i < timelines; ++i) {
+    out.timelines.push_back(record_timeline(file, body, static_cast<std::size_t>(i), out.rows));
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The noise of a file: noise/000 is the initial one. Throws io_error 401 ... 407.
+template <Backend B>
+auto noise_of_file(const FilePath& path) {
+  return [file = SafetensorsFile::open(path)](Index draw, const Shape& shape) {
+    const auto& view = file.tensor(numbered_name("noise", static_cast<std::size_t>(draw)));
+    if (view.shape != shape)
+      raise<io_error>(407, file.name(), ": ", view.name, " is ", view.shape, ", this timeline needs ", shape);
+    return Tensor<B, 3>::from(values_of<typename B::scalar>(view), shape);
+  };
+}
+
+/// One call of generate_motions.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+class GenerateRun {
+ public:
+  GenerateRun(const Stmc<B, D, E>& model, const GenerateOptions& options) : model_(model), o_(options) {
+    require_steps(o_, model_.diffusion.steps());
+    require_one_source(o_);
+    how_.overlap = frame_at(o_.overlap, model_.fps);
+    how_.hidden = HiddenTexts::ignore;  // hidden_text_warnings report them
+    how_.guidance = o_.guidance;
+    how_.steps = o_.steps;
+    how_.sampling = model_.sampling;
+    if (o_.sampler) how_.sampling->sampler = *o_.sampler;
+    how_.progress = o_.progress;
+    if (o_.keep) keep_on_model();
+  }
+
+  std::vector<Motion> operator()(std::span<const Timeline> timelines) const {
+    if (o_.notes != nullptr) *o_.notes = {.layout = model_.layout.name};
+    std::vector<Motion> motions;
+    for (const Tensor<B, 2>& f : features(timelines)) {
+      const std::vector<double> rows(f.span().begin(), f.span().end());
+      if (o_.notes != nullptr) o_.notes->features.push_back(rows);
+      Motion motion = motion_of_features(model_.layout.name, rows, model_.layout.size, model_.fps);
+      if (o_.keep) motion = in_its_place(std::move(motion), clip_, clip_frames_, o_);
+      motions.push_back(finish_motion(std::move(motion), o_));
+      if (o_.keep && o_.notes != nullptr)
+        o_.notes->kept_moved =
+            std::max(o_.notes->kept_moved, farthest_from(motions.back(), clip_, clip_frames_, *o_.keep));
+    }
+    return motions;
+  }
+
+ private:
+  using Features = std::vector<Tensor<B, 2>>;
+
+  /// (frames, features) of each timeline, not normalised.
+  Features features(std::span<const Timeline> timelines) const {
+    if (!o_.reuse.string().empty()) return reused(timelines);
+    const std::vector<Timeline> texts = cut(timelines, o_.cut_texts);
+    const Philox rng{.seed = o_.seed};
+    if (o_.keep) return around(texts, rng);
+    if (!o_.noise.string().empty()) return model_.generate_from(texts, noise_of_file<B>(o_.noise), how_);
+    if (o_.record.string().empty()) return model_.generate(texts, rng, how_);
+    StmcRecord<B> record;
+    Features out = generate_recorded<B>(model_, texts, rng, how_, record);
+    save(record, o_.cut_texts);
+    return out;
+  }
+
+  std::vector<Timeline> cut(std::span<const Timeline> timelines, bool wanted) const {
+    std::vector<Timeline> out;
+    for (const Timeline& t : timelines) out.push_back(wanted ? cut_texts(t, model_.fps) : t);
+    return out;
+  }
+
+  /// The clip that is kept, on the joints and at the rate of the model, and its features.
+  void keep_on_model() {
+    const MotionFeatures& own = features_of_layout(model_.layout.name, model_.layout.size);
+    clip_ = resample(on_joints_of(own, o_.keep->motion), model_.fps);
+    const auto rows = own.from_motion(clip_);
+    clip_rows_.assign(rows.begin(), rows.end());
+    clip_frames_ = std::ssize(rows) / model_.layout.size;
+  }
+  Features around(std::span<const Timeline> timelines, const Philox& rng) const {
+    std::vector<KeptMotion<B>> kept;
+    for (const Timeline& t : timelines) {
+      auto& own = kept.emplace_back();
+      own.features = Tensor<B, 2>::from(clip_rows_, {clip_frames_, model_.layout.size});
+      for (const IndexRange& range : kept_frames(*o_.keep, clip_frames_, t.end(), model_.fps))
+        own.parts.push_back({range, o_.keep->parts});
+    }
+    return generate_around<B>(model_, timelines, rng, how_, std::span<const KeptMotion<B>>(kept));
+  }
+
+  /// With what the record of an earlier run says about the part that was not edited.
+  Features reused(std::span<const Timeline> timelines) const {
+    const auto file = SafetensorsFile::open(o_.reuse);
+    auto record = load_stmc_record<B>(file, model_);
+    const bool was_cut = file.metadata().contains("cut_texts") && file.metadata().at("cut_texts") == "1";
+    RegenerateOptions how{.within = {}, .progress = o_.progress};
+    if (o_.keep_beyond) how.within = frame_at(*o_.keep_beyond, model_.fps);
+    StmcReuse reuse;
+    Features out = regenerate<B>(model_, record, cut(timelines, was_cut), how, &reuse);
+    if (!o_.record.string().empty()) save(record, was_cut);
+    if (o_.notes != nullptr) o_.notes->reuse = reuse, o_.notes->seed = record.rng.seed;
+    return out;
+  }
+  void save(const StmcRecord<B>& record, bool was_cut) const {
+    save_stmc_record(o_.record, record, model_, {{"cut_texts", was_cut ? "1" : "0"}});
+  }
+
+  const Stmc<B, D, E>& model_;
+  const GenerateOptions& o_;
+  StmcOptions how_{};
+  Motion clip_{};
+  std::vector<typename B::scalar> clip_rows_{};
+  Index clip_frames_ = 0;  // that the features have
+};
+
+}  // namespace detail
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::vector<Motion> generate_motions(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                                     const GenerateOptions& options) {
+  return detail::GenerateRun<B, D, E>(stmc, options)(timelines);
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+Motion generate_motion(const Stmc<B, D, E>& stmc, const Timeline& timeline, const GenerateOptions& options) {
+  return generate_motions(stmc, std::span(&timeline, 1), options).front();
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #endif

@@ -1,7 +1,8 @@
 # Where bodies stand: cmake -DINCLUDE=<repository>/include -P bodies.cmake
 #
 #   - MOTIONLANG_BODY occurs in files *.ipp only
-#   - every file *.ipp is included by a header, for those who compile headers only, and only for those
+#   - every file *.ipp is included by a header, for those who compile headers only, and only for those; one that has bodies of
+#     templates only may be included by any header
 #   - every file *.ipp with bodies is compiled by exactly one unit of motionlang::instantiated
 cmake_minimum_required(VERSION 3.24)
 
@@ -16,12 +17,14 @@ file(GLOB_RECURSE bodies RELATIVE ${INCLUDE} ${INCLUDE}/motionlang/*.ipp)
 file(GLOB units ${INCLUDE}/motionlang/instantiated/*.cpp)
 
 foreach(header ${headers})
-  file(STRINGS ${INCLUDE}/${header} lines REGEX "MOTIONLANG_BODY|include <.*[.]ipp>")
+  file(STRINGS ${INCLUDE}/${header} lines REGEX "MOTIONLANG_BODY|^#include <.*[.]ipp>")
   foreach(line ${lines})
     if(line MATCHES "include <(.*)>")
-      list(APPEND included_by_headers ${CMAKE_MATCH_1})
+      set(body ${CMAKE_MATCH_1})
+      list(APPEND included_by_headers ${body})
       file(READ ${INCLUDE}/${header} text)
-      if(NOT text MATCHES "\n#(ifndef MOTIONLANG_INSTANTIATED|else)\n#include <${CMAKE_MATCH_1}>\n")
+      file(STRINGS ${INCLUDE}/${body} plain_bodies REGEX "MOTIONLANG_BODY")
+      if(plain_bodies AND NOT text MATCHES "\n#(ifndef MOTIONLANG_INSTANTIATED|else)\n#include <${body}>\n")
         problem("${header} includes ${line} with motionlang::instantiated, too")
       endif()
     elseif(NOT header STREQUAL "motionlang/version.hpp")

@@ -8,8 +8,8 @@
 #   - what fwd.hpp declares is defined somewhere
 cmake_minimum_required(VERSION 3.24)
 
-set(levels "core" "file tensor geometry" "backend kinematics nn loss optim" "features vae diffusion text" "compose formats"
-           "datasets metrics" "systems search" "weights view")
+set(levels "core" "file tensor geometry" "backend kinematics nn optim" "features text" "loss" "vae diffusion" "compose formats"
+           "datasets metrics" "systems" "weights" "search" "view" "train" "generate")
 set(level 0)
 foreach(folders ${levels})
   string(REPLACE " " ";" folders ${folders})
@@ -108,7 +108,7 @@ endforeach()
 
 file(STRINGS ${INCLUDE}/motionlang/motionlang.hpp umbrella REGEX "^#include <motionlang/")
 foreach(header ${headers})
-  if(header MATCHES "^[a-z]+/[a-z0-9_]+\\.hpp$" AND NOT header MATCHES "^(backend|file|formats|datasets|weights|view)/|^search/(motion_index_file|vector_graph)"
+  if(header MATCHES "^[a-z]+/[a-z0-9_]+\\.hpp$" AND NOT header MATCHES "^(backend|file|formats|datasets|weights|view|train|generate)/|^search/(index_folder|motion_index_file|search|tmr_search_encoder|vector_graph)"
      AND NOT "#include <motionlang/${header}>" IN_LIST umbrella)
     problem("motionlang.hpp lacks ${header}")
   endif()

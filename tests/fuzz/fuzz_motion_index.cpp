@@ -43,7 +43,7 @@ std::vector<std::byte> as_file(std::string_view input) {
       {"about", ml::DType::U8, {std::ssize(about)}, std::as_bytes(std::span(about))}};
   return ml::safetensors_bytes(tensors, {{"format", ml::detail::index_format},
                                          {"version", ml::detail::index_version},
-                                         {"checksum", ml::detail::index_checksum(tensors)}});
+                                         {"checksum", ml::tensors_checksum(tensors)}});
 }
 
 void check_index(const ml::MotionIndex& index) {

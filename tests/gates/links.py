@@ -4,7 +4,7 @@
 A name counts as ours if it is a link of a page, begins with a folder of the repository, is a header (*.hpp, *.ipp,
 *.inc) or a page (*.md). It is looked for from the root, from include/ and include/motionlang/, and beside the file that
 names it. A name without a folder may be anywhere. Lines with #include are the compiler's business. links_others.txt
-lists the files of other projects, and the pages of spec/, a folder that readers do not have ("spec tmr.md", "tmr.md").
+lists the files of other projects.
 
     python3 tests/gates/links.py [FILE ...]
 """
@@ -26,7 +26,7 @@ page_link = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
 
 def exists(name, beside):
     name = name.rstrip("./")
-    if name in others or f"spec/{name}" in others or ("/" not in name and name in basenames):
+    if name in others or ("/" not in name and name in basenames):
         return True
     places = [root, root / "include", root / "include/motionlang", beside]
     for place in places:

@@ -29,7 +29,8 @@ void forward_and_gradient(Case& c) {
   golden::out(c, "joints", joints);
   c.out_scalar("loss", static_cast<double>(loss.item()));
   const auto g = ml::backward(loss);
-  c.out("d_rotations", s, g[rotations].span());
+  const auto d_rotations = g[rotations];
+  c.out("d_rotations", s, d_rotations.span());
   golden::out(c, "d_betas", g[betas]);
   golden::out(c, "d_translation", g[translation]);
 }

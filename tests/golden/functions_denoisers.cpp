@@ -21,7 +21,8 @@ void mdm_smpl_forward(Case& c) {
   const auto text = golden::text_features<B>(c);
   const Index frames = c.shape("in/x")[1], tokens = c.shape("in/text")[1], width = m.skel_embedding.weight.size(0);
 
-  c.out("time_token", {x.count(), 1, width}, m.time_tokens(t).span());
+  const auto time_tokens = m.time_tokens(t);
+  c.out("time_token", {x.count(), 1, width}, time_tokens.span());
   golden::out(c, "text_tokens", ml::to_padded(m.text_tokens(text), 0, tokens));
   if (c.wants("sequence")) {
     // [time, text ... (padded), registers, frames (padded)]: what follows a shorter text stands behind its padding.

@@ -2,6 +2,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>
+#include <motionlang/metrics/guo_movement.hpp>
 
 #include "guo_models.hpp"
 

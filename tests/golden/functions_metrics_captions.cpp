@@ -1,4 +1,5 @@
 // Golden functions: descriptions against references, and what Guo's loader makes of captions and clips.
+#include <motionlang/datasets/described_words.hpp>
 #include <motionlang/datasets/guo_clip.hpp>
 #include <motionlang/metrics/bert_score.hpp>
 #include <motionlang/metrics/captions.hpp>

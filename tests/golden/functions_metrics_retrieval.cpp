@@ -1,4 +1,5 @@
 // Golden functions: retrieval, and matching in the space of Guo's networks.
+#include <motionlang/generate/text_latents.hpp>
 #include <motionlang/metrics/matching.hpp>
 #include <motionlang/metrics/retrieval.hpp>
 

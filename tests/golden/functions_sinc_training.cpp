@@ -4,6 +4,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>
+#include <motionlang/vae/sinc_losses.hpp>
 
 #include "teach_sinc.hpp"
 

@@ -5,7 +5,7 @@
 #include <motionlang/compose/baselines.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/features/guoh3d.hpp>
-#include <motionlang/systems/stmc.hpp>
+#include <motionlang/systems/sinc_baseline.hpp>
 
 #include "models.hpp"
 #include "timelines.hpp"
@@ -33,15 +33,16 @@ void stitching(Case& c) {
   for (Index i = 0; i < rows.offsets.count(); ++i) lengths.push_back(rows.offsets.length(i));
   const auto crops = ml::from_padded(tensor<B, 3>(c, "in/crops"), std::span<const Index>(lengths));
   const ml::Stitcher<B> stitch(plan, golden::layout_of(c), crops.offsets, plan.frames);
-  c.out("composite", {std::ssize(plan.timelines), plan.frames, shape.back()}, stitch(crops.rows).span());
+  const auto composite = stitch(crops.rows);
+  c.out("composite", {std::ssize(plan.timelines), plan.frames, shape.back()}, composite.span());
 }
 
 template <ml::Backend B>
 void interpolation(Case& c) {
   const auto plan = hard_cuts(c);
   const auto motion = golden::rows<B>(c, "in/motion");
-  c.out("motion", c.shape("in/motion"),
-        ml::interpolate_transitions(plan, golden::layout_of(c), motion, c.shape("in/motion")[1]).span());
+  const auto out = ml::interpolate_transitions(plan, golden::layout_of(c), motion, c.shape("in/motion")[1]);
+  c.out("motion", c.shape("in/motion"), out.span());
 }
 
 /// (timelines, frames, features) with zeros behind the end of each timeline; `stride` rows of x per timeline.
@@ -152,14 +153,12 @@ struct Host {
       if (t == 0) out("x0", cut(x0)), out("x_after_000", cut(x0));
       return x0;
     };
-    const auto motions =
-        stmc.generate_from(plan, z_of,
-                           {.guidance = config["guidance"].template as<double>(),
-                            .sampling = ml::SamplingOptions{.noise_scale = golden::noise_scale_of(config)},
-                            .mode = mode == "sinc"        ? ml::StmcMode::sinc
-                                    : mode == "sinc_lerp" ? ml::StmcMode::sinc_lerp
-                                                          : ml::StmcMode::stmc},
-                           watched);
+    const ml::StmcOptions options{.guidance = config["guidance"].template as<double>(),
+                                  .sampling = ml::SamplingOptions{.noise_scale = golden::noise_scale_of(config)}};
+    const bool sinc = mode == "sinc" || mode == "sinc_lerp";
+    const auto cuts = mode == "sinc" ? ml::SincCuts::hard : ml::SincCuts::interpolated;
+    const auto motions = sinc ? ml::sinc_baseline_from(stmc, plan, z_of, options, cuts, watched)
+                              : stmc.generate_from(plan, z_of, options, watched);
     std::vector<Index> lengths;
     for (const auto& m : motions) lengths.push_back(m.size(0));
     if (c.wants("n_frames")) c.out("n_frames", lengths);

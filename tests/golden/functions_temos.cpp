@@ -4,6 +4,7 @@
 #include <motionlang/backend/xtensor.hpp>
 #include <motionlang/core/torch_random.hpp>
 #include <motionlang/features/frame_sampling.hpp>
+#include <motionlang/vae/temos_gru.hpp>
 
 #include "seeds.hpp"
 #include "text_motion.hpp"

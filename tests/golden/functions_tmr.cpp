@@ -2,6 +2,7 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/backend/xtensor.hpp>
+#include <motionlang/vae/tmr_encoder.hpp>
 
 #include "text_motion.hpp"
 

@@ -2,6 +2,8 @@
 /// Laws of Backend: algebra that holds whatever the numbers are. Parity with the reference and derivatives are in
 /// tests/ops. A, B, C are matrices, x, y tensors of any shape, <x, y> = sum(x y):
 ///
+///     handles      what is made without anything, and what was moved from, has the shape (0) and no numbers; it can be
+///                  assigned to again, and operations refuse it
 ///     movement     permute, reshape, transpose, slice with concat, gather with its inverse: there and back, bit by bit
 ///     sharing      an operation on a temporary never shows through another handle or a view of the same memory
 ///     reduction    sums over axes in any order are equal; max(x) is in x and at least every x; of nothing 0 and
@@ -20,6 +22,7 @@
 
 #include <motionlang/tensor/fused.hpp>
 
+#include "../support/check_error.hpp"
 #include "../support/tensors.hpp"
 #include "../support/threads.hpp"
 
@@ -32,6 +35,28 @@ using tensors::distance, tensors::normal, tensors::same_bits;
 /// Rounding of a sum of some dozen terms.
 template <ml::Backend B>
 inline constexpr double sum_tolerance = 8 * tensors::tolerance<typename B::scalar>;
+
+template <ml::Backend B>
+void handle_laws() {
+  const typename B::tensor nothing{};
+  CHECK(ml::Shape(B::shape(nothing)) == ml::Shape{0});
+  CHECK(std::span<const typename B::scalar>(B::to_span(nothing)).empty());
+  auto x = normal<B, 2>({3, 4}, 1);
+  const auto values = x.to_vector();
+  auto y = std::move(x);
+  for (int again = 0; again < 2; ++again) {
+    CHECK(y.to_vector() == values);
+    CHECK(x.shape() == ml::Shape{0});  // NOLINT: what is left after a move is what is tested
+    CHECK_FALSE(x.defined());
+    CHECK(x.to_vector().empty());
+    CHECK_ERROR(ml::exp(x), "[motionlang.shape.206]");
+    CHECK_ERROR(x + x, "[motionlang.shape.206]");
+    CHECK_ERROR(x.at(0, 0), "[motionlang.shape.206]");
+    x = y;
+    CHECK(x.to_vector() == values);
+    y = std::move(x);
+  }
+}
 
 template <ml::Backend B>
 void movement_laws() {
@@ -103,7 +128,7 @@ void reduction_laws() {
     for (const auto s : largest.span()) CHECK(s == -std::numeric_limits<typename B::scalar>::infinity());
     const int other = axis == 0 ? 1 : 0;  // nothing is left
     CHECK(ml::sum(nothing, other).shape() == none.without(other));
-    CHECK(ml::max(nothing, other).span().empty());
+    CHECK(ml::max(nothing, other).to_vector().empty());
   }
 }
 
@@ -242,6 +267,7 @@ void batch_laws() {
 
 template <ml::Backend B>
 void backend_laws() {
+  handle_laws<B>();
   movement_laws<B>();
   sharing_laws<B>();
   reduction_laws<B>();

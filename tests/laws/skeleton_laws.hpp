@@ -72,7 +72,7 @@ void skeleton_laws(const ml::Skeleton& skeleton) {
 inline void layout_laws(const ml::FeatureLayout& layout) {
   layout.validate();
   std::vector<int> owners(static_cast<std::size_t>(layout.size));
-  for (int p = 0; p < ml::body_part_count; ++p) {
+  for (int p = 0; p < layout.body.size(); ++p) {
     const auto part = static_cast<ml::BodyPart>(p);
     ml::Index last = -1, count = 0;
     for (ml::Index i : layout.indices(part)) {

@@ -19,4 +19,6 @@ TEST_CASE("laws of feature layouts") {
   laws::layout_laws(ml::guoh3dfeats_layout());
   laws::layout_laws(ml::guoh3dfeats_layout(std::vector<ml::BodyPart>(21, ml::BodyPart::head)));
   laws::layout_laws(ml::FeatureLayout::from_owner("every fifth", 17, [](ml::Index i) { return ml::BodyPart(i % 5); }));
+  const ml::BodyPartition spider({.names = {"1", "2", "3", "4", "5", "6", "7", "8", "body"}, .path = "body"});
+  laws::layout_laws(ml::FeatureLayout::from_owner("spider", 31, spider, [](ml::Index i) { return i % 9; }));
 }

@@ -17,8 +17,6 @@ namespace ml = motionlang;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 std::string label(const std::string& text, const std::string& times = "") {
   return R"({"raw_label": "", "proc_label": ")" + text + R"(", "seg_id": "", "act_cat": null)" + times + "}";
 }

@@ -22,8 +22,6 @@ using B = ml::EigenBackend<float>;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 /// Bodies of three kinds, AMASS files with and without hands, and a walk.
 struct Wardrobe : TemporaryFolder {
   Wardrobe() {

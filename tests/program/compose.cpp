@@ -18,8 +18,6 @@ namespace ml = motionlang;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 /// A walk of 40 frames at 20 per second, and a pose of 30 frames at 10 in which every joint is bent.
 struct Clips : TemporaryFolder {
   Clips() {

@@ -12,8 +12,6 @@ using B = ml::EigenBackend<float>;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 /// A folder with a small model of twelve steps and two versions of a timeline of six texts.
 struct Edited : TemporaryFolder {
   Edited() {

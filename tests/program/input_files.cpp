@@ -16,8 +16,6 @@ namespace ml = motionlang;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 struct Originals : TemporaryFolder {
   void walk(const std::string& file, int frames = 20) const {
     std::filesystem::create_directories((*this / file).parent_path());

@@ -15,3 +15,5 @@ struct Outcome {
 /// program has said it. `input` is a file of the folder that it reads as standard input.
 Outcome run(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
             const std::string& interrupt_at = "", const std::string& input = "/dev/null");
+
+inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }

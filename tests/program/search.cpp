@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include <motionlang/backend/eigen.hpp>
 #include <motionlang/datasets/humanml3d_folder.hpp>
 #include <motionlang/file/id_list.hpp>
 #include <motionlang/formats/amass.hpp>
@@ -12,8 +13,9 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/search/unit_rows.hpp>
 #include <motionlang/search/vector_graph.hpp>
+#include <motionlang/train/presets.hpp>
+#include <motionlang/weights/text_motion_model.hpp>
 
-#include "../../examples/motionlang/train/text_motion_model.hpp"
 #include "../support/official_folders.hpp"
 #include "../support/synthetic_motion.hpp"
 #include "../support/temporary_folder.hpp"
@@ -26,15 +28,15 @@ using B = ml::EigenBackend<float>;
 namespace {
 
 void save_model(const fs::path& folder, std::uint64_t seed, const std::string& features = "guoh3d") {
-  auto config = program::tmr_preset("small");
+  auto config = ml::tmr_preset("small");
   config.features = features;
   config.network.latent_dim = 32, config.network.ff_size = 32, config.network.num_layers = 1;
   config.text.width = 16;
   std::vector<std::string> pieces{"[CLS]", "[SEP]", "[UNK]", "a", "person", "walks", "slowly", "turns", "left"};
   const ml::MotionFeatures& rows = ml::motion_features(features);
-  const auto model = program::make_text_motion<ml::Tmr, B>(config, rows.width, ml::WordPiece(pieces, "pieces"),
-                                                           ml::Philox{.seed = seed});
-  program::save_text_motion(folder, model, config, rows.fps, {{"license", "CC0"}, {"provenance", "random numbers"}});
+  const auto model =
+      ml::make_text_motion<ml::Tmr, B>(config, rows.width, ml::WordPiece(pieces, "pieces"), ml::Philox{.seed = seed});
+  ml::save_text_motion(folder, model, config, rows.fps, {{"license", "CC0"}, {"provenance", "random numbers"}});
 }
 
 ml::Motion walk(const std::string& name, int frames, double turn, double steps = 1.8) {
@@ -70,7 +72,6 @@ struct Gallery : TemporaryFolder {
   }
 };
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 void check_contains(const Outcome& o, int code, std::initializer_list<const char*> parts) {
   CHECK_MESSAGE(o.code == code, o.text);
   for (const std::string part : parts) CHECK_MESSAGE(contains(o.text, part), part << " in\n" << o.text);
@@ -154,7 +155,7 @@ TEST_CASE("index: a model of KIT's features has their rate, and sees clips on th
   CHECK(index.model().fps == 12.5);
 
   const auto& features = ml::motion_features("kit");
-  const auto model = program::load_text_motion<ml::Tmr, B>(g / "kit", program::read_text_motion_config(g / "kit"));
+  const auto model = ml::load_text_motion<ml::Tmr, B>(g / "kit", ml::read_text_motion_config(g / "kit"));
   const auto vector_of = [&](const ml::Motion& motion) {
     const auto rows = features.from_motion(ml::resample(motion, features.fps));
     const std::vector<float> values(rows.begin(), rows.end());

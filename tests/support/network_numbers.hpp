@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Numbers of tiny text networks with weights by a formula (spec text-encoders.md, section 12.3), from the reference
+/// Numbers of tiny text networks with weights by a formula (text_networks.hpp), from the reference
 /// implementations in double precision. clang-format off keeps them as they came.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The tiny body of spec body-models.md 8.1: five vertices, four joints, two shape coefficients.
+/// A tiny body: five vertices, four joints, two shape coefficients.
 /// tests/tools/make_pickles.py writes the same one into the pickles of tests/fuzz/corpus/pickle.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Tiny text networks for tests: their state dicts with weights by a formula (spec text-encoders.md, section 12.3).
+/// Tiny text networks for tests: their state dicts with weights by a formula.
 #pragma once
 
 #include <cmath>
@@ -103,7 +103,7 @@ inline std::pair<Shape, std::vector<double>> block_of_rows(const std::pair<Shape
   return {s, {from, from + s.count()}};
 }
 
-/// The tiny CLIP under the names of Hugging Face, by the table of spec text-encoders.md, section 5.
+/// The tiny CLIP under the names of huggingface/transformers, modeling_clip.py.
 inline Numbers hugging_face(const Numbers& openai) {
   Numbers out;
   for (const auto& [name, t] : openai) {

@@ -2,15 +2,16 @@
 /// The training set of a few made-up clips, read once.
 #pragma once
 
-#include "../../examples/motionlang/train/training_data.hpp"
+#include <motionlang/datasets/training_set.hpp>
+
 #include "captioned_clips.hpp"
 
 namespace captioned {
 
-inline const program::TrainingSet& training_set() {
-  static const program::TrainingSet set = [] {
+inline const motionlang::TrainingSet& training_set() {
+  static const motionlang::TrainingSet set = [] {
     const Clips clips;
-    return program::TrainingSet(clips.captions, clips.folder.path, {});
+    return motionlang::TrainingSet(clips.captions, clips.folder.path, {});
   }();
   return set;
 }

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/systems/stmc_reuse.hpp>
 #include <motionlang/weights/stmc_record.hpp>
 
 #include "../support/check_error.hpp"
@@ -166,8 +167,6 @@ TEST_CASE("progress counts steps, and a cancelled run leaves the record as it wa
   record.x0.pop_back();
   CHECK_ERROR(ml::regenerate(model, record, std::vector{edited_chain()}),
               "[motionlang.config.102] regenerate: the record has 2 steps, a run of this model 3");
-  CHECK_ERROR(ml::generate_recorded(model, std::vector{chain(seven)}, rng, {.mode = ml::StmcMode::sinc}, record),
-              "[motionlang.config.102]");
 }
 
 TEST_CASE("a record in a file: the same run, refused for another model") {

@@ -5,6 +5,7 @@
 
 #include <motionlang/backend/eigen.hpp>
 
+#include "../support/compositions.hpp"
 #include "../support/small_model.hpp"
 #include "../support/threads.hpp"
 
@@ -48,17 +49,17 @@ TEST_CASE("same seed, same bits, on any number of threads") {
 
 TEST_CASE("a timeline alone gives the bits that it gives in a batch") {
   const std::vector<Timeline> batch{small::several_tracks(), small::one_track(), small::one_text()};
-  for (auto mode : {ml::StmcMode::stmc, ml::StmcMode::sinc, ml::StmcMode::sinc_lerp}) {
-    const auto together = model().generate(batch, rng, {.mode = mode});
+  for (const auto how : compositions::all) {
+    const auto together = compositions::generate(how, model(), batch, rng);
     REQUIRE(together.size() == batch.size());
-    Index first = 0;  // number of the sequence in the batch: a timeline each, in the SINC modes a text each
+    Index first = 0;  // number of the sequence in the batch: a timeline each, in the baselines a text each
     for (std::size_t m = 0; m < batch.size(); ++m) {
-      const Index sequences = mode == ml::StmcMode::stmc ? 1 : std::ssize(batch[m].intervals);
+      const Index sequences = how == compositions::Composition::stmc ? 1 : std::ssize(batch[m].intervals);
       auto same_noise = [&](Index draw, const ml::Shape& shape) {
         return ml::slice(model().noise(rng, draw, {first + sequences, shape[1], shape[2]}), 0, first,
                          first + sequences);
       };
-      const auto alone = model().generate_from(std::span(&batch[m], 1), same_noise, {.mode = mode});
+      const auto alone = compositions::generate_from(how, model(), std::span(&batch[m], 1), same_noise);
       CHECK(alone.front().shape() == ml::Shape{batch[m].end(), 205});
       CHECK(small::numbers(alone.front()) == small::numbers(together[m]));
       first += sequences;
@@ -112,11 +113,12 @@ TEST_CASE("gaps are filled with the text \"\" on all parts") {
                        ml::timeline_error);
 }
 
-TEST_CASE("one text is plain text to motion: all modes agree") {
+TEST_CASE("one text is plain text to motion: the baselines agree") {
   const auto stmc = motion_of(small::one_text());
   CHECK(stmc.size() == 30 * 205);
-  CHECK(motion_of(small::one_text(), {.mode = ml::StmcMode::sinc}) == stmc);
-  CHECK(motion_of(small::one_text(), {.mode = ml::StmcMode::sinc_lerp}) == stmc);
+  const Timeline text = small::one_text();
+  for (const auto how : compositions::all)
+    CHECK(small::numbers(compositions::generate(how, model(), std::span(&text, 1), rng).front()) == stmc);
   CHECK(motion_of(small::one_text(), {.overlap = 0}) == stmc);
 }
 
@@ -125,8 +127,8 @@ TEST_CASE("intervals of one frame, and overlaps longer than the motion") {
   const Timeline tiny{{{"walk forward", 0, 1, parts}, {"sit down", 1, 2, BodyParts::all()}, {"walk", 2, 9, parts}}};
   const Timeline frame{{{"sit down", 0, 1, BodyParts::all()}}};
   for (Index overlap : {0, 1, 2, 10, 1000}) {
-    for (auto mode : {ml::StmcMode::stmc, ml::StmcMode::sinc, ml::StmcMode::sinc_lerp}) {
-      const auto motions = model().generate(std::vector{tiny, frame}, rng, {.overlap = overlap, .mode = mode});
+    for (const auto how : compositions::all) {
+      const auto motions = compositions::generate(how, model(), std::vector{tiny, frame}, rng, {.overlap = overlap});
       CHECK(motions[0].shape() == ml::Shape{9, 205});
       CHECK(motions[1].shape() == ml::Shape{1, 205});
       CHECK(small::is_finite(motions[0]));

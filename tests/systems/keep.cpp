@@ -73,11 +73,10 @@ TEST_CASE("what cannot be kept is refused") {
   const auto model = small::model_of<ml::MdmSmplDenoiser<B>>();
   const std::vector<Timeline> timelines{two_texts()};
   ml::KeptMotion<B> kept{some_motion(model), {{{0, 5}}}};
-  const auto around = [&](const ml::StmcOptions& options = {}) {
-    return ml::generate_around<B>(model, timelines, rng, options, std::span<const ml::KeptMotion<B>>(&kept, 1));
+  const auto around = [&] {
+    return ml::generate_around<B>(model, timelines, rng, {}, std::span<const ml::KeptMotion<B>>(&kept, 1));
   };
   CHECK_NOTHROW(around());
-  CHECK_ERROR(around({.mode = ml::StmcMode::sinc}), "[motionlang.config.102] generate_around: only StmcMode::stmc");
   CHECK_ERROR(ml::generate_around<B>(model, timelines, rng, {}, {}),
               "[motionlang.config.102] generate_around: 0 motions to keep for 1");
   for (const ml::IndexRange& frames : {ml::IndexRange{0, 21}, {-1, 3}, {5, 5}}) {

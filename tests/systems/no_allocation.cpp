@@ -7,6 +7,7 @@
 
 #include <motionlang/backend/xtensor.hpp>
 
+#include "../support/compositions.hpp"
 #include "../support/small_denoisers.hpp"
 #include "../support/threads.hpp"
 
@@ -76,16 +77,15 @@ TEST_CASE_TEMPLATE("no step after the second takes memory", B, ml::EigenBackend<
     const Threads scope(threads);
     for (auto sampler : {ml::SamplingOptions::Sampler::ddpm, ml::SamplingOptions::Sampler::ddim}) {
       for (double guidance : {1.0, 2.5}) {
-        for (auto mode : {ml::StmcMode::stmc, ml::StmcMode::sinc}) {
+        for (const auto how : {compositions::Composition::stmc, compositions::Composition::sinc}) {
           for (Index rows_at_once : {ml::usual_rows_at_once, Index{50}}) {
             ml::BufferPool::local().trim();
             Counter counter;
-            model.generate(timelines, ml::Philox{.seed = 1},
-                           {.guidance = guidance,
-                            .sampling = ml::SamplingOptions{.sampler = sampler, .eta = 0.5, .clip = true},
-                            .mode = mode,
-                            .rows_at_once = rows_at_once,
-                            .progress = counter});
+            compositions::generate(how, model, timelines, ml::Philox{.seed = 1},
+                                   {.guidance = guidance,
+                                    .sampling = ml::SamplingOptions{.sampler = sampler, .eta = 0.5, .clip = true},
+                                    .rows_at_once = rows_at_once,
+                                    .progress = counter});
             counter.check(12);
           }
         }

@@ -1,6 +1,7 @@
 // STMC over each of the three published denoisers, where windows around cuts have no frames.
 #include <doctest/doctest.h>
 
+#include "../support/compositions.hpp"
 #include "../support/small_denoisers.hpp"
 #include "../support/threads.hpp"
 
@@ -44,12 +45,12 @@ TEST_CASE_TEMPLATE("however few rows go through the denoiser at once, the motion
   ml::prepare(model);
   const std::vector<Timeline> timelines{
       {{{"walk forward", 0, 14, BodyParts::all()}, {"sit down", 14, 28, BodyParts::all()}}}, small::one_text(12)};
-  for (auto mode : {ml::StmcMode::stmc, ml::StmcMode::sinc}) {
-    const auto all = model.generate(timelines, noise_rng, {.mode = mode, .rows_at_once = 0});
+  for (const auto how : compositions::all) {
+    const auto all = compositions::generate(how, model, timelines, noise_rng, {.rows_at_once = 0});
     for (int threads : {1, 2}) {
       const Threads scope(threads);
       for (Index rows : {1, 30, 50, 1000}) {
-        const auto some = model.generate(timelines, noise_rng, {.mode = mode, .rows_at_once = rows});
+        const auto some = compositions::generate(how, model, timelines, noise_rng, {.rows_at_once = rows});
         for (std::size_t m : {0u, 1u}) CHECK_MESSAGE(small::numbers(some[m]) == small::numbers(all[m]), rows, " rows");
       }
     }
@@ -121,24 +122,25 @@ TEST_CASE("every text goes through the text encoder once, however often the time
                                           {"sit down", 9, 20, BodyParts::all()},
                                           {"walk forward", 20, 32, BodyParts::all()}}},
                                         {{{"sit down", 5, 20, BodyParts::all()}}}};
-  for (auto mode : {ml::StmcMode::stmc, ml::StmcMode::sinc}) {
-    const auto motions = listening.generate(timelines, noise_rng, {.mode = mode});
+  for (const auto how : compositions::all) {
+    const auto motions = compositions::generate(how, listening, timelines, noise_rng);
     CHECK(*listening.text_encoder.calls == std::vector<std::vector<std::string>>{{"", "walk forward", "sit down"}});
     listening.text_encoder.calls->clear();
-    const auto same = model.generate(timelines, noise_rng, {.mode = mode});
+    const auto same = compositions::generate(how, model, timelines, noise_rng);
     for (std::size_t m : {0u, 1u}) CHECK(small::numbers(motions[m]) == small::numbers(same[m]));
   }
 }
 
-TEST_CASE_TEMPLATE("every mode and overlap gives a motion, on intervals of a single frame too", D,
+TEST_CASE_TEMPLATE("STMC, its baselines and every overlap give a motion, on intervals of a single frame too", D,
                    ml::MdmSmplDenoiser<B>, ml::MdmDenoiser<B>, ml::MotionDiffuseDenoiser<B>) {
   const auto model = small::model_of<D>();
   const Timeline tiny{{{"walk forward", 0, 1, BodyParts::all()},
                        {"sit down", 1, 2, BodyParts{}.with(ml::BodyPart::legs)},
                        {"raise both arms", 4, 9, BodyParts{}.with(ml::BodyPart::left_arm)}}};
   for (Index overlap : {0, 1, 5}) {
-    for (auto mode : {ml::StmcMode::stmc, ml::StmcMode::sinc, ml::StmcMode::sinc_lerp}) {
-      const auto motion = model.generate(tiny, noise_rng, {.overlap = overlap, .mode = mode});
+    for (const auto how : compositions::all) {
+      const auto motion =
+          compositions::generate(how, model, std::span(&tiny, 1), noise_rng, {.overlap = overlap}).front();
       CHECK(motion.shape() == ml::Shape{9, 205});
       CHECK(small::is_finite(motion));
     }

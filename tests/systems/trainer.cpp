@@ -1,19 +1,21 @@
-// The trainer of the motionlang program: stopped and resumed, on one thread and on two, it makes the same numbers.
+// The trainer: stopped and resumed, on one thread and on two, it makes the same numbers.
 #include <doctest/doctest.h>
 
+#include <motionlang/backend/usual.hpp>
 #include <motionlang/formats/bvh.hpp>
+#include <motionlang/train/stmc_training.hpp>
 
-#include "../../examples/motionlang/train/stmc_training.hpp"
 #include "../support/threads.hpp"
 #include "../support/training_set.hpp"
 
 namespace ml = motionlang;
+using Stmc = ml::StmcTraining<ml::Autodiff<ml::EigenBackend<float>>>;
 
 namespace {
 
-const program::TrainingSet& data() { return captioned::training_set(); }
+const ml::TrainingSet& data() { return captioned::training_set(); }
 
-program::StmcTrainingConfig config() {
+ml::StmcTrainingConfig config() {
   return {.model = {.denoiser = {.latent_dim = 16, .ff_size = 24, .num_layers = 1, .num_heads = 2},
                     .text = {.width = 8, .heads = 2, .d_ff = 12, .layers = 1, .out = 8},
                     .diffusion_steps = 20},
@@ -31,7 +33,7 @@ struct Run {
 
   /// Trains until step `last`; goes on where an earlier call stopped, from the file.
   void until(ml::Index last) {
-    program::Trainer trainer(program::StmcTask(config(), data()));
+    ml::Trainer trainer(Stmc(config(), data()));
     if (std::filesystem::exists(checkpoint)) trainer.resume(checkpoint);
     while (trainer.steps_done() < last) losses.push_back(trainer.step());
     CHECK(trainer.record().losses.size() == static_cast<std::size_t>(last));
@@ -69,7 +71,7 @@ TEST_CASE(
   c.text_steps = 200;
   auto run = [&](int threads, const std::string& name) {
     const Threads scope(threads);
-    program::Trainer trainer(program::StmcTask(c, data()));
+    ml::Trainer trainer(Stmc(c, data()));
     trainer.task().export_model(folder / "before", {});
     const double loss = trainer.task().learn_texts();
     trainer.task().export_model(folder / name, {});
@@ -86,7 +88,7 @@ TEST_CASE(
   }
 
   c.seed = 2;
-  program::Trainer other(program::StmcTask(c, data()));
+  ml::Trainer other(Stmc(c, data()));
   other.task().take_denoiser(folder / "one");
   other.task().export_model(folder / "other", {});
   const auto taken = ml::SafetensorsFile::open(folder / "other");
@@ -97,7 +99,7 @@ TEST_CASE(
 }
 
 TEST_CASE("training changes every weight, and its export is a model") {
-  program::Trainer trainer(program::StmcTask(config(), data()));
+  ml::Trainer trainer(Stmc(config(), data()));
   const TemporaryFolder folder;
   trainer.task().export_model(folder / "before.safetensors", {});
   trainer.step();
@@ -128,7 +130,7 @@ TEST_CASE("a checkpoint that cannot be used is refused, and stays") {
 
   for (const std::size_t end : {std::size_t{0}, std::size_t{100}, good.size() - 1}) {
     ml::write_file(run.checkpoint, std::string_view(good).substr(0, end));
-    program::Trainer trainer(program::StmcTask(config(), data()));
+    ml::Trainer trainer(Stmc(config(), data()));
     CHECK_THROWS_WITH_AS(trainer.resume(run.checkpoint), doctest::Contains("[motionlang.io.402]"), ml::io_error);
     CHECK(trainer.steps_done() == 0);
     CHECK(run.state() == good.substr(0, end));
@@ -137,16 +139,16 @@ TEST_CASE("a checkpoint that cannot be used is refused, and stays") {
 
   auto other = config();
   other.model.denoiser.latent_dim = 32;
-  CHECK_THROWS_WITH_AS(program::Trainer(program::StmcTask(other, data())).resume(run.checkpoint),
+  CHECK_THROWS_WITH_AS(ml::Trainer(Stmc(other, data())).resume(run.checkpoint),
                        doctest::Contains("another denoiser.latent_dim (16, not 32)"), ml::config_error);
   other = config();
   other.vocabulary = 30;
-  CHECK_THROWS_WITH_AS(program::Trainer(program::StmcTask(other, data())).resume(run.checkpoint),
+  CHECK_THROWS_WITH_AS(ml::Trainer(Stmc(other, data())).resume(run.checkpoint),
                        doctest::Contains("another text.vocabulary;"), ml::config_error);
 
   other = config();
   other.lr *= 2;
-  CHECK_THROWS_WITH_AS(program::Trainer(program::StmcTask(other, data())).resume(run.checkpoint),
+  CHECK_THROWS_WITH_AS(ml::Trainer(Stmc(other, data())).resume(run.checkpoint),
                        doctest::Contains("another training.lr ("), ml::config_error);
 
   const captioned::Clips clips;
@@ -154,12 +156,12 @@ TEST_CASE("a checkpoint that cannot be used is refused, and stays") {
   captions.replace(captions.find("a person walks forward | someone walks"), 38,
                    "someone walks | a person walks forward");
   ml::write_file(clips.captions, captions);
-  const program::TrainingSet edited(clips.captions, clips.folder.path, {});
-  CHECK_THROWS_WITH_AS(program::Trainer(program::StmcTask(config(), edited)).resume(run.checkpoint),
+  const ml::TrainingSet edited(clips.captions, clips.folder.path, {});
+  CHECK_THROWS_WITH_AS(ml::Trainer(Stmc(config(), edited)).resume(run.checkpoint),
                        doctest::Contains("another training.data ("), ml::config_error);
 
   // a save that fails: the folder has become a file
-  program::Trainer trainer(program::StmcTask(config(), data()));
+  ml::Trainer trainer(Stmc(config(), data()));
   CHECK_THROWS_AS(trainer.save(run.checkpoint / "below"), ml::io_error);
   CHECK(run.state() == good);
 }
@@ -169,7 +171,7 @@ TEST_CASE("captions that cannot be used are refused with their line") {
   auto check = [&](const std::string& line, const std::string& message) {
     const auto file = clips.folder / "wrong.tsv";
     ml::write_file(file, "# clip\tstart\tend\tparts\tcaptions\n" + line + "\n");
-    CHECK_THROWS_WITH_AS(program::TrainingSet(file, clips.folder.path, {}), doctest::Contains(message.c_str()),
+    CHECK_THROWS_WITH_AS(ml::TrainingSet(file, clips.folder.path, {}), doctest::Contains(message.c_str()),
                          ml::io_error);
   };
   check("walk\t0\t2\tlegs", "wrong.tsv:2: expected clip, start, end, parts, captions");

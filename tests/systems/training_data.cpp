@@ -1,15 +1,16 @@
-// What the motionlang program trains on: captions that follow what is done to a clip, and the loss on feet.
+// What the bundled model is trained on: captions that follow what is done to a clip, and the loss on feet.
 #include <doctest/doctest.h>
 
 #include <numbers>
 
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/datasets/clip_lines.hpp>
+#include <motionlang/datasets/training_set.hpp>
 #include <motionlang/file/npy.hpp>
 #include <motionlang/kinematics/foot_contact.hpp>
+#include <motionlang/loss/foot_velocity.hpp>
 
-#include "../../examples/motionlang/train/clip_lines.hpp"
-#include "../../examples/motionlang/train/foot_loss.hpp"
 #include "../support/check_error.hpp"
 #include "../support/temporary_folder.hpp"
 #include "../support/training_set.hpp"
@@ -20,13 +21,13 @@ using A = ml::Autodiff<B>;
 
 namespace {
 
-const program::TrainingSet& data() { return captioned::training_set(); }
+const ml::TrainingSet& data() { return captioned::training_set(); }
 
-program::SampleOptions plain() {
+ml::SampleOptions plain() {
   return {.shortest = 30, .longest = 40, .no_text = 0, .compose = 0, .mirror = 0, .speed = 0, .tempo = 0, .reverse = 0};
 }
 
-double way_ahead(const program::Sample& s) {  // metres
+double way_ahead(const ml::TrainingSample& s) {  // metres
   double sum = 0;
   for (ml::Index f = 0; f < s.frames; ++f)
     sum += static_cast<double>(s.features[static_cast<std::size_t>(f * ml::smplrifke_size) + 2]);
@@ -35,7 +36,7 @@ double way_ahead(const program::Sample& s) {  // metres
 
 /// The mean of `value` over the samples whose caption is `caption`.
 template <class F>
-double mean_of(const program::SampleOptions& options, const std::string& caption, F value) {
+double mean_of(const ml::SampleOptions& options, const std::string& caption, F value) {
   double sum = 0, count = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     const auto s = data().draw(ml::Philox{.seed = seed}, options);
@@ -57,9 +58,9 @@ TEST_CASE("tables of clips: a name with its extension, a name without where one 
   ml::write_npy(folder / "Mean.npy", ml::NpyArray::of(std::span<const float>(std::vector<float>{1, 2}), {2}));
   const auto read = [&](const std::string& clip) {
     ml::write_file(folder / "t.tsv", clip + "\t0\t1\tlegs\twalk\n");
-    const auto line = program::read_captions(folder / "t.tsv", folder.path).front();
+    const auto line = ml::read_captions(folder / "t.tsv", folder.path).front();
     ml::write_file(folder / "t.tsv", clip + "\t0\t1\twalk\n");
-    const auto label = program::read_labels(folder / "t.tsv", folder.path).front();
+    const auto label = ml::read_labels(folder / "t.tsv", folder.path).front();
     CHECK((line.clip == label.clip && line.file == label.file && line.id == label.id && line.id == line.clip));
     return std::pair(line.clip, line.file.empty() ? "" : line.file.lexically_relative(folder.path).generic_string());
   };
@@ -76,7 +77,7 @@ TEST_CASE("tables of clips: a name with its extension, a name without where one 
     const std::string refusal = "[motionlang.io.403] " + (folder / "t.tsv").string() + ":2: 'a' may be " +
                                 (folder / "a.bvh").string() + " or " + (folder / "a.npz").string() +
                                 ": a name with its extension says which";
-    CHECK_ERROR(program::read_captions(folder / "t.tsv", folder.path), refusal.c_str());
+    CHECK_ERROR(ml::read_captions(folder / "t.tsv", folder.path), refusal.c_str());
   }
   // a data set, whose features have names of their own, and AMASS by the names of its folders
   fs::create_directories(folder / "new_joint_vecs");
@@ -90,12 +91,12 @@ TEST_CASE("tables of clips: a name with its extension, a name without where one 
 }
 
 TEST_CASE("a caption of walking played backwards says so, and one that says more has none") {
-  CHECK(program::reversed_caption("a person walks forward") == "a person walks backwards");
-  CHECK(program::reversed_caption("walk straight ahead slowly") == "walk straight backwards slowly");
+  CHECK(ml::reversed_caption("a person walks forward") == "a person walks backwards");
+  CHECK(ml::reversed_caption("walk straight ahead slowly") == "walk straight backwards slowly");
   for (const char* caption : {"walk", "walk forward and turn left", "step forward and kick", "jump forward", "",
                               "walk forward up the stairs", "lean forward"})
-    CHECK_MESSAGE(!program::reversed_caption(caption), caption);
-  CHECK(program::mirrored_caption("raise the left arm, turn right") == "raise the right arm, turn left");
+    CHECK_MESSAGE(!ml::reversed_caption(caption), caption);
+  CHECK(ml::mirrored_caption("raise the left arm, turn right") == "raise the right arm, turn left");
 }
 
 TEST_CASE("walking is played backwards, slower and faster, and the captions follow") {
@@ -122,7 +123,7 @@ TEST_CASE(
   }
   ml::write_bvh(folder / "bow.bvh", bow);
   ml::write_file(folder / "captions.tsv", std::string_view("bow\t0\t1.5\tspine\ta person bows\n"));
-  const program::TrainingSet set(folder / "captions.tsv", folder.path, {});
+  const ml::TrainingSet set(folder / "captions.tsv", folder.path, {});
   CHECK(!set.segments().front().loop);
   auto options = plain();
   for (ml::Index wanted : {30, 60, 150}) {
@@ -149,7 +150,7 @@ TEST_CASE("the loss on feet: nothing for the truth, the speed squared for a path
   const auto x0 = ml::Tensor<B, 2>::from(truth, shape);
   const ml::Offsets one(std::vector<ml::Index>{sample.frames});
 
-  const auto feet = program::feet_of(x0);  // by the rotations: the same as the joints in the features
+  const auto feet = ml::detail::feet_of(x0);  // by the rotations: the same as the joints in the features
   for (ml::Index f = 0; f < sample.frames; ++f) {
     for (std::size_t k = 0; k < 4; ++k) {
       for (std::size_t c = 0; c < 3; ++c) {
@@ -160,7 +161,7 @@ TEST_CASE("the loss on feet: nothing for the truth, the speed squared for a path
     }
   }
   auto loss = [&](const std::vector<double>& values) {
-    return program::foot_velocity_loss<A>(ml::Tensor<A, 2>::from(values, shape), x0, one, 20).item();
+    return ml::foot_velocity_loss<A>(ml::Tensor<A, 2>::from(values, shape), x0, one, 20).item();
   };
   CHECK(loss(truth) < 1e-20);
   auto sliding = truth;

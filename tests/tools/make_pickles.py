@@ -2,7 +2,7 @@
 """Writes the pickles of tests/fuzz/corpus/pickle: the synthetic body of the tests in several dialects, and hostile files.
 
 usage: make_pickles.py FOLDER
-The body is that of spec body-models.md 8.1; tests/support/synthetic_body.hpp computes the same numbers. Needs NumPy. SciPy and
+The body is that of tests/support/synthetic_body.hpp, which computes the same numbers. Needs NumPy. SciPy and
 chumpy are imitated: only the names of their classes stand in the files.
 """
 import collections, os, pathlib, pickle, struct, sys, types

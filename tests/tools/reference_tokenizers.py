@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""The tokenizers once more, plain and slow: the published algorithms (spec text-encoders.md 7 to 9) in Python, with the tables of
+"""The tokenizers once more, plain and slow: the published algorithms in Python, with the tables of
 Python's unicodedata, the entities of its html module and the published pattern in the regex module (Debian python3-regex).
 Nothing is shared with the C++ code. Prints the digests that tests/unit/text/published_tokenizers.cpp compares with.
 
 usage: reference_tokenizers.py DATA      DATA/tokenizers/{bert_vocab.txt,bpe_simple_vocab_16e6.txt.gz}, DATA/text/kitml-annotations.json
 
-Checks itself first on the 40 strings of the spec, whose ids come from the original implementations. A digest is FNV-1a, 64 bits,
+Checks itself first on 40 strings, whose ids come from the original implementations. A digest is FNV-1a, 64 bits,
 over the ids of all texts in the order of the file, each id as 4 bytes little-endian, each text followed by FF FF FF FF.
 """
 import gzip, html, html.entities, json, pathlib, re, sys, unicodedata
@@ -215,7 +215,7 @@ def digest(tokenizer, texts):
 
 
 def decorated(i, caption):
-    """A caption with one of the strings of the spec in its middle: captions alone are plain ASCII."""
+    """A caption with one of the 40 strings in its middle: captions alone are plain ASCII."""
     at = 7 * i % (len(caption) + 1)
     return caption[:at] + ROWS[i % len(ROWS)]["text"] + caption[at:]
 

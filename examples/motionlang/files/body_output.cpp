@@ -5,9 +5,8 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/formats/amass_body.hpp>
 #include <motionlang/formats/body_file.hpp>
-#include <motionlang/formats/body_glb.hpp>
 #include <motionlang/formats/figure_body.hpp>
-#include <motionlang/view/body_viewer.hpp>
+#include <motionlang/view/body_view.hpp>
 
 #include "../formatted.hpp"
 #include "../usage_error.hpp"
@@ -21,26 +20,15 @@ namespace fs = std::filesystem;
 using B = ml::EigenBackend<float>;
 
 std::string write(const fs::path& path, const ml::Body<B>& body, const std::string& name,
-                  std::vector<ml::Motion> motions, const std::vector<float>& betas) {
-  const std::size_t count = motions.size();
-  const std::string kind = kind_of(path);
-  const std::span<const float> shape(betas);
-  std::string files;
-  if (kind == ".glb") {
-    ml::write_body_glb(path, body, std::span<const ml::Motion>(motions), shape);
-  } else if (kind == ".html") {
-    std::vector<ml::ViewerMotion> shown;
-    for (ml::Motion& m : motions) shown.push_back({std::move(m)});
-    ml::write_body_viewer(path, body, std::span<const ml::ViewerMotion>(shown), shape);
-  } else if (kind == ".obj" && count == 1) {
-    files = ml::concat_text(" in ", counted(ml::write_body_objs(path, body, motions.front(), shape), "file"),
-                            ", one for each frame");
-  } else {
+                  std::span<const ml::Motion> motions, const std::vector<float>& betas) {
+  if (!ml::is_body_view(path, motions.size()))
     ml::raise<usage_error>(103, path.string(),
-                           ": motions on a body are written to .glb and .html, one alone also to .obj, not '", kind,
-                           "'");
-  }
-  return ml::concat_text(path.string(), files, ": ", counted(count, "motion"), " on ", name, " of ",
+                           ": motions on a body are written to .glb and .html, one alone also to .obj, not '",
+                           kind_of(path), "'");
+  const ml::Index count = ml::write_on_body(path, body, motions, std::span<const float>(betas));
+  const std::string files =
+      kind_of(path) == ".obj" ? ml::concat_text(" in ", counted(count, "file"), ", one for each frame") : "";
+  return ml::concat_text(path.string(), files, ": ", counted(motions.size(), "motion"), " on ", name, " of ",
                          body.model.vertices(), " vertices\n");
 }
 
@@ -56,7 +44,7 @@ class FreeBody : public ShownBody {
     if (motions.empty()) ml::raise<ml::config_error>(101, path.string(), ": no motion");
     auto body = ml::figure_body<B>(motions.front().skeleton);
     ml::prepare(body.model);
-    return program::write(path, body, "the free body", std::move(motions), betas_);
+    return program::write(path, body, "the free body", motions, betas_);
   }
 
  private:
@@ -102,7 +90,7 @@ class OwnBody : public ShownBody {
     for (ml::Motion& m : motions) {
       if (!has_joints_of(m)) m = on_smpl(m);
     }
-    return program::write(path, body_, to_string(body_.kind), std::move(motions), betas_.empty() ? betas : betas_);
+    return program::write(path, body_, to_string(body_.kind), motions, betas_.empty() ? betas : betas_);
   }
 
  private:

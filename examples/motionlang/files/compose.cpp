@@ -10,8 +10,7 @@
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/datasets/body_part_table.hpp>
 #include <motionlang/kinematics/blend.hpp>
-#include <motionlang/kinematics/motion_tools.hpp>
-#include <motionlang/kinematics/retarget.hpp>
+#include <motionlang/kinematics/match_motion.hpp>
 
 #include "../commands.hpp"
 #include "../option_checks.hpp"
@@ -68,17 +67,6 @@ std::string names_of(const ml::SincParts& parts) {
   return ml::join_text(names);
 }
 
-/// On the skeleton, at the rate and, where it comes from another skeleton, on the floor of another motion.
-ml::Motion like(const ml::Motion& other, ml::Motion m) {
-  if (m.skeleton != other.skeleton) {
-    m = ml::retarget(m, other.skeleton);  // on y = 0
-    ml::Motion standing = other;
-    const double up = ml::place_on_floor(standing);
-    for (auto& root : m.root) root.y -= up;
-  }
-  return m.fps == other.fps ? m : ml::resample(m, other.fps);
-}
-
 void write(const ComposeOptions& o, const ml::Motion& m) {
   std::fputs(write_motion(o.out, m, o.units).c_str(), stdout);
 }
@@ -87,9 +75,9 @@ void compose(const ComposeOptions& o) {
   require_folder_of(o.out);
   InputFiles(o.in).refuse(o.out);
   const auto clip = [&](const std::string& file) {
-    return on_smpl(read_only_performed_motion(file, options_in_folder(o.read, file)));
+    return on_smpl(read_only_performed_motion(file, ml::options_for_file(o.read, file)));
   };
-  const ml::Motion first = clip(o.in[0]), second = like(first, clip(o.in[1]));
+  const ml::Motion first = clip(o.in[0]), second = ml::match_motion(clip(o.in[1]), first);
   const ml::SincParts of_first = parts_of(o.first, o.table), of_second = parts_of(o.second, o.table);
   std::printf("%s: %s\n%s: %s\n", o.in[0].c_str(), names_of(of_first).c_str(), o.in[1].c_str(),
               names_of(of_second).c_str());
@@ -117,8 +105,8 @@ void join(const ComposeOptions& o) {
   InputFiles(o.in).refuse(o.out);
   std::optional<ml::Motion> whole;
   for (const std::string& file : o.in) {
-    for (ml::Motion& m : read_performed_motions(file, options_in_folder(o.read, file)))
-      whole = whole ? joined(*whole, like(*whole, std::move(m)), o.blend) : std::move(m);
+    for (ml::Motion& m : read_performed_motions(file, ml::options_for_file(o.read, file)))
+      whole = whole ? joined(*whole, ml::match_motion(std::move(m), *whole), o.blend) : std::move(m);
   }
   whole->name = std::filesystem::path(o.out).stem().string();
   write(o, *whole);

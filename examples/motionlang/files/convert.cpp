@@ -11,15 +11,13 @@
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/merged_body.hpp>
-#include <motionlang/kinematics/blend.hpp>
-#include <motionlang/kinematics/foot_lock.hpp>
+#include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/retarget.hpp>
-#include <motionlang/kinematics/smooth_motion.hpp>
 
 #include "../commands.hpp"
 #include "../formatted.hpp"
-#include "../generate/from_latent.hpp"
+#include "../generate/generation.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
 #include "box.hpp"
@@ -38,7 +36,7 @@ struct ConvertOptions {
   std::string in, out;  // out: "" of a folder: beside each motion
   std::string tensors, store, features;
   std::string denoise, action;            // a model, and the action that the motion shows
-  ModelSources sources;                   // of this model
+  ml::ModelSources sources;               // of this model
   std::string as;                         // of a folder: extension of what its files become
   std::string skeleton;                   // a motion on the skeleton that the result takes
   std::vector<std::string> hands;         // left, right: files of MANO that go into a file of SMPL-H
@@ -55,8 +53,12 @@ struct ConvertOptions {
 using Denoiser = std::function<ml::Motion(const ml::Motion&)>;
 Denoiser denoiser_of(const ConvertOptions& o) {
   if (o.denoise.empty()) return {};
-  const std::shared_ptr<const Generator> generator = load_generator("eigen", o.denoise, o.sources);
-  const FromLatent& model = from_latent(*generator, "--denoise", o.denoise);
+  const std::shared_ptr<const ml::MotionModel> generator = load_generator("eigen", o.denoise, o.sources);
+  const ml::LatentMotionModel& model = require_latent(*generator, "--denoise", o.denoise);
+  if (model.takes_actions() && o.action.empty())
+    ml::raise<usage_error>(102, "ACTOR has to know which action a motion shows to denoise it: --action names it");
+  if (!model.takes_actions() && !o.action.empty())
+    ml::raise<usage_error>(102, "--action '", o.action, "' is for ACTOR; this model reads the motion alone");
   return [generator, &model, &o](const ml::Motion& m) { return model.denoised(m, o.action); };
 }
 
@@ -86,39 +88,27 @@ struct Loaded {
 bool wants_smpl(const ConvertOptions& o, const Loaded& loaded, const ml::Motion& m) {
   if (loaded.body != nullptr && !loaded.body->has_joints_of(m)) return true;
   if (loaded.body != nullptr && o.body.file != "free") return false;
-  const bool others = !o.features.empty() && !on_joints_of(ml::motion_features(o.features), m);
-  const bool unknown_order = o.features.empty() && kind_of(o.out) == ".npy" && !on_joints_of_arrays(m);
+  const bool others = !o.features.empty() && !ml::has_joints_of(ml::motion_features(o.features), m);
+  const bool unknown_order = o.features.empty() && kind_of(o.out) == ".npy" && !ml::has_joints_of_arrays(m);
   return o.smpl || o.fix_feet || others || unknown_order || kind_of(o.out) == ".npz";
 }
 
 /// `report` is set if the joints were others than SMPL's and had to become these.
 ml::Motion edited(ml::Motion m, const ConvertOptions& o, const Loaded& loaded, ml::RetargetReport& report) {
-  if (o.from > 0 || o.to > 0) {
-    const auto frame = [&](double seconds) {
-      return static_cast<ml::Index>(std::min(static_cast<double>(m.frames()), seconds * m.fps + 0.5));
-    };
-    const double end = o.to > 0 ? o.to : m.seconds();
-    const ml::Index last = frame(end);
-    if (frame(o.from) >= last)
-      ml::raise<usage_error>(101, "convert: nothing of the ", m.seconds(), " s is between ", o.from, " and ", end,
-                             " s");
-    m = ml::crop(m, frame(o.from), last);
-  }
-  if (o.speed != 1) m = ml::change_speed(m, o.speed);
-  if (o.fps > 0) m = ml::resample(m, o.fps);
+  if (const auto [first, last] = ml::frames_between(m, o.from, o.to); (o.from > 0 || o.to > 0) && first >= last)
+    ml::raise<usage_error>(101, "convert: nothing of the ", m.seconds(), " s is between ", o.from, " and ",
+                           o.to > 0 ? o.to : m.seconds(), " s");
+  m = ml::edit_time(std::move(m), {.from = o.from, .to = o.to, .speed = o.speed, .fps = o.fps});
   if (loaded.denoised) m = loaded.denoised(m);
-  if (wants_smpl(o, loaded, m)) m = on_smpl(m, &report);
-  if (o.mirror) m = ml::mirror(m);
-  if (o.smooth) m = ml::smooth_motion(m);
-  if (o.fix_feet) {
-    ml::place_on_floor(m);
-    m = ml::fix_feet(m);
-  }
-  if (o.in_place) m = ml::in_place(m);
-  if (o.loop > 0) {
-    const double frames = std::min(o.loop * m.fps, 1e9);
-    m = ml::make_loop(m, std::max<ml::Index>(1, std::lround(frames))).motion;
-  }
+  const bool smpl = wants_smpl(o, loaded, m);
+  m = ml::edit_motion(std::move(m),
+                      {.smpl = smpl,
+                       .mirror = o.mirror,
+                       .smooth = o.smooth,
+                       .fix_feet = o.fix_feet,
+                       .in_place = o.in_place,
+                       .loop = o.loop},
+                      &report);
   if (loaded.skeleton && m.skeleton != *loaded.skeleton) m = ml::retarget(m, *loaded.skeleton);
   return m;
 }
@@ -135,7 +125,7 @@ double reach_of(const ml::Skeleton& skeleton) {
 /// extension.
 fs::path name_of(fs::path out, const std::string& name, std::set<std::string>& taken) {
   const std::string extension = out.extension().string();
-  return unique(out.replace_extension().string() + "_" + file_name(name), taken) + extension;
+  return unique_name(out.replace_extension().string() + "_" + safe_file_name(name), taken) + extension;
 }
 
 /// The page or the strip of a motion that is given no name: under the motion's whole name, as NAME.html beside NAME.bvh
@@ -239,7 +229,8 @@ class Conversion {
     } else if (o_.data_set != nullptr) {
       for (const ml::Motion& m : made_)
         attempt(m.name, [&] {
-          told_ += write_humanml3d(o_.out, unique(file_name(m.name), taken_), m, *o_.data_set, o_.fps, o_.replace);
+          told_ +=
+              write_humanml3d(o_.out, unique_name(safe_file_name(m.name), taken_), m, *o_.data_set, o_.fps, o_.replace);
         });
     } else {
       for (const ml::Motion& m : made_) {
@@ -253,9 +244,7 @@ class Conversion {
     loaded_.inputs.refuse(path);
     if (loaded_.body != nullptr) return loaded_.body->write(path, {m}, betas_);
     if (!o_.features.empty()) return write_features(path, m, o_.features, o_.fps);
-    if (!amass_ || kind_of(path) != ".npz") return write_motion(path, m, o_.scale);
-    ml::write_amass(path, on_smpl(m), *amass_);
-    return line_about(path, m);
+    return write_motion(path, m, {.scale = o_.scale, .body = amass_.value_or(ml::AmassBody{})});
   }
 
   const ConvertOptions& o_;
@@ -311,13 +300,13 @@ class FolderConversion {
     try {
       ConvertOptions one = o_;
       one.in = file.string();
-      one.read = options_in_folder(o_.read, file);
+      static_cast<ml::MotionReadOptions&>(one.read) = ml::options_for_file(o_.read, file);
       if (o_.out.empty()) {
         one.out = beside(file, o_.as).string();
       } else if (o_.data_set == nullptr) {
         const fs::path place = o_.out / file.lexically_relative(o_.in).replace_extension();
         fs::create_directories(place.parent_path());
-        one.out = unique(place.string(), taken_) + o_.as;
+        one.out = unique_name(place.string(), taken_) + o_.as;
       }
       Conversion conversion(one, loaded_, taken_);
       conversion.run();

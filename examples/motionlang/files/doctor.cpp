@@ -66,7 +66,7 @@ class Doctor {
       char about[96];
       std::snprintf(about, sizeof about, "%.2f s, %g frames per second, %s", m.seconds(), m.fps,
                     ml::counted(m.skeleton.size(), "joint").c_str());
-      if (!o_.clean.empty()) clean(m, seen, several ? name + " " + file_name(m.name) + ".bvh" : name);
+      if (!o_.clean.empty()) clean(m, seen, several ? name + " " + safe_file_name(m.name) + ".bvh" : name);
       found_.push_back({several ? name + " " + m.name : name, about, {}, std::move(seen.findings), {}});
       if (!o_.report.empty() && wants_strip(found_.back()))
         found_.back().strip = ml::film_strip_svg(m, {}, {.title = found_.back().name});
@@ -76,7 +76,7 @@ class Doctor {
   /// Returns no motions of a file that cannot be read or whose numbers are not finite, and notes the fault.
   std::vector<ml::Motion> readable_motions(const fs::path& file, const std::string& name) {
     try {
-      return read_motions(file, options_in_folder(o_.read, file));
+      return read_motions(file, ml::options_for_file(o_.read, file));
     } catch (const ml::numeric_error& e) {
       found_.push_back({name, "", {}, {{ml::Fault::not_finite, e.what()}}, {}});
       return {};
@@ -100,7 +100,7 @@ class Doctor {
   void clean(const ml::Motion& motion, const ml::Inspection& seen, const std::string& name) {
     if (seen.has(ml::Fault::not_finite) || seen.has(ml::Fault::empty)) return;
     const std::string stem = kind_of(name) == ".bvh" ? fs::path(name).replace_extension().string() : name;
-    const fs::path path = fs::path(o_.clean) / (unique(stem, copies_) + ".bvh");
+    const fs::path path = fs::path(o_.clean) / (unique_name(stem, copies_) + ".bvh");
     inputs_.refuse(path);
     fs::create_directories(path.parent_path());
     write_motion(path, ml::mended(motion, seen.cure));

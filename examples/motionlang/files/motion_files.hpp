@@ -1,4 +1,5 @@
-// Files of motion, by their extensions: what `convert`, `strip`, `view` and `info` read and write.
+// Files of motion as the commands read and write them: their options, checks of paths before long work, and the lines
+// that commands print. Reading and writing itself: motionlang/formats/motion_file.hpp, motionlang/view/view_file.hpp.
 #pragma once
 
 #include <filesystem>
@@ -9,11 +10,12 @@
 #include <string>
 #include <vector>
 
-#include <motionlang/features/motion_features.hpp>
-#include <motionlang/kinematics/retarget.hpp>
+#include <motionlang/datasets/data_set_form.hpp>
+#include <motionlang/features/feature_rows.hpp>
+#include <motionlang/formats/motion_folder.hpp>
+#include <motionlang/view/view_file.hpp>
 
 #include "../usage_error.hpp"
-#include "data_set_form.hpp"
 
 namespace CLI {
 class App;
@@ -30,43 +32,35 @@ inline constexpr const char* joints_help =
     "and 'LeftThigh' for instance; axes are those of the joint that point left and up in a T-pose, +x+y unless given. "
     "Of the character with --rig; else motions are put on SMPL's joints by it";
 
-struct MotionReadOptions {
-  double scale = 0.01;          // metres per unit of a BVH file
-  std::optional<double> fps{};  // of a GLB file, whose keys have times of their own; none: their rate, or 30
-  double rate = 0;              // of an .npy, .amc or .npz file that has none; 0: as published, 120 for AMC
-  std::string up{};             // axis of an .npy file with positions, "y" or "z"; "": found
-  std::string asf{};            // skeleton of an AMC file; "": asf_beside
-  std::string joints{};         // table by which motions are put on SMPL's joints; "": they stay on their own
-
+struct MotionReadOptions : ml::MotionReadOptions {
   /// --scale, --rate, --up, --asf, --joints
   void add_to(CLI::App& command);
   /// Throws usage_error 102 for an option that says nothing about files of this kind.
   void require_for(const std::filesystem::path& file) const;
 };
-/// The same for one of many files: an AMC file with a skeleton beside it is read with that one, an .npz file that says
-/// its rate at that one.
-MotionReadOptions options_in_folder(MotionReadOptions options, const std::filesystem::path& file);
+
+using ml::asf_beside;
+using ml::DataSetForm;
+using ml::find_data_set_form;
+using ml::holds_several;
+using ml::holds_together;
+using ml::is_gltf;
+using ml::is_motion_file;
+using ml::is_same_place;
+using ml::npy_shape;
+using ml::on_smpl;
+using ml::read_motions;
+using ml::rows_of_motion;
+using ml::safe_file_name;
+using ml::unique_name;
+using ml::write_motions;
 
 /// Extension of a file, in lower case: ".bvh".
-std::string kind_of(const std::filesystem::path& path);
+inline std::string kind_of(const std::filesystem::path& path) { return ml::file_kind(path); }
 
-/// Whether a file holds glTF, with any number of animations: .glb, .gltf, .vrm, .vrma.
-bool is_gltf(const std::filesystem::path& path);
-/// Whether files of this kind are made to hold motions: .bvh, .amc, .npz, .npy, .glb, .vrma. (read_motions knows .vrm
-/// and .gltf as well.)
-bool is_motion_file(const std::filesystem::path& path);
-
-/// The motion files in a folder and in those below it, in order, but not .npy files with one axis, which are mean and
-/// deviation of a data set. Folders below it that cannot be read and links that lead in a circle are skipped, and named
-/// on stderr.
-/// results  a folder for results: if it is below the other one, its files are no inputs, and stderr says so
-/// Throws   io_error 401 if the folder itself cannot be read
+/// ml::motion_files_below, with what was skipped on stderr.
 std::vector<std::filesystem::path> motion_files_below(const std::filesystem::path& folder,
                                                       const std::filesystem::path& results = {});
-/// Whether two paths lead to one place.
-bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
-/// Whether an .npy file may hold a motion: it has more than one axis, or it cannot be read, and its reader says why.
-bool has_frames(const std::filesystem::path& npy);
 
 /// Throws io_error 401 unless the folder is there in which a file is to be written: before long work rather than after
 /// it.
@@ -89,44 +83,18 @@ class OutputFolder {
   } made_;
 };
 
-/// The name of a motion as a part of a file's name: characters that some system does not allow there become "_".
-std::string file_name(std::string name);
-/// A name that no other has: a second "walk" becomes "walk_2".
-std::string unique(const std::string& name, std::set<std::string>& taken);
-
-/// The skeleton beside an AMC file: its subject's, as CMU has them (01.asf beside 01_02.amc), or else the only one in
-/// the folder.
-std::filesystem::path asf_beside(const std::filesystem::path& amc);
-
-/// The motions of a file: .bvh (every ROOT), .amc, .npz (AMASS), .npy (joints, features, or all of MDM's results),
-/// .glb, .gltf, .vrm, .vrma (every animation). Each has a name, and no two the same.
-/// told    gets lines about what a file has and the motions do not: bones that stretch
-/// Throws  config_error 103 for another extension and for a GLB file without animation, io_error 401 for an AMC file
-///         whose skeleton is not found, and what the reader throws
-std::vector<ml::Motion> read_motions(const std::filesystem::path& path, const MotionReadOptions& options = {},
-                                     std::string* told = nullptr);
-
 /// The motions of a file without T-poses that were put in front of them (detect_t_pose_lead_in): for what puts motions
 /// together. Prints what is left out.
-std::vector<ml::Motion> read_performed_motions(const std::filesystem::path& path,
-                                               const MotionReadOptions& options = {});
-
+std::vector<ml::Motion> read_performed_motions(const std::filesystem::path& path, ml::MotionReadOptions options = {});
 /// The only one of them. Throws config_error 102 if there are several, and as read_motions.
-ml::Motion read_only_performed_motion(const std::filesystem::path& path, const MotionReadOptions& options = {});
+ml::Motion read_only_performed_motion(const std::filesystem::path& path, ml::MotionReadOptions options = {});
 
-/// .bvh, .glb, .npz (AMASS), .npy (joint positions), .html (page to watch), .svg and .png (film strip).
-/// AMASS needs SMPL's skeleton: another motion is retargeted first. Returns a line about it. Throws usage_error 103 for
-/// another extension.
+/// ml::write_motion_or_view. Returns a line about it. Throws usage_error 103 for another extension.
 std::string write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre = 100);
+std::string write_motion(const std::filesystem::path& path, const ml::Motion& motion,
+                         const ml::MotionWriteOptions& options);
 /// The line: frames, rate, seconds and joints of a motion that is in a file now.
 std::string line_about(const std::filesystem::path& path, const ml::Motion& motion);
-
-/// Whether one file of this kind holds several motions: .glb, .html.
-bool holds_several(const std::filesystem::path& path);
-/// Whether one file of this kind holds these motions: those in GLB are on one skeleton.
-bool holds_together(const std::filesystem::path& path, std::span<const ml::Motion> motions);
-/// Such a file.
-void write_motions(const std::filesystem::path& path, std::span<const ml::Motion> motions);
 
 /// The features of a motion on SMPL's joints or on theirs, as the systems have them, one row for each frame, to an .npy
 /// file: at `fps` frames per second (0: the rate of the features). Returns a line about what it wrote. Throws
@@ -182,17 +150,5 @@ class ShownBody {
 };
 /// Null if the options name none. Throws what read_body throws.
 std::unique_ptr<const ShownBody> shown_body(const BodyOptions& options);
-
-/// The motion on SMPL's 24 joints. If it has them already, in whatever order (a BVH file goes depth first), they are
-/// only put in SMPL's order and bones keep their length; otherwise `report`, if there is one, is set.
-ml::Motion on_smpl(const ml::Motion& motion, ml::RetargetReport* report = nullptr);
-/// Whether a motion has the joints of these features, which are then made of it as it is; SMPL's or MMM's.
-bool on_joints_of(const ml::MotionFeatures& features, const ml::Motion& motion);
-/// Whether joints stand as a reader of a .npy without names expects them: SMPL's 22 or 24, or MMM's.
-bool on_joints_of_arrays(const ml::Motion& motion);
-/// The motion as it is if it has the joints of these features, else on SMPL's.
-ml::Motion on_joints_for(const ml::MotionFeatures& features, const ml::Motion& motion);
-/// The features of a motion on any joints, at `fps` frames per second: those of on_joints_for.
-std::vector<double> rows_of_motion(const ml::MotionFeatures& features, const ml::Motion& motion, double fps);
 
 }  // namespace program

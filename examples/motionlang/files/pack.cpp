@@ -2,11 +2,10 @@
 #include <cstdio>
 
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/weights/model_summary.hpp>
 #include <motionlang/weights/pack_run.hpp>
 
 #include "../commands.hpp"
-#include "model_summary.hpp"
-#include "weights.hpp"
 
 namespace program {
 
@@ -27,46 +26,10 @@ void run(const PackOptions& o) {
                    .sources = {.text_encoder = o.text_encoder, .statistics = o.statistics},
                    .text_encoder = o.with_text_encoder,
                    .tokenizer = o.tokenizer});
-  std::printf("%s\n%s", o.out.c_str(), describe_folder(o.out).c_str());
+  std::printf("%s\n%s", o.out.c_str(), ml::describe_folder(o.out).c_str());
 }
 
 }  // namespace
-
-std::string describe_folder(const std::filesystem::path& folder) {
-  const ml::RunFolder run = ml::find_run(folder);
-  std::string out, system = run.system;
-  const auto say = [&](std::string key, const std::string& value) {
-    key.resize(std::max<std::size_t>(key.size() + 1, 25), ' ');
-    if (!value.empty()) out += "  " + key + ml::printable(value) + "\n";
-  };
-  say("system", system);
-  if (system.empty()) return out;
-  say("options", run.options_file.string());
-  say("weights", run.weights.string());
-  for (const auto& [part, file] : run.parts) say(part, file.string());
-  if (system == "motionlang" || run.packed) {
-    const ml::ModelFolder model = ml::read_model_folder(folder);
-    if (!run.packed) say("model of", system = model.system);
-    say("license", model.license);
-    say("provenance", model.provenance);
-  }
-  if (system == "mdm" && run.system == "mdm" && ml::is_mdm_action_run(run)) system = "mdm of actions";
-  if (system != "stmc" && system != "mdm" && system != "motiondiffuse") {
-    try {
-      for (const auto& [key, value] : model_summary(run)) say(key, value);
-    } catch (const ml::error& e) {  // tensors are missing: what there is can be looked at all the same
-      say("not a whole model", e.what());
-    }
-    return out;
-  }
-  const ml::RunFolder inner = ml::detail::published_run(run);
-  const ml::DiffusionRun about = ml::diffusion_run(inner, ml::detail::run_weights(inner));
-  say("motions", ml::concat_text(about.features, ", ", ml::counted(about.width(), "number"), " a frame, ", about.fps,
-                                 " frames per second"));
-  say("diffusion", ml::concat_text(about.schedule, ", ", ml::counted(about.steps, "step")));
-  say("text encoder", about.text_encoder);
-  return out;
-}
 
 void add_pack(CLI::App& app) {
   const auto o = std::make_shared<PackOptions>();

@@ -1,12 +1,7 @@
 // Texts of motions from one file into another.
 #include "texts.hpp"
 
-#include <map>
-#include <vector>  // erase_if
-
-#include <motionlang/core/text_lines.hpp>
-#include <motionlang/datasets/babel.hpp>
-#include <motionlang/datasets/humanml3d_texts.hpp>
+#include <motionlang/datasets/annotated_texts.hpp>
 
 #include "../formatted.hpp"
 #include "input_files.hpp"
@@ -16,47 +11,8 @@ namespace program {
 
 namespace {
 
-/// Of BABEL's entries those with texts, of which the file of the test has none.
-std::vector<ml::AnnotatedMotion> read_annotated(const std::filesystem::path& path) {
-  std::vector<ml::AnnotatedMotion> motions;
-  const auto members = ml::JsonMembers::open(path);
-  for (const std::string& id : members.keys()) {
-    const nlohmann::json document = members.load(id);
-    const ml::JsonView entry(document, members.place(id));
-    const bool babel = ml::BabelFile::is_entry(entry);
-    motions.push_back(babel ? ml::annotated_motion(ml::BabelFile::parse(id, entry))
-                            : ml::AnnotationFile::parse(id, entry));
-    if (babel && motions.back().annotations.empty()) motions.pop_back();
-  }
-  if (motions.empty()) ml::raise<ml::config_error>(101, path.string(), ": no texts");
-  return motions;
-}
-
-/// Words have no tags, which only T2M's evaluator asks for. Times of a text for the whole motion are 0 and 0.
-std::vector<ml::MotionCaption> captions_of(const ml::AnnotatedMotion& m) {
-  std::vector<ml::MotionCaption> captions;
-  for (const ml::Annotation& a : m.annotations) {
-    const bool whole = a.start == 0 && a.end >= m.duration;
-    captions.push_back({std::string(ml::detail::trim(a.text)), {}, whole ? 0 : a.start, whole ? 0 : a.end});
-  }
-  return captions;
-}
-
-/// Files of captions cannot tell a text from 0 to 0 seconds from one for the whole motion. How many were left out.
-std::size_t without_momentary(ml::AnnotatedMotion& m) {
-  return std::erase_if(m.annotations, [](const ml::Annotation& a) { return a.start == a.end; });
-}
-
 void write_texts(const std::filesystem::path& folder, const std::vector<ml::AnnotatedMotion>& motions) {
-  std::map<std::string, std::string> files;  // all of them before the first is written: one may be refused
-  std::map<std::string, std::string> ids;
-  for (const ml::AnnotatedMotion& m : motions) {
-    const std::string name = file_name(m.id) + ".txt";
-    if (const auto [other, is_new] = ids.emplace(name, m.id); !is_new)
-      ml::raise<ml::config_error>(102, folder.string(), ": '", other->second, "' and '", m.id,
-                                  "' would both be the file ", name);
-    files[name] = ml::format_captions(captions_of(m), name);
-  }
+  const auto files = ml::caption_files(motions, folder.string());
   make_output_folder("output", folder / "texts");
   for (const auto& [name, text] : files) ml::write_file(folder / "texts" / name, text);
 }
@@ -72,11 +28,11 @@ std::string convert_texts(const std::filesystem::path& in, const std::filesystem
         103, out.string(), ": texts of motions are written to .json or, as files of captions, into a folder, not '",
         kind_of(out), "'");
   InputFiles{in}.refuse(out);
-  auto motions = read_annotated(in);
+  auto motions = ml::read_annotated_texts(in);
   std::string told;
   if (folder) {
     std::size_t momentary = 0;
-    for (ml::AnnotatedMotion& m : motions) momentary += without_momentary(m);
+    for (ml::AnnotatedMotion& m : motions) momentary += ml::drop_momentary_texts(m);
     if (momentary > 0)
       told = ml::concat_text(in.string(), ": ",
                              counted(momentary, "text of no duration is", "texts of no duration are"), " left out\n");

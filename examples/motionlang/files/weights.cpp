@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <map>
 
 #include <motionlang/file/npz.hpp>
 #include <motionlang/formats/amass_sequence.hpp>
-#include <motionlang/weights/module_file.hpp>
+#include <motionlang/weights/model_summary.hpp>
+#include <motionlang/weights/safetensors_copy.hpp>
 #include <motionlang/weights/weight_file.hpp>
 
 #include "input_files.hpp"
@@ -49,7 +49,7 @@ bool holds_joints(const std::filesystem::path& npy) {
 void show_weights(const std::filesystem::path& path) {
   const auto file = ml::open_weights(path);
   std::printf("%s: %s\n", path.string().c_str(), summary(file).c_str());
-  if (std::filesystem::is_directory(path)) std::printf("%s", ml::printable(describe_folder(path), "\n").c_str());
+  if (std::filesystem::is_directory(path)) std::printf("%s", ml::printable(ml::describe_folder(path), "\n").c_str());
   for (const ml::FileValue& v : file.values()) {
     const std::string text = to_string(v);
     const auto lines = std::count(text.begin(), text.end(), '\n') + 1;
@@ -70,22 +70,7 @@ void convert_weights(const std::filesystem::path& in, const std::filesystem::pat
   if (!keys.empty()) options.path = keys;
   const auto file = ml::open_weights(in, options);
   InputFiles(file.files()).refuse(out);
-  std::map<std::string, std::string> metadata;
-  for (const ml::FileValue& v : file.values()) {
-    if (ml::is_utf8(v.path)) metadata[v.path] = to_string(v);
-  }
-  metadata.try_emplace("format", "pt");
-  ml::TensorStore store;
-  std::vector<ml::TensorView> tensors;
-  for (const ml::TensorView& t : file.tensors()) {
-    if (stored && t.dtype >= ml::DType::F16 && t.dtype <= ml::DType::F64)
-      store.add(t.name, t.shape, std::span<const double>(ml::values_of<double>(t)), *stored);
-    else
-      tensors.push_back(t);
-  }
-  const auto rounded = store.views();
-  tensors.insert(tensors.end(), rounded.begin(), rounded.end());
-  ml::write_safetensors(out, tensors, metadata);
+  ml::write_safetensors_copy(out, file, stored);
   std::printf("%s: %s\n", out.string().c_str(), summary(ml::open_weights(out)).c_str());
   show_skipped(file);
 }

@@ -18,8 +18,6 @@ bool is_weights(const std::filesystem::path& path);
 bool holds_motion(const std::filesystem::path& npz);
 bool holds_joints(const std::filesystem::path& npy);
 
-/// Of the folder of a model: the system, its files, and what they say; "" of others.
-std::string describe_folder(const std::filesystem::path& folder);
 void show_weights(const std::filesystem::path& path);
 /// `keys` lead to the tensors in the file; found unless given. Floating-point numbers are rounded to `stored`, if
 /// given.

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <motionlang/compose/plan.hpp>
+#include <motionlang/weights/run_folder.hpp>
 #include <motionlang/weights/stmc_file.hpp>
 
 #include "../commands.hpp"
@@ -17,16 +18,19 @@ namespace {
 void run(const std::string& path, double fps, double overlap, const std::string& model, bool cut, bool in_turn) {
   ml::Index longest = 0;
   if (!model.empty()) {
-    const auto config = ml::stmc_config(ml::SafetensorsFile::open(model_file(model)));
+    const auto config = ml::stmc_config(ml::SafetensorsFile::open(ml::stmc_model_file(model)));
     fps = config.fps;
     longest = config.denoiser.longest_crop();
   }
   auto written = read_timelines(path, fps);
-  if (in_turn) std::fprintf(stderr, "%s", ml::printable(program::in_turn(written, fps), "\n").c_str());
-  std::fprintf(stderr, "%s", ml::printable(told_whole_body_texts(written, timeline_source(path)), "\n").c_str());
-  std::fprintf(stderr, "%s", ml::printable(told_hidden_texts(written, timeline_source(path)), "\n").c_str());
+  if (in_turn) make_in_turn(written, fps);
+  const std::string source = timeline_source(path);
+  warn(ml::whole_body_warnings(written, {.source = source}));
+  warn(ml::hidden_text_warnings(written, {.source = source}));
   auto timelines = written;
-  if (cut) cut_texts(timelines, fps);
+  for (ml::Timeline& t : timelines) {
+    if (cut) t = ml::cut_texts(t, fps);
+  }
   for (std::size_t m = 0; m < timelines.size(); ++m) {
     const auto plan = ml::plan_timeline(
         timelines[m],
@@ -39,7 +43,7 @@ void run(const std::string& path, double fps, double overlap, const std::string&
     for (const auto& i : plan.timeline.intervals) {
       std::printf("  %6.2f - %6.2f s  %-40s %s\n", static_cast<double>(i.start) / fps, static_cast<double>(i.end) / fps,
                   i.text.empty() ? "(no text: moves freely)" : ml::printable(i.text).c_str(),
-                  ml::join_text(listed(i.parts)).c_str());
+                  ml::join_text(ml::listed_parts(i.parts)).c_str());
     }
     for (int p = 0; p < ml::body_part_count; ++p) {
       std::printf("  %-10s", ml::body_part_names[static_cast<std::size_t>(p)].data());

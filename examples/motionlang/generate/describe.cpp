@@ -124,7 +124,9 @@ class Describer {
         return describe({place, "", 0, static_cast<double>(shape[0]) / features_.fps}, rows, rng);
       }
     }
-    const auto motions = read_motions(place.path, place.in_folder ? options_in_folder(o_.read, place.path) : o_.read);
+    ml::MotionReadOptions options = o_.read;
+    if (place.in_folder) options = ml::options_for_file(options, place.path);
+    const auto motions = read_motions(place.path, options);
     for (std::size_t m = 0; m < motions.size(); ++m) {
       const auto values = rows_of_motion(features_, motions[m], features_.fps);
       const std::vector<float> rows(values.begin(), values.end());

@@ -13,6 +13,8 @@
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/formats/glb_writer.hpp>
+#include <motionlang/generate/samples.hpp>
+#include <motionlang/generate/timeline_tracks.hpp>
 #include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/viewer.hpp>
 
@@ -23,8 +25,7 @@
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
-#include "from_latent.hpp"
-#include "known_words.hpp"
+#include "generation.hpp"
 #include "reuse.hpp"
 #include "timelines.hpp"
 
@@ -32,14 +33,15 @@ namespace program {
 
 namespace {
 
-struct GenerateOptions {
+struct GenerateCommand {
   std::string timeline, text, towards, model = default_model().string(), out = "out", backend = "eigen";
   bool action = false;               // whether the text names one
   bool in_turn = false;              // the actions of a text
   double seconds = 5;                // of the text
   std::optional<ml::Index> samples;  // of each timeline; 1, with `towards` 5
-  ModelSources sources;
-  GenerationSettings settings;
+  ml::ModelSources sources;
+  ml::GenerateOptions settings;
+  std::string sampler, noise;  // "": the model's own, the seed's
   std::string preset = "model";
   std::string reuse;  // a folder or a file
   bool record = false;
@@ -49,37 +51,26 @@ struct GenerateOptions {
   MachineOptions machine;
 };
 
-std::vector<ml::Track> tracks_of(const ml::Timeline& timeline, double fps) {
-  std::vector<ml::Track> tracks;
-  for (const auto& i : timeline.intervals) {
-    ml::Track track{i.text, static_cast<double>(i.start) / fps, static_cast<double>(i.end) / fps, {}};
-    for (const ml::BodyPart p : listed(i.parts)) track.parts.push_back(ml::to_string(p));
-    tracks.push_back(std::move(track));
-  }
-  return tracks;
-}
-
-/// One text for the whole body.
 ml::Timeline timeline_of(const std::string& text, double seconds, double fps) {
-  return {{{text, 0, ml::frame_at(seconds, fps), ml::BodyParts::all()}}};
+  return ml::whole_body_timeline(text, ml::frame_at(seconds, fps));
 }
 /// What the user wrote: one text, or timelines, which are read at once and become frames when the rate of the model is
 /// known.
 class WantedTimelines {
  public:
-  explicit WantedTimelines(const GenerateOptions& o) : o_(o), source_(timeline_source(o.timeline)) {
+  explicit WantedTimelines(const GenerateCommand& o) : o_(o), source_(timeline_source(o.timeline)) {
     if (!o.text.empty()) return;
     text_ = read_timeline_text(o.timeline);
-    count_ = timelines_of(text_, {.fps = 1, .as_published = true, .name = source_}).size();
+    count_ = ml::timelines_of_text(text_, {.fps = 1, .as_published = true, .name = source_}).size();
   }
   std::size_t count() const { return count_; }
   std::vector<ml::Timeline> at(double fps) const {
-    if (o_.text.empty()) return timelines_of(text_, {.fps = fps, .name = source_});
+    if (o_.text.empty()) return ml::timelines_of_text(text_, {.fps = fps, .name = source_});
     return {timeline_of(o_.text, o_.seconds, fps)};
   }
 
  private:
-  const GenerateOptions& o_;
+  const GenerateCommand& o_;
   std::string source_, text_;
   std::size_t count_ = 1;
 };
@@ -100,7 +91,7 @@ std::string name_of(const std::string& text) {
   while (!name.empty() && name.back() == '_') name.pop_back();
   return name.empty() ? "motion" : name;
 }
-std::string wanted_name(const GenerateOptions& o) {
+std::string wanted_name(const GenerateCommand& o) {
   if (o.timeline == standard_input) return "timeline";
   if (o.text.empty()) return std::filesystem::path(o.timeline).stem().string();
   return o.towards.empty() ? name_of(o.text) : name_of(o.text) + "_to_" + name_of(o.towards);
@@ -121,8 +112,8 @@ constexpr std::array motion_extensions{".bvh", ".glb", ".npz", ".npy", ".svg"};
 constexpr const char* page_extension = ".html";
 
 /// Throws usage_error 102 if one of the files is what is read: before long work rather than after it.
-void require_other_files(const GenerateOptions& o, const std::string& name, const std::vector<std::string>& motions) {
-  const InputFiles inputs{o.keep, o.timeline, o.rig.file, o.settings.noise_file};
+void require_other_files(const GenerateCommand& o, const std::string& name, const std::vector<std::string>& motions) {
+  const InputFiles inputs{o.keep, o.timeline, o.rig.file, o.noise};
   for (const std::string& motion : motions) {
     for (const char* extension : motion_extensions) inputs.refuse(std::filesystem::path(o.out) / (motion + extension));
   }
@@ -131,30 +122,28 @@ void require_other_files(const GenerateOptions& o, const std::string& name, cons
 
 /// `samples` motions of each timeline, one timeline after the other. The first is the motion of a run without others.
 std::vector<ml::ViewerMotion> samples_of(const std::vector<ml::Timeline>& timelines, ml::Index samples,
-                                         const std::vector<std::string>& names, const Generator& generator,
-                                         const GenerationSettings& settings) {
-  std::vector<ml::Timeline> all;
-  for (ml::Index s = 0; s < samples; ++s) all.insert(all.end(), timelines.begin(), timelines.end());
+                                         const std::vector<std::string>& names, const ml::MotionModel& generator,
+                                         ml::GenerateOptions settings) {
   ProgressBar bar("generating");
-  std::vector<ml::Motion> motions = generator.run(all, settings, bar);
+  settings.progress = bar;
+  auto motions = ml::generate_samples(generator, timelines, samples, settings);
   std::vector<ml::ViewerMotion> out;
   for (std::size_t t = 0; t < timelines.size(); ++t) {
-    for (ml::Index s = 0; s < samples; ++s) {
-      ml::Motion& m = motions[static_cast<std::size_t>(s) * timelines.size() + t];
+    for (ml::Motion& m : motions[t]) {
       m.name = names[out.size()];
-      out.push_back({std::move(m), tracks_of(timelines[t], generator.fps())});
+      out.push_back({std::move(m), ml::timeline_tracks(timelines[t], generator.fps())});
     }
   }
   return out;
 }
 
 /// Motions from the text or action to the other one.
-std::vector<ml::ViewerMotion> line_of(const GenerateOptions& o, const std::vector<std::string>& names,
-                                      const Generator& generator, const GenerationSettings& settings) {
+std::vector<ml::ViewerMotion> line_of(const GenerateCommand& o, const std::vector<std::string>& names,
+                                      const ml::MotionModel& generator, const ml::GenerateOptions& settings) {
   const ml::Timeline from = timeline_of(o.text, o.seconds, generator.fps()),
                      to = timeline_of(o.towards, o.seconds, generator.fps());
   const ml::Index count = std::ssize(names);
-  std::vector<ml::Motion> motions = from_latent(generator, "--towards", o.model).between(from, to, count, settings);
+  std::vector<ml::Motion> motions = require_latent(generator, "--towards", o.model).between(from, to, count, settings);
   std::vector<ml::ViewerMotion> out;
   for (ml::Index i = 0; i < count; ++i) {
     const double share = 100 * static_cast<double>(i) / static_cast<double>(count - 1);
@@ -164,7 +153,7 @@ std::vector<ml::ViewerMotion> line_of(const GenerateOptions& o, const std::vecto
           formatted("%s %.0f %%, %s %.0f %%", o.text.c_str(), 100 - share, o.towards.c_str(), share);
     ml::Motion& m = motions[static_cast<std::size_t>(i)];
     m.name = names[out.size()];
-    out.push_back({std::move(m), tracks_of(shown, generator.fps())});
+    out.push_back({std::move(m), ml::timeline_tracks(shown, generator.fps())});
   }
   return out;
 }
@@ -186,18 +175,16 @@ void write(const ml::ViewerMotion& made, const std::string& folder, const RigWri
               base.c_str());
 }
 
-/// A line for each text with words that the model never learned, or too long for it.
-void warn_of_texts(const GenerateOptions& o, const std::vector<ml::Timeline>& timelines, const Generator& generator) {
+/// A line for each text with words that the model never learned, or too long for it, and for each that it may not do.
+void warn_of_texts(const GenerateCommand& o, const std::vector<ml::Timeline>& timelines,
+                   const ml::MotionModel& generator) {
   std::set<std::string> texts{o.text, o.towards};
   for (const ml::Timeline& t : timelines) {
     for (const ml::Interval& i : t.intervals) texts.insert(i.text);
   }
-  const std::vector<std::string> known = generator.words();
-  for (const std::string& text : texts) {
-    std::fprintf(stderr, "%s", told_unknown_words(text, known).c_str());
-    if (const auto [pieces, read] = generator.length_of(text); pieces > read)
-      std::fprintf(stderr, "'%s': the model reads the first %td of its %td word pieces\n", text.c_str(), read, pieces);
-  }
+  for (const std::string& text : texts) warn(ml::text_warnings(generator, text));
+  const std::string source = timeline_source(o.timeline);
+  warn(ml::timeline_warnings(generator, timelines, o.settings, o.in_turn, {.source = source, .in_turn = "--in-turn"}));
 }
 
 /// From "0-1.5". Throws usage_error 101.
@@ -211,10 +198,10 @@ std::pair<double, double> stretch_of(const std::string& text) {
   return {*from, *to};
 }
 
-/// Null without --keep. Throws usage_error 101, 103 for what is no stretch of time and no body part.
-std::shared_ptr<const KeptClip> kept_clip(const GenerateOptions& o) {
-  if (o.keep.empty()) return nullptr;
-  KeptClip out{read_only_performed_motion(o.keep)};
+/// None without --keep. Throws usage_error 101, 103 for what is no stretch of time and no body part.
+std::optional<ml::KeptClip> kept_clip(const GenerateCommand& o) {
+  if (o.keep.empty()) return std::nullopt;
+  ml::KeptClip out{.motion = read_only_performed_motion(o.keep)};
   for (const std::string& stretch : o.keep_seconds) out.seconds.push_back(stretch_of(stretch));
   if (!o.keep_parts.empty()) out.parts = {};
   for (const std::string& name : o.keep_parts) {
@@ -223,10 +210,47 @@ std::shared_ptr<const KeptClip> kept_clip(const GenerateOptions& o) {
       ml::raise<usage_error>(103, "--keep-parts: '", name, "' is not one of ", ml::join_text(ml::body_part_names));
     out.parts = out.parts.with(*part);
   }
-  return std::make_shared<const KeptClip>(std::move(out));
+  return out;
 }
 
-void run(const GenerateOptions& o) {
+/// The options of the run, as the command line has them. `notes` are written by it.
+ml::GenerateOptions settings_of(const GenerateCommand& o, const std::string& name, ml::GenerateNotes& notes) {
+  ml::GenerateOptions settings = o.settings;
+  settings.notes = &notes;
+  settings.keep = kept_clip(o);
+  settings.noise = o.noise;
+  if (!o.sampler.empty()) settings.sampler = ml::parse_sampler(o.sampler);
+  if (o.preset == "fast") ml::use_fast_preset(settings);
+  if (o.preset == "full") ml::use_full_preset(settings);
+  if (!o.reuse.empty()) settings.reuse = record_file(o.reuse);
+  if (o.record || !o.reuse.empty()) settings.record = std::filesystem::path(o.out) / (name + record_extension);
+  return settings;
+}
+
+/// Throws usage_error 102 for options that the model does not take.
+void require_fitting(const GenerateCommand& o, const ml::MotionModel& generator) {
+  if (o.action && !generator.takes_actions())
+    ml::raise<usage_error>(102, "--action is for models of actions (ACTOR, MDM); this one takes --text");
+  if (o.settings.fact && !generator.draws_latents())
+    ml::raise<usage_error>(102, o.model,
+                           ": --fact is for models that draw a latent (ACTOR, TEMOS, TMR, SINC, TEACH); this is ",
+                           generator.system(), ", which draws none");
+  if (o.in_turn && generator.steps() == 0)
+    ml::raise<usage_error>(102, o.model, ": --in-turn is for models of timelines (STMC); this is ", generator.system());
+}
+
+/// What was reused, and how far kept frames came to be from where they were.
+void say(const ml::GenerateNotes& notes, const ml::GenerateOptions& settings) {
+  if (notes.reuse) std::printf("%s", reuse_lines(*notes.reuse, settings.keep_beyond).c_str());
+  constexpr double noticeable = 0.1;  // metres
+  if (notes.kept_moved > noticeable)
+    std::fprintf(stderr,
+                 "--keep: kept frames are up to %.2f m over the floor from where they were. Made frames before them, "
+                 "smoothing and feet that are fixed lead them there\n",
+                 std::ceil(100 * notes.kept_moved) / 100);
+}
+
+void run(const GenerateCommand& o) {
   o.machine.apply();
   const OutputFolder out("--out", o.out);
   const std::string name = wanted_name(o);
@@ -234,52 +258,25 @@ void run(const GenerateOptions& o) {
   const ml::Index samples = o.samples.value_or(o.towards.empty() ? 1 : 5);
   const auto names = names_of(name, wanted.count(), samples);
   require_other_files(o, name, names);
-  GenerationSettings settings = o.settings;
-  settings.keep = kept_clip(o);
-  if (!o.reuse.empty()) settings.reuse_file = record_file(o.reuse).string();
+  ml::GenerateNotes notes;
+  const ml::GenerateOptions settings = settings_of(o, name, notes);
   const RigWriter write_on_rig = rig_writer(o.rig);
   const auto generator = load_generator(o.backend, o.model, o.sources);
-  if (o.action && !generator->takes_actions())
-    ml::raise<usage_error>(102, "--action is for models of actions (ACTOR, MDM); this one takes --text");
-  if (o.settings.fact && !generator->draws_latents())
-    ml::raise<usage_error>(102, o.model,
-                           ": --fact is for models that draw a latent (ACTOR, TEMOS, TMR, SINC, TEACH); this is ",
-                           generator->system(), ", which draws none");
-  GenerationNotes notes;
-  settings.notes = &notes;
-  if (o.preset == "fast") use_fast_preset(settings);
-  if (o.preset == "full") use_full_preset(settings);
-  if (o.record || !o.reuse.empty())
-    settings.record_file = (std::filesystem::path(o.out) / (name + record_extension)).string();
+  require_fitting(o, *generator);
 
   auto timelines = o.towards.empty() ? wanted.at(generator->fps()) : std::vector<ml::Timeline>();
-  if (o.in_turn && generator->system() != diffusion_model)
-    ml::raise<usage_error>(102, o.model, ": --in-turn is for models of timelines (STMC); this is ",
-                           generator->system());
-  if (o.in_turn) std::fprintf(stderr, "%s", in_turn(timelines, generator->fps()).c_str());
+  if (o.in_turn) make_in_turn(timelines, generator->fps());
   warn_of_texts(o, timelines, *generator);
-  if (generator->system() == diffusion_model) {
-    std::fprintf(stderr, "%s", told_hidden_texts(timelines, timeline_source(o.timeline)).c_str());
-    std::fprintf(stderr, "%s", told_whole_body_texts(timelines, timeline_source(o.timeline)).c_str());
-    if (!o.in_turn && !generator->words().empty()) std::fprintf(stderr, "%s", told_several_actions(timelines).c_str());
-    if (settings.cut_texts && !generator->takes_actions())
-      std::fprintf(stderr, "%s", told_long_texts(timelines, generator->fps()).c_str());
-  }
+  if (!o.towards.empty()) require_latent(*generator, "--towards", o.model);
+  require_taken(settings, *generator);
   const auto made = o.towards.empty() ? samples_of(timelines, samples, names, *generator, settings)
                                       : line_of(o, names, *generator, settings);
-  std::printf("%s", notes.reuse.c_str());
-  constexpr double noticeable = 0.1;  // metres
-  if (notes.kept_moved > noticeable)
-    std::fprintf(stderr,
-                 "--keep: kept frames are up to %.2f m over the floor from where they were. Made frames before them, "
-                 "smoothing and feet that are fixed lead them there\n",
-                 std::ceil(100 * notes.kept_moved) / 100);
+  say(notes, settings);
   for (const ml::ViewerMotion& m : made) write(m, o.out, write_on_rig);
   const auto model =
       std::filesystem::is_directory(o.model) ? std::filesystem::path(o.model) : std::filesystem::path(o.model).stem();
-  const std::string drawn = settings.noise_file.empty()
-                                ? "seed " + std::to_string(notes.seed.value_or(settings.seed))
-                                : "noise " + std::filesystem::path(settings.noise_file).filename().string();
+  const std::string drawn = o.noise.empty() ? "seed " + std::to_string(notes.seed.value_or(settings.seed))
+                                            : "noise " + std::filesystem::path(o.noise).filename().string();
   const auto page = std::filesystem::path(o.out) / (name + page_extension);
   ml::write_viewer(page, made, {.title = name, .info = drawn + ", model " + model.filename().string()});
   std::printf("Open %s in a browser to watch it.\n", std::filesystem::absolute(page).string().c_str());
@@ -288,7 +285,7 @@ void run(const GenerateOptions& o) {
 }  // namespace
 
 void add_generate(CLI::App& app) {
-  const auto o = std::make_shared<GenerateOptions>();
+  const auto o = std::make_shared<GenerateCommand>();
   CLI::App* c =
       app.add_subcommand("generate", "Motion from a timeline of texts: BVH, GLB, NPZ, NPY, film strip, HTML page");
   const auto what = c->add_option_group("what", "What is to be done: one of these");
@@ -350,12 +347,12 @@ void add_generate(CLI::App& app) {
       c->add_option("--steps", o->settings.steps,
                     "Denoising steps, evenly kept of the model's, 0: all; as the weights ask unless given")
           ->check(not_negative());
-  const auto sampler = c->add_option("--sampler", o->settings.sampler, "How to sample; as the weights ask unless given")
+  const auto sampler = c->add_option("--sampler", o->sampler, "How to sample; as the weights ask unless given")
                            ->check(CLI::IsMember({"ddpm", "ddim"}));
   const auto preset =
       c->add_option("--preset", o->preset,
                     "model: sampler and steps that the weights ask for; full: all steps of ddpm; fast: " +
-                        std::to_string(fast_steps) +
+                        std::to_string(ml::fast_steps) +
                         " steps of ddim. The README says what that costs (motionlang judge --compare)")
           ->check(CLI::IsMember({"model", "full", "fast"}))
           ->excludes(steps)
@@ -373,7 +370,7 @@ void add_generate(CLI::App& app) {
       c->add_option("--overlap", o->settings.overlap, "Seconds that neighbouring texts share around a cut")
           ->check(not_negative())
           ->capture_default_str();
-  const auto noise = c->add_option("--noise", o->settings.noise_file,
+  const auto noise = c->add_option("--noise", o->noise,
                                    "safetensors file with noise/000 (initial), noise/001, ... instead of the seed")
                          ->excludes(seed);
   c->add_flag("--record", o->record,

@@ -1,13 +1,12 @@
 #include <motionlang/backend/reference.hpp>
-#include <motionlang/weights/stmc_file.hpp>
+#include <motionlang/generate/load_motion_model.hpp>
 
-#include "generation_over.hpp"
-#include "known_words.hpp"
+#include "generation.hpp"
 
 namespace program {
 
-std::unique_ptr<Generator> load_reference(const std::filesystem::path& model) {
-  return make_generator(ml::load_stmc<ml::ReferenceBackend<double>>(model), known_words(model));
+std::unique_ptr<ml::MotionModel> load_reference(const ml::MotionModelPlace& place, const ml::ModelSources& sources) {
+  return ml::load_diffusion_motion_model<ml::ReferenceBackend<double>>(place, sources);
 }
 
 }  // namespace program

@@ -1,13 +1,12 @@
 #include <motionlang/backend/xtensor.hpp>
-#include <motionlang/weights/stmc_file.hpp>
+#include <motionlang/generate/load_motion_model.hpp>
 
-#include "generation_over.hpp"
-#include "known_words.hpp"
+#include "generation.hpp"
 
 namespace program {
 
-std::unique_ptr<Generator> load_xtensor(const std::filesystem::path& model) {
-  return make_generator(ml::load_stmc<ml::XtensorBackend<double>>(model), known_words(model));
+std::unique_ptr<ml::MotionModel> load_xtensor(const ml::MotionModelPlace& place, const ml::ModelSources& sources) {
+  return ml::load_diffusion_motion_model<ml::XtensorBackend<double>>(place, sources);
 }
 
 }  // namespace program

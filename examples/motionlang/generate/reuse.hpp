@@ -6,7 +6,8 @@
 #include <optional>
 #include <string>
 
-#include <motionlang/systems/stmc_edit.hpp>
+#include <motionlang/core/error.hpp>
+#include <motionlang/systems/stmc_reuse.hpp>
 
 namespace program {
 
@@ -26,7 +27,7 @@ inline std::filesystem::path record_file(const std::filesystem::path& path) {
                           found.empty() ? ", which generate writes with --record" : "; name one of them");
 }
 
-inline std::string told(const ml::StmcReuse& r, std::optional<double> keep_beyond) {
+inline std::string reuse_lines(const ml::StmcReuse& r, std::optional<double> keep_beyond) {
   char text[400];
   const double work = r.whole_work == 0 ? 0 : 100.0 * static_cast<double>(r.work) / static_cast<double>(r.whole_work);
   std::snprintf(text, sizeof text, "reused: %td of %s are those of before; %.0f %% of the work of a whole run\n",

@@ -1,11 +1,10 @@
 // motionlang search: the motions of an index that fit words, or another motion.
-#include <algorithm>
 #include <cstdio>
-#include <map>
 
 #include <motionlang/file/json.hpp>
+#include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
-#include <motionlang/search/vector_graph.hpp>
+#include <motionlang/search/search.hpp>
 #include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/search_page.hpp>
 
@@ -31,20 +30,24 @@ struct SearchOptions {
   MotionReadOptions read;
   MachineOptions machine;
 
-  ml::ScanStorage storage() const {
-    return machine.precision == "bf16" ? ml::ScanStorage::bfloat16 : ml::ScanStorage::float32;
+  ml::SearchOptions search() const {
+    return {.top = top,
+            .what = moments    ? ml::SearchFor::moments
+                    : captions ? ml::SearchFor::captions
+                               : ml::SearchFor::clips,
+            .most_overlap = overlap,
+            .exact = exact,
+            .storage = machine.precision == "bf16" ? ml::ScanStorage::bfloat16 : ml::ScanStorage::float32};
   }
 };
 
 /// The part of a motion between two times. Throws usage_error 101 if nothing is there.
 ml::Motion part_of(const ml::Motion& m, double from, double to) {
-  const auto frame = [&](double seconds) {
-    return static_cast<Index>(std::clamp(seconds * m.fps + 0.5, 0.0, static_cast<double>(m.frames())));
-  };
-  if (frame(to) <= frame(from))
+  const auto [first, last] = ml::frames_between(m, from, to);
+  if (last <= first)
     ml::raise<usage_error>(101, "'", m.name, "': nothing of its ", m.seconds(), " s is between ", from, " and ", to,
                            " s");
-  return ml::crop(m, frame(from), frame(to));
+  return ml::crop(m, first, last);
 }
 
 class Search {
@@ -58,41 +61,29 @@ class Search {
       ml::raise<usage_error>(102, "search: --moments and --captions are two different searches");
     if (!o_.html.empty()) require_folder_of(o_.html);
     InputFiles{o_.index, o_.like}.refuse(o_.html);
-    const auto query = vector_of_query();
-    const auto search = ml::open_motion_search(file_, o_.exact, o_.storage());
-    const auto hits = o_.moments    ? search.moments(query, o_.top, o_.overlap)
-                      : o_.captions ? search.captions(query, o_.top)
-                                    : search.clips(query, o_.top);
-    for (const ml::MotionHit& h : hits)
-      found_.push_back({clip_of(h), h.start, h.end, (static_cast<double>(h.score) + 1) / 2, {}, {}});
+    for (const ml::MotionHit& h : ml::search(file_, vector_of_query(), o_.search()))
+      found_.push_back({ml::clip_of(index(), h), h.start, h.end, ml::score_of(h), {}, {}});
     o_.json ? say_json() : say();
     if (!o_.html.empty()) write_page();
   }
 
  private:
   const ml::MotionIndex& index() const { return file_.index(); }
-  const ml::IndexedClip& clip_of(const ml::MotionHit& h) const {
-    return index().clips()[static_cast<std::size_t>(h.clip)];
-  }
 
   std::vector<float> vector_of_query() const {
     const ml::IndexModel& made_with = index().model();
     const std::string path = o_.model.empty() ? made_with.path : o_.model;
-    const SearchModel model(path, o_.text_encoder.empty() ? made_with.text_encoder : o_.text_encoder);
-    index().require_model(model.id(), path);
-    if (!o_.text.empty()) return model.texts(std::span(&o_.text, 1));
+    const SearchModel model = search_model(path, o_.text_encoder.empty() ? made_with.text_encoder : o_.text_encoder);
+    index().require_model(model.model().id, path);
+    if (!o_.text.empty()) return model.encode_text(o_.text);
     const ml::Motion like = read_motions(o_.like, o_.read).front();
-    return model.clip(
-        model.rows(o_.from > 0 || o_.to > 0 ? part_of(like, o_.from, o_.to > 0 ? o_.to : like.seconds()) : like));
+    return ml::encode_motion(
+        model, o_.from > 0 || o_.to > 0 ? part_of(like, o_.from, o_.to > 0 ? o_.to : like.seconds()) : like);
   }
 
   const char* kind() const { return o_.moments ? "moments" : o_.captions ? "captions" : "clips"; }
   /// How many of them there are.
-  Index gallery() const {
-    return o_.moments    ? std::ssize(index().moments())
-           : o_.captions ? std::ssize(index().caption_clips())
-                         : index().count();
-  }
+  Index gallery() const { return ml::gallery_size(index(), o_.search().what); }
   std::string query_text() const { return o_.text.empty() ? "like " + o_.like : o_.text; }
 
   void say() const {
@@ -136,7 +127,7 @@ class Search {
       std::printf("Open %s in a browser to see them.\n", std::filesystem::absolute(o_.html).string().c_str());
   }
   ml::Motion motion_of(const ml::FoundMotion& f) const {
-    for (const ml::Motion& m : read_motions(f.clip.path, options_in_folder(o_.read, f.clip.path))) {
+    for (const ml::Motion& m : read_motions(f.clip.path, ml::options_for_file(o_.read, f.clip.path))) {
       if (f.clip.name.empty() || m.name == f.clip.name) return part_of(m, f.start, f.end);
     }
     ml::raise<ml::config_error>(103, f.clip.path, ": no motion '", f.clip.name, "' any more");

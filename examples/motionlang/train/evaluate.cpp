@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <map>
 
+#include <motionlang/weights/run_folder.hpp>
+
 #include "../commands.hpp"
 #include "../generate/generation.hpp"
 #include "../option_checks.hpp"
@@ -15,7 +17,7 @@ namespace {
 void run(const EvaluationOptions& o) {
   const auto begin = std::chrono::steady_clock::now();
   o.machine.apply();
-  const std::string found = system_of_run(o.model);
+  const std::string found = ml::system_of_run(o.model);
   const bool ours = found.empty() || found == "motionlang";
   const std::string system = ours ? ml::read_model_folder(o.model).system : found;
   if (system != "tmr" && o.synthesis)
@@ -23,11 +25,11 @@ void run(const EvaluationOptions& o) {
   if (system == "tmr" && o.moments > 0)
     evaluate_moments(o);
   else if (system == "tmr")
-    evaluate_tmr(o, read_text_motion_config(o.model));
+    evaluate_tmr(o, ml::read_text_motion_config(o.model));
   else if (system == "temos" && !ours)
     evaluate_published_temos(o);
   else if (system == "temos")
-    evaluate_temos(o, read_text_motion_config(o.model));
+    evaluate_temos(o, ml::read_text_motion_config(o.model));
   else if (system == "actor")
     evaluate_actor(o);
   else if (system == "classifier")
@@ -206,7 +208,7 @@ void add_evaluate(CLI::App& app) {
   c->add_option("--seed", o->seed, "Seed of what is generated")->check(seed_number())->capture_default_str();
   o->machine.add_to(*c);
   c->callback([o] {
-    o->model = model_folder(o->model);
+    o->model = ml::found_model_folder(o->model);
     run(*o);
   });
 }

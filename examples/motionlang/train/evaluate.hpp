@@ -6,10 +6,17 @@
 #include <motionlang/compose/teach_join.hpp>
 #include <motionlang/text/joined_labels.hpp>
 
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/weights/text_motion_model.hpp>
+
 #include "../machine_options.hpp"
-#include "text_motion_model.hpp"
 
 namespace program {
+
+namespace ml = motionlang;
+
+/// What models are measured on.
+using EvaluationBackend = ml::EigenBackend<float>;
 
 struct EvaluationOptions {
   std::filesystem::path model, data, captions, labels, annotations, splits, text_encoder, sentence_encoder, nsim,
@@ -35,9 +42,9 @@ struct EvaluationOptions {
 };
 
 /// Retrieval in both directions by the four protocols, of recorded motions and of such that were made for the texts.
-void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file);
+void evaluate_tmr(const EvaluationOptions& o, const ml::TextMotionFile& file);
 /// Errors of generated motions, and those of the mean pose and of random clips: of our training, or as published.
-void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file);
+void evaluate_temos(const EvaluationOptions& o, const ml::TextMotionFile& file);
 void evaluate_published_temos(const EvaluationOptions& o);
 
 /// Errors of motions for several labels at the same time, or for single ones; the TEMOS score. Of our training, or as

@@ -6,19 +6,21 @@
 #include <map>
 #include <set>
 
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/datasets/babel_motions.hpp>
 #include <motionlang/datasets/body_part_table.hpp>
 #include <motionlang/datasets/humanml3d_texts.hpp>
 #include <motionlang/features/smplh_joints.hpp>
 #include <motionlang/file/id_list.hpp>
 #include <motionlang/formats/body_file.hpp>
+#include <motionlang/generate/load_motion_model.hpp>
 #include <motionlang/metrics/temos_score.hpp>
-#include <motionlang/weights/vae_run.hpp>
+#include <motionlang/weights/sinc_checkpoint.hpp>
+#include <motionlang/weights/teach_checkpoint.hpp>
+#include <motionlang/weights/temos_checkpoint.hpp>
 
-#include "../generate/from_babel.hpp"
 #include "../progress_bar.hpp"
 #include "../usage_error.hpp"
-#include "babel_model.hpp"
-#include "babel_motions.hpp"
 #include "evaluate.hpp"
 #include "film_strips.hpp"
 #include "position_errors.hpp"
@@ -32,14 +34,8 @@ namespace {
 
 using Clip = ml::SmplVelpMotion<float>;
 
-ModelSources sources_of(const EvaluationOptions& o) { return {o.text_encoder.string(), o.statistics.string(), {}}; }
+ml::CheckpointOptions sources_of(const EvaluationOptions& o) { return {o.text_encoder, o.statistics}; }
 bool is_trained(const std::filesystem::path& model) { return ml::find_run(model).system == "motionlang"; }
-SincLatents sinc_of(const std::filesystem::path& folder, const ModelSources& sources) {
-  return is_trained(folder) ? trained_sinc(folder, sources) : published_sinc(folder, sources);
-}
-TeachLatents teach_of(const std::filesystem::path& folder, const ModelSources& sources) {
-  return is_trained(folder) ? trained_teach(folder, sources) : published_teach(folder, sources);
-}
 
 /// Calls f with the parts of a model that makes a motion of one text: SINC or TEACH, of our training or as published,
 /// or TEMOS as published.
@@ -47,32 +43,32 @@ TeachLatents teach_of(const std::filesystem::path& folder, const ModelSources& s
 /// features  that it has to have
 /// Throws    config_error 102 for other features or another rate, 103 for another system, and what the readers throw
 template <class F>
-void with_model(const std::string& option, const std::filesystem::path& folder, const ModelSources& sources,
+void with_model(const std::string& option, const std::filesystem::path& folder, const ml::CheckpointOptions& sources,
                 const ml::MotionFeatures& features, F f) {
   const auto take = [&](auto parts) {
-    if (parts.features->name != features.name || parts.fps != babel_fps)
+    if (parts.features->name != features.name || parts.fps != ml::babel_fps)
       ml::raise<ml::config_error>(102, option, " ", folder.string(), ": a model of ", parts.features->name, " at ",
-                                  parts.fps, " frames per second, the motions are ", features.name, " at ", babel_fps);
+                                  parts.fps, " frames per second, the motions are ", features.name, " at ",
+                                  ml::babel_fps);
     f(std::move(parts));
   };
   const bool ours = is_trained(folder);
-  const std::string system = ours ? ml::read_model_folder(folder).system : system_of_run(folder);
+  const std::string system = ours ? ml::read_model_folder(folder).system : ml::system_of_run(folder);
   if (system == "sinc")
-    take(sinc_of(folder, sources));
+    take(ml::load_sinc<B>(folder, sources));
   else if (system == "teach")
-    take(teach_of(folder, sources));
+    take(ml::load_teach<B>(folder, sources));
   else if (system == "temos" && !ours)
-    take(text_latents(ml::load_temos_run<B>(ml::find_run(folder),
-                                            {.text_encoder = sources.text_encoder, .statistics = sources.statistics})));
+    take(ml::load_temos<B>(folder, sources));
   else
     ml::raise<ml::config_error>(103, option, " ", folder.string(), ": a model of '", system,
                                 "'; taken are sinc and teach, and temos as published");
 }
 
 /// Throws config_error 102 for options that contradict each other.
-BabelSources babel_of(const EvaluationOptions& o) {
-  const BabelSources out{o.data, o.babel, o.validation, o.splits, o.spelling};
-  out.require_sound();
+ml::BabelSources babel_of(const EvaluationOptions& o) {
+  const ml::BabelSources out{o.data, o.babel, o.validation, o.splits, o.spelling};
+  as_usage([&] { out.require_sound(); });
   if (o.part == "all" && !(o.validation.empty() && o.splits.empty()))
     ml::raise<usage_error>(102, "--part all measures all of --babel: neither --babel-validation nor --splits");
   return out;
@@ -80,19 +76,19 @@ BabelSources babel_of(const EvaluationOptions& o) {
 
 /// Items of BABEL, which motions are measured, and what blind guesses are made of.
 struct Items {
-  DescribedMotions data;
-  const std::vector<DescribedMotion>* part = nullptr;
+  ml::DescribedMotions data;
+  const std::vector<ml::DescribedMotion>* part = nullptr;
   std::vector<Index> measured;  // of the part
 
-  /// lots    how clips are split; of `--part all` not at all
+  /// split   how clips are split; of `--part all` not at all
   /// reader  is asked for items as evaluations take them, of all parts
-  Items(const EvaluationOptions& o, const BabelSources& sources, const ml::MotionFeatures& features, DataConfig lots,
-        const BabelReader& reader) {
+  Items(const EvaluationOptions& o, const ml::BabelSources& sources, const ml::MotionFeatures& features,
+        ml::DataConfig split, const ml::BabelReader& reader) {
     const bool all = o.part == "all";
-    if (all) lots.test_share = lots.validation_share = 0;
+    if (all) split.test_share = split.validation_share = 0;
     ProgressBar bar("reading motions");
-    data = read_babel_motions(
-        sources, std::string(features.name), lots,
+    data = ml::read_babel_motions(
+        sources, std::string(features.name), split,
         [&](const ml::BabelSequence& s, Index frames, const ml::SpellingTable& spelling, bool) {
           return reader(s, frames, spelling, false);
         },
@@ -102,14 +98,14 @@ struct Items {
   }
   /// Chooses what is measured: of the items that are wanted, those that `--keys` names. Throws config_error 101 if
   /// there are none, io_error 401, 403 of the list.
-  void choose(const EvaluationOptions& o, const std::function<bool(const DescribedMotion&)>& wanted) {
+  void choose(const EvaluationOptions& o, const std::function<bool(const ml::DescribedMotion&)>& wanted) {
     std::set<std::string> keys;
     if (!o.keys.empty()) {
       const auto ids = ml::read_ids(o.keys);
       keys = {ids.begin(), ids.end()};
     }
     for (Index i = 0; i < std::ssize(*part); ++i) {
-      const DescribedMotion& m = (*this)[i];
+      const ml::DescribedMotion& m = (*this)[i];
       if (wanted(m) && (o.keys.empty() || keys.contains(m.id))) measured.push_back(i);
     }
     const std::string which = o.part == "all" ? o.babel.string() : "the " + o.part + " part",
@@ -120,17 +116,17 @@ struct Items {
   Items(const Items&) = delete;
   Items& operator=(const Items&) = delete;
 
-  const DescribedMotion& operator[](Index i) const { return (*part)[static_cast<std::size_t>(i)]; }
+  const ml::DescribedMotion& operator[](Index i) const { return (*part)[static_cast<std::size_t>(i)]; }
   /// The number among those to train on, if they are the ones that are measured.
   Index own(Index i) const { return part == &data.training ? i : -1; }
 };
 
-Clip recorded(const DescribedMotion& m) { return ml::smplvelp_inverse(std::span<const float>(m.rows)); }
+Clip recorded(const ml::DescribedMotion& m) { return ml::smplvelp_inverse(std::span<const float>(m.rows)); }
 /// Film strips of what was made and of what was recorded.
-void show(FilmStrips& strips, const std::string& text, const Clip& made, const DescribedMotion& truth) {
+void show(FilmStrips& strips, const std::string& text, const Clip& made, const ml::DescribedMotion& truth) {
   strips.add(
-      text, [&] { return ml::motion_of_smplvelp(made, babel_fps); },
-      [&] { return ml::motion_of_smplvelp(recorded(truth), babel_fps); });
+      text, [&] { return ml::motion_of_smplvelp(made, ml::babel_fps); },
+      [&] { return ml::motion_of_smplvelp(recorded(truth), ml::babel_fps); });
 }
 
 /// The joints of a set (joint_sets.hpp): those of the user's SMPL-H, or of our own skeleton, whose ankles stand for the
@@ -161,7 +157,8 @@ class ComparedJoints {
         out.push_back(ml::vec_cast<double>(ml::Vec3{x[i], x[i + 1], x[i + 2]}));
       return out;
     }
-    const auto own = ml::detail::turned_up(ml::detail::first_joints(ml::motion_of_smplvelp(clip, babel_fps), 22), true);
+    const auto own =
+        ml::detail::turned_up(ml::detail::first_joints(ml::motion_of_smplvelp(clip, ml::babel_fps), 22), true);
     Joints points, trans;  // of SMPL-H, of which a set has the first ones and the heels
     constexpr std::size_t of_body = 73, left_heel = 59, left_ankle = 7, right_ankle = 8;
     for (std::size_t t = 0; t < clip.trans.size(); ++t) {
@@ -172,10 +169,10 @@ class ComparedJoints {
     return ml::select_joints<double>(set_, points, trans);
   }
   /// Of motion i of those to train on.
-  std::function<Joints(Index)> of(const std::vector<DescribedMotion>& motions) const {
+  std::function<Joints(Index)> of(const std::vector<ml::DescribedMotion>& motions) const {
     return [this, &motions](Index i) { return (*this)(recorded(motions[static_cast<std::size_t>(i)])); };
   }
-  void tell() const {
+  void print() const {
     std::printf("joints of %s\n",
                 body_ ? "SMPL-H" : "our own skeleton; --body SMPLH_MALE compares those of SMPL-H as published");
   }
@@ -189,7 +186,8 @@ class ComparedJoints {
 class MotionLikeness {
  public:
   /// folder    a model of the same features (with_model)
-  MotionLikeness(const std::filesystem::path& folder, const ModelSources& sources, const ml::MotionFeatures& features)
+  MotionLikeness(const std::filesystem::path& folder, const ml::CheckpointOptions& sources,
+                 const ml::MotionFeatures& features)
       : exact_yaw_(features.name == "smplvelp") {
     with_model("--temos", folder, sources, features, [&](auto parts) {
       mean_of_ = [parts = std::move(parts)](const std::vector<float>& rows) {
@@ -252,7 +250,7 @@ struct Baseline {
 
 /// "independent": both actions alone, joined as TEACH's are; "joint": one motion of the text "a, b". Throws what
 /// with_model throws.
-/// Source  thesis A.3.3; spec teach.md 5.2
+/// Source  thesis A.3.3
 std::vector<Baseline> baselines_of(const EvaluationOptions& o, const ml::MotionFeatures& features,
                                    const JointErrors& none) {
   std::vector<Baseline> out;
@@ -290,17 +288,17 @@ std::string types_of(const std::string& items) {
 /// Source  thesis B.3.1
 class SeenPairs {
  public:
-  explicit SeenPairs(const std::vector<DescribedMotion>& training) {
-    for (const DescribedMotion& m : training) pairs_.insert(pair_of(m));
+  explicit SeenPairs(const std::vector<ml::DescribedMotion>& training) {
+    for (const ml::DescribedMotion& m : training) pairs_.insert(pair_of(m));
   }
-  bool is_new(const DescribedMotion& m) const {
+  bool is_new(const ml::DescribedMotion& m) const {
     const auto pair = pair_of(m);
     return !pair.contains("stand") && !pairs_.contains(pair);
   }
 
  private:
-  static std::multiset<std::string> pair_of(const DescribedMotion& m) {
-    const auto labels = labels_of(m);
+  static std::multiset<std::string> pair_of(const ml::DescribedMotion& m) {
+    const auto labels = ml::labels_of(m);
     return {labels.begin(), labels.end()};
   }
   std::set<std::multiset<std::string>> pairs_;
@@ -309,7 +307,7 @@ class SeenPairs {
 /// Labels as sentences. Where a file says which of their words are verbs, the second one gets its -ing form.
 class Sentences {
  public:
-  /// Throws config_error 102 for such a file where there is no -ing form, and what read_captions throws.
+  /// Throws config_error 102 for such a file where there is no -ing form, and what ml::read_captions throws.
   explicit Sentences(const EvaluationOptions& o) : conjunction_(o.conjunction), tags_(o.tags) {
     const bool has_gerund = o.conjunction == ml::Conjunction::while_ || o.conjunction == ml::Conjunction::during;
     if (tags_.empty()) {
@@ -325,7 +323,7 @@ class Sentences {
   void require(const Items& items) const {
     std::set<std::string> missing;
     for (const Index i : items.measured) {
-      const std::string plain = ml::join_labels(labels_of(items[i]), conjunction_);
+      const std::string plain = ml::join_labels(ml::labels_of(items[i]), conjunction_);
       if (!tags_.empty() && !words_.contains(plain)) missing.insert(plain);
     }
     if (missing.empty()) return;
@@ -338,7 +336,7 @@ class Sentences {
     if (tags_.empty()) return ml::join_labels(labels, conjunction_);
     return ml::join_labels(labels, conjunction_, [&](std::string_view plain) { return words_.at(std::string(plain)); });
   }
-  void tell() const {
+  void print() const {
     std::printf("two labels as in '%s'%s\n",
                 ml::join_labels(std::vector<std::string>{"walk", "wave"}, conjunction_).c_str(), verbs_.c_str());
   }
@@ -353,27 +351,27 @@ class Sentences {
 }  // namespace
 
 void evaluate_sinc(const EvaluationOptions& o) {
-  const BabelSources sources = babel_of(o);
+  const ml::BabelSources sources = babel_of(o);
   const bool unseen = o.items == "unseen";
   if (unseen && o.part == "all")
     ml::raise<usage_error>(102, "--items unseen needs motions to train on; --part all does not have any");
   const Sentences sentence_of(o);
   FilmStrips strips(o);
-  SincDataConfig config =
-      is_trained(o.model) ? read_babel_config<SincTrainingConfig>(o.model).config.data : SincDataConfig();
+  ml::SincDataConfig config =
+      is_trained(o.model) ? ml::read_babel_config<ml::SincTrainingConfig>(o.model).config.data : ml::SincDataConfig();
   config.types = types_of(o.items);
-  const SincLatents model = sinc_of(o.model, sources_of(o));
+  const auto model = ml::load_sinc<B>(o.model, sources_of(o));
   const ComparedJoints joints_of("smplnh", o.body);
   std::optional<MotionLikeness> likeness;
   if (!o.temos.empty()) likeness.emplace(o.temos, sources_of(o), *model.features);
   std::optional<ml::BodyPartTable> parts;
   if (!o.body_parts.empty()) parts = ml::open_body_part_table(ml::FilePath(o.body_parts));
-  Items items(o, sources, *model.features, lots_of(config), sinc_reader(config));
+  Items items(o, sources, *model.features, ml::split_config(config), ml::sinc_reader(config));
   const SeenPairs seen(items.data.training);
-  items.choose(o, [&](const DescribedMotion& m) { return m.texts.size() <= 2 && (!unseen || seen.is_new(m)); });
+  items.choose(o, [&](const ml::DescribedMotion& m) { return m.texts.size() <= 2 && (!unseen || seen.is_new(m)); });
   sentence_of.require(items);
-  sentence_of.tell();
-  joints_of.tell();
+  sentence_of.print();
+  joints_of.print();
 
   const JointErrors none(ml::sinc_rifke());
   SampledErrors sampled(none, o.samples);
@@ -383,8 +381,8 @@ void evaluate_sinc(const EvaluationOptions& o) {
   ProgressBar bar("generating");
   for (std::size_t k = 0; k < items.measured.size(); ++k) {
     const Index i = items.measured[k];
-    const DescribedMotion& d = items[i];
-    const auto labels = labels_of(d);
+    const ml::DescribedMotion& d = items[i];
+    const auto labels = ml::labels_of(d);
     const Joints truth = joints_of(recorded(d));
     const ml::Offsets length{std::ssize(d.rows) / items.data.width};
     const auto made = [&](const ml::Sequences<B>& tokens, const ml::Philox& noise, Index count,
@@ -420,31 +418,31 @@ void evaluate_sinc(const EvaluationOptions& o) {
   }
   bar.finish();
   print_error_heads();
-  sampled.print();
+  print_errors(sampled);
   print_errors("mean of the latent", at_mean.result());
   if (composed.clips() > 0) print_errors("labels alone, composed", composed.result());
-  blind.print();
+  print_errors(blind);
   if (likeness) likeness->print();
 }
 
 void evaluate_teach(const EvaluationOptions& o) {
-  const BabelSources sources = babel_of(o);
+  const ml::BabelSources sources = babel_of(o);
   FilmStrips strips(o);
-  const TeachDataConfig config =
-      is_trained(o.model) ? read_babel_config<TeachTrainingConfig>(o.model).config.data : TeachDataConfig();
-  const TeachLatents model = teach_of(o.model, sources_of(o));
+  const ml::TeachDataConfig config =
+      is_trained(o.model) ? ml::read_babel_config<ml::TeachTrainingConfig>(o.model).config.data : ml::TeachDataConfig();
+  const auto model = ml::load_teach<B>(o.model, sources_of(o));
   const ComparedJoints joints_of("mmmns", o.body);
   const ml::RifkeVariant variant = ml::temos_rifke();
   const JointErrors none(variant);
   std::vector<Baseline> baselines = baselines_of(o, *model.features, none);
-  Items items(o, sources, *model.features, lots_of(config), teach_reader(config));
-  items.choose(o,
-               [](const DescribedMotion& m) { return m.texts[0].frames.length > 1 && m.texts[1].frames.length > 1; });
+  Items items(o, sources, *model.features, ml::split_config(config), ml::teach_reader(config));
+  items.choose(
+      o, [](const ml::DescribedMotion& m) { return m.texts[0].frames.length > 1 && m.texts[1].frames.length > 1; });
   using enum ml::Alignment;
   std::printf("the second action %s, %s between them interpolated\n",
               o.alignment == full ? "turned and moved to the end of the first" : "moved to the end of the first",
               ml::counted(o.slerp_window, "frame").c_str());
-  joints_of.tell();
+  joints_of.print();
 
   SampledErrors sampled(none, o.samples);
   JointErrors at_mean = none;
@@ -455,10 +453,10 @@ void evaluate_teach(const EvaluationOptions& o) {
   ProgressBar bar("generating");
   for (std::size_t k = 0; k < items.measured.size(); ++k) {
     const Index i = items.measured[k];
-    const DescribedMotion& d = items[i];
+    const ml::DescribedMotion& d = items[i];
     const Index first = d.texts[0].frames.length;  // the rest is the transition and the second action
     const ml::Offsets lengths{first, std::ssize(d.rows) / items.data.width - first};
-    const auto labels = labels_of(d);
+    const auto labels = ml::labels_of(d);
     const auto tokens = model.tokens(labels);
     const auto made = [&](Index sample, Index window, const ml::LatentSampling& how) {
       return ml::actions_to_motion(model.model, tokens, lengths, rng.split(static_cast<std::uint64_t>(sample)), window,
@@ -494,10 +492,10 @@ void evaluate_teach(const EvaluationOptions& o) {
   }
   bar.finish();
   print_error_heads();
-  sampled.print();
+  print_errors(sampled);
   print_errors("mean of the latent", at_mean.result());
   for (const Baseline& b : baselines) print_errors(b.name, b.errors.result());
-  blind.print();
+  print_errors(blind);
   const auto count = static_cast<double>(items.measured.size());
   std::printf("\n  transition distance (m), nothing interpolated\n");
   const auto print = [&](const std::string& what, double sum) {

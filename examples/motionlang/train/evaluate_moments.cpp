@@ -8,12 +8,14 @@
 #include <cstdio>
 #include <set>
 
+#include <motionlang/datasets/described_motions.hpp>
 #include <motionlang/metrics/retrieval.hpp>
 #include <motionlang/search/unit_rows.hpp>
 
 #include "../progress_bar.hpp"
 #include "../search/search_model.hpp"
 #include "evaluate.hpp"
+#include "training_command.hpp"
 
 namespace program {
 
@@ -28,12 +30,12 @@ struct LongMotion {
 };
 
 /// Joins `clips` random clips, no two of one text. It joins fewer if a thousand draws find no other text.
-LongMotion joined(const std::vector<DescribedMotion>& motions, Index width, Index clips, ml::Philox rng) {
+LongMotion joined(const std::vector<ml::DescribedMotion>& motions, Index width, Index clips, ml::Philox rng) {
   LongMotion out;
   std::set<std::string> said;
   for (int tries = 0; tries < 1000 && std::ssize(out.texts) < clips; ++tries) {
-    const DescribedMotion& m = motions[rng.below(static_cast<std::uint32_t>(motions.size()))];
-    const DescribedText& t = m.texts.front();
+    const ml::DescribedMotion& m = motions[rng.below(static_cast<std::uint32_t>(motions.size()))];
+    const ml::DescribedText& t = m.texts.front();
     if (!said.insert(t.text).second) continue;
     out.stretches.push_back({std::ssize(out.rows) / width, t.frames.length});
     out.texts.push_back(t.text);
@@ -59,15 +61,13 @@ void print(const Answers& a, std::span<const ml::FrameSlice> wanted) {
 }  // namespace
 
 void evaluate_moments(const EvaluationOptions& o) {
-  const TextMotionFile file = read_text_motion_config(o.model);
-  const SearchModel model(o.model, o.text_encoder);
+  const ml::TextMotionFile file = ml::read_text_motion_config(o.model);
+  const SearchModel model = search_model(o.model, o.text_encoder);
+  const double fps = model.model().fps;
   auto config = file.config.data;
   config.mirror = false;
-  const auto data = [&] {
-    ProgressBar bar("reading motions");
-    return read_described_motions({o.data, o.captions, {}, o.annotations, o.splits}, config,
-                                  row_maker(file.config.features), bar);
-  }();
+  const auto data =
+      read_motions_of({o.data, o.captions, {}, o.annotations, o.splits}, config, ml::row_maker(file.config.features));
   const auto& part = data.part(o.part);
   if (part.empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
 
@@ -76,25 +76,24 @@ void evaluate_moments(const EvaluationOptions& o) {
   answers.push_back({"all lengths", {}});
   Answers chance{"a random window", {}};
   std::vector<ml::FrameSlice> wanted;
-  const Index stride = std::max<Index>(1, std::lround(o.stride * model.fps()));
+  const Index stride = std::max<Index>(1, std::lround(o.stride * fps));
   ProgressBar bar("looking for moments");
   for (Index k = 0; k < o.moments; ++k) {
     auto rng = ml::Philox{.seed = o.seed}.split("moments").split(static_cast<std::uint64_t>(k));
     const LongMotion motion = joined(part, data.width, o.joined, rng.split("clips"));
     if (std::ssize(motion.texts) < 2)
       ml::raise<ml::config_error>(101, "the part '", o.part, "' has fewer than two different texts");
-    const auto rows = model.normalized(motion.rows);
+    const auto rows = model.normalised(motion.rows);
     std::vector<ml::FrameSlice> windows;
     std::vector<std::size_t> ends;  // of the windows of each length
     for (const double seconds : o.windows) {
-      const auto own =
-          ml::moment_windows(model.frames(rows), std::max<Index>(1, std::lround(seconds * model.fps())), stride);
+      const auto own = ml::moment_windows(model.frames(rows), std::max<Index>(1, std::lround(seconds * fps)), stride);
       windows.insert(windows.end(), own.begin(), own.end());
       ends.push_back(windows.size());
     }
-    const Index width = model.width();
-    const auto moments = ml::unit_rows(model.windows(rows, windows), width),
-               texts = ml::unit_rows(model.texts(motion.texts), width);
+    const Index width = model.model().width;
+    const auto moments = ml::unit_rows(model.encode_windows(rows, windows), width),
+               texts = ml::unit_rows(model.encode_texts(motion.texts), width);
     for (std::size_t t = 0; t < motion.texts.size(); ++t) {
       wanted.push_back(motion.stretches[t]);
       std::vector<double> alike(windows.size());

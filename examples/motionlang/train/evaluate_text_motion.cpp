@@ -2,56 +2,62 @@
 #include "evaluate.hpp"
 
 #include <cstdio>
+#include <map>
 
+#include <motionlang/datasets/described_motions.hpp>
+#include <motionlang/features/feature_rows.hpp>
 #include <motionlang/file/id_list.hpp>
+#include <motionlang/generate/text_latents.hpp>
+#include <motionlang/train/presets.hpp>
+#include <motionlang/train/retrieval_evaluation.hpp>
+#include <motionlang/weights/text_motion_checkpoint.hpp>
+#include <motionlang/weights/text_motion_model.hpp>
+#include <motionlang/weights/text_states.hpp>
 #include <motionlang/weights/vae_run.hpp>
 
-#include "../files/feature_motion.hpp"
+#include "../generate/generation.hpp"
 #include "film_strips.hpp"
 #include "position_errors.hpp"
-#include "text_motion_task.hpp"
-#include "text_sources.hpp"
-#include "train_text_motion.hpp"
+#include "training_command.hpp"
 
 namespace program {
 
 using ml::Index;
-using B = TrainingBackend;
+using B = EvaluationBackend;
 
 namespace {
 
 /// The different ones of the texts that come first.
-std::vector<std::string> first_texts(const std::vector<DescribedMotion>& motions) {
+std::vector<std::string> first_texts(const std::vector<ml::DescribedMotion>& motions) {
   std::set<std::string> out;
-  for (const DescribedMotion& d : motions) out.insert(d.texts.front().text);
+  for (const ml::DescribedMotion& d : motions) out.insert(d.texts.front().text);
   return {out.begin(), out.end()};
 }
 
 /// The data of a model's configuration, and the part that is measured.
 struct Measured {
-  DescribedMotions data;
-  const std::vector<DescribedMotion>* part;
+  ml::DescribedMotions data;
+  const std::vector<ml::DescribedMotion>* part;
   std::optional<ml::EmbeddingCache> states;
   ml::EmbeddingCache sentences;
 
   /// encoder  of the texts, where the model has its own
-  Measured(const EvaluationOptions& o, const TextMotionFile& file, const ml::AnyTextEncoder<B>* encoder = nullptr)
+  Measured(const EvaluationOptions& o, const ml::TextMotionFile& file, const ml::AnyTextEncoder<B>* encoder = nullptr)
       : data([&] {
           auto config = file.config.data;
           config.mirror = false;
-          RowMaker rows = row_maker(file.config.features);
+          ml::RowMaker rows = ml::row_maker(file.config.features);
           rows.fps = file.fps;
-          ProgressBar bar("reading motions");
-          return read_described_motions({o.data, o.captions, {}, o.annotations, o.splits}, config, rows, bar);
+          return read_motions_of({o.data, o.captions, {}, o.annotations, o.splits}, config, rows);
         }()),
         part(&data.part(o.part)),
         sentences(0) {
     if (part->empty()) ml::raise<ml::config_error>(101, "the part '", o.part, "' has no motions");
     if (encoder != nullptr)
-      states = states_of(*encoder, first_texts(*part));
+      states = ml::states_of<B>(*encoder, first_texts(*part));
     else if (!o.text_encoder.empty() && !file.language)
-      states = token_states(o.text_encoder, all_texts(data));
-    sentences = sentence_vectors(o.sentence_encoder, data);
+      states = ml::token_states<B>(o.text_encoder, ml::all_texts(data));
+    sentences = ml::sentence_vectors<B>(o.sentence_encoder, data);
     std::printf("%s of the %s part\n", ml::counted(part->size(), "motion").c_str(), o.part.c_str());
   }
   const ml::EmbeddingCache* token_cache() const { return states ? &*states : nullptr; }
@@ -68,32 +74,16 @@ void print_retrieval(const char* what, const ml::RetrievalTable& t) {
   std::printf("  %-22s %s   %s\n", what, row(t.text_to_motion).c_str(), row(t.motion_to_text).c_str());
 }
 
-/// The mean of tables of latents that know nothing.
-ml::RetrievalTable chance(ml::RetrievalProtocol protocol, const LatentTable& table, const ml::Rows<float>& sentences,
-                          const ml::RetrievalOptions& options) {
-  constexpr Index width = 8;
-  std::vector<ml::RetrievalTable> tables;
-  for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    auto rng = ml::Philox{.seed = seed}.split("chance");
-    std::vector<float> texts(table.texts.size() * width), motions(texts.size());
-    rng.normal(std::span<float>(texts));
-    rng.normal(std::span<float>(motions));
-    tables.push_back(ml::retrieve(protocol, ml::Rows(std::span<const float>(texts), width),
-                                  ml::Rows(std::span<const float>(motions), width), sentences, options));
-  }
-  return ml::detail::mean_table(tables);
-}
-
 /// Motions for the texts of a batch, as long as its own and seen by the model: made by it, or by another.
 class Synthesis {
  public:
-  Synthesis(const EvaluationOptions& o, const TmrModel<B>& model, const TextMotionFile& file,
+  Synthesis(const EvaluationOptions& o, const ml::TmrModel<B>& model, const ml::TextMotionFile& file,
             const ml::EmbeddingCache* states)
       : model_(model), features_(ml::motion_features(file.config.features)), states_(states), seed_(o.seed) {
     if (o.generator.empty()) return;
     other_ = load_generator("eigen", o.generator, {.text_encoder = o.text_encoder.string()});
   }
-  ml::Sequences<B> operator()(const TextMotionBatch<B>& batch) {
+  ml::Sequences<B> operator()(const ml::TextMotionBatch<B>& batch) {
     const ml::Offsets& lengths = batch.motions.offsets;
     const std::uint64_t seed = seed_++;
     if (!other_)
@@ -107,9 +97,8 @@ class Synthesis {
     }
     std::vector<float> values;
     std::vector<Index> frames;
-    settings_.seed = seed;
-    for (const ml::Motion& motion : other_->run(timelines, settings_, {})) {
-      const auto rows = rows_of_motion(features_, motion, features_.fps);
+    for (const ml::Motion& motion : ml::generate_motions(*other_, timelines, {.seed = seed})) {
+      const auto rows = ml::rows_of_motion(features_, motion, features_.fps);
       values.insert(values.end(), rows.begin(), rows.end());
       frames.push_back(std::ssize(rows) / features_.width);
     }
@@ -119,20 +108,19 @@ class Synthesis {
   }
 
  private:
-  const TmrModel<B>& model_;
+  const ml::TmrModel<B>& model_;
   const ml::MotionFeatures& features_;
   const ml::EmbeddingCache* states_;
   std::uint64_t seed_;
-  std::unique_ptr<Generator> other_;
-  GenerationSettings settings_;
+  std::unique_ptr<ml::MotionModel> other_;
 };
 
 }  // namespace
 
-void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file) {
+void evaluate_tmr(const EvaluationOptions& o, const ml::TextMotionFile& file) {
   const Measured m(o, file);
   ml::RetrievalOptions options{.threshold = o.threshold};
-  for (const DescribedMotion& d : *m.part) options.ids.push_back(d.id);
+  for (const ml::DescribedMotion& d : *m.part) options.ids.push_back(d.id);
   if (!o.nsim.empty()) {
     options.nsim_ids = ml::read_ids(o.nsim);
     const auto measured = [&](const std::string& id) {
@@ -141,42 +129,29 @@ void evaluate_tmr(const EvaluationOptions& o, const TextMotionFile& file) {
     if (std::ranges::none_of(options.nsim_ids, measured))
       ml::raise<ml::config_error>(102, "--nsim ", o.nsim.string(), " names no motion of the ", o.part, " part");
   }
-  const auto model = load_text_motion<ml::Tmr, B>(o.model, file);
-  const auto table = latents_of(model, *m.part, m.token_cache());
-  std::optional<LatentTable> made;
-  if (o.synthesis) made = latents_of(model, *m.part, m.token_cache(), Synthesis(o, model, file, m.token_cache()));
+  const auto model = ml::load_text_motion<ml::Tmr, B>(o.model, file);
+  const auto table = ml::latents_of(model, *m.part, m.token_cache());
+  std::optional<ml::LatentTable> made;
+  if (o.synthesis) made = ml::latents_of(model, *m.part, m.token_cache(), Synthesis(o, model, file, m.token_cache()));
   const auto e = m.sentences.encode<B>(table.texts).tokens.rows;
   const ml::Rows sentences(e.span(), e.size(1));
-  if (o.nsim.empty()) {
-    const std::set<std::string> different(table.texts.begin(), table.texts.end());
-    const auto count = std::min<Index>(100, std::ssize(different));
-    if (count >= 2) {
-      for (const Index i : ml::dissimilar_subset(sentences, options.ids, count))
-        options.nsim_ids.push_back(options.ids[static_cast<std::size_t>(i)]);
-    }
-  }
   std::printf(
       "%-25s %-44s %s\n%25s    R@1    R@2    R@3    R@5   R@10    MedR       R@1    R@2    R@3    R@5   R@10    MedR\n",
       "", "text to motion", "motion to text", "");
-  const ml::Rows texts(std::span(table.text), table.width), motions(std::span(table.motion), table.width);
   using enum ml::RetrievalProtocol;
-  for (const auto& [protocol, name] :
-       {std::pair{normal, "all"}, {threshold, "all, texts alike"}, {nsim, "dissimilar"}, {guo, "batches of 32"}}) {
-    if (protocol == guo && std::ssize(*m.part) < options.batch) continue;
-    if (protocol == nsim && options.nsim_ids.empty()) continue;
-    print_retrieval(name, ml::retrieve(protocol, texts, motions, sentences, options));
-    if (made)
-      print_retrieval("  generated",
-                      ml::retrieve(protocol, texts, ml::Rows(std::span<const float>(made->motion), made->width),
-                                   sentences, options));
-    print_retrieval("  by chance", chance(protocol, table, sentences, options));
+  const std::map<ml::RetrievalProtocol, const char*> names{
+      {normal, "all"}, {threshold, "all, texts alike"}, {nsim, "dissimilar"}, {guo, "batches of 32"}};
+  for (const ml::RetrievalResult& r : ml::retrieval_results(table, made ? &*made : nullptr, sentences, options)) {
+    print_retrieval(names.at(r.protocol), r.recorded);
+    if (r.made) print_retrieval("  generated", *r.made);
+    print_retrieval("  by chance", r.chance);
   }
 }
 
 namespace {
 
-/// How errors are measured: MMM's 21 joints as TEMOS has it (spec temos.md 8.1, 11.2), Y up, KIT's units taken for
-/// millimetres, seen from the heading of knees and elbows; SMPL's 22 in metres, Z up.
+/// How errors are measured: MMM's 21 joints as TEMOS has it (temos/model/metrics/compute.py), Y up, KIT's units taken
+/// for millimetres, seen from the heading of knees and elbows; SMPL's 22 in metres, Z up.
 struct MeasuredJoints {
   bool mmm;
   ml::RifkeVariant variant;
@@ -198,14 +173,14 @@ struct MeasuredJoints {
     return joints;
   }
 };
-std::span<const float> rows_of(const DescribedMotion& d, Index width) {
+std::span<const float> rows_of(const ml::DescribedMotion& d, Index width) {
   const auto& frames = d.texts.front().frames;
   return std::span(d.rows).subspan(static_cast<std::size_t>(frames.first * width),
                                    static_cast<std::size_t>(frames.length * width));
 }
 
-void measure_temos(const EvaluationOptions& o, const TextMotionFile& file, const Measured& m,
-                   const TemosModel<B>& model, FilmStrips& strips) {
+void measure_temos(const EvaluationOptions& o, const ml::TextMotionFile& file, const Measured& m,
+                   const ml::TemosModel<B>& model, FilmStrips& strips) {
   const auto& features = ml::motion_features(file.config.features);
   const MeasuredJoints joints_of(features);
   const JointErrors none(joints_of.variant, joints_of.unit);
@@ -218,7 +193,7 @@ void measure_temos(const EvaluationOptions& o, const TextMotionFile& file, const
       o.seed);
   ProgressBar bar("generating");
   for (std::size_t i = 0; i < m.part->size(); ++i) {
-    const DescribedMotion& d = (*m.part)[i];
+    const ml::DescribedMotion& d = (*m.part)[i];
     const auto truth = joints_of(features, rows_of(d, features.width));
     const auto frames = static_cast<std::size_t>(std::ssize(truth) / features.joints);
     const std::vector<std::string> text{d.texts.front().text};
@@ -234,31 +209,31 @@ void measure_temos(const EvaluationOptions& o, const TextMotionFile& file, const
     at_mean.add(joints_of(features, mean_rows), truth);
     blind.add(truth);
     strips.add(
-        text[0], [&] { return motion_of_features(features, mean_rows, file.fps); },
-        [&] { return motion_of_features(features, rows_of(d, features.width), file.fps); });
+        text[0], [&] { return ml::motion_of_features(features, mean_rows, file.fps); },
+        [&] { return ml::motion_of_features(features, rows_of(d, features.width), file.fps); });
     bar(static_cast<Index>(i) + 1, std::ssize(*m.part));
   }
   bar.finish();
   if (joints_of.mmm) std::printf("as TEMOS measures MMM's joints: 640 units per metre, which count as millimetres\n");
   print_error_heads();
-  sampled.print();
+  print_errors(sampled);
   print_errors("mean of the latent", at_mean.result());
-  blind.print();
+  print_errors(blind);
 }
 
 }  // namespace
 
-void evaluate_temos(const EvaluationOptions& o, const TextMotionFile& file) {
+void evaluate_temos(const EvaluationOptions& o, const ml::TextMotionFile& file) {
   FilmStrips strips(o);
   const Measured m(o, file);
-  measure_temos(o, file, m, load_text_motion<ml::Temos, B>(o.model, file), strips);
+  measure_temos(o, file, m, ml::load_text_motion<ml::Temos, B>(o.model, file), strips);
 }
 
 void evaluate_published_temos(const EvaluationOptions& o) {
   FilmStrips strips(o);
   auto run = ml::load_temos_run<B>(ml::FilePath(o.model), {.text_encoder = o.text_encoder, .statistics = o.statistics});
-  TextMotionFile file{"temos", run.fps, temos_preset("temos-published"), {}};
-  file.config.features = published_temos_features(run.width()).name;
+  ml::TextMotionFile file{"temos", run.fps, ml::temos_preset("temos-published"), {}};
+  file.config.features = ml::published_temos_features(run.width()).name;
   const Measured m(o, file, &run.text_encoder);
   measure_temos(o, file, m, {.system = std::move(run.model), .motion_normalizer = std::move(run.normalizer)}, strips);
 }

@@ -2,16 +2,18 @@
 #include <cstdio>
 #include <filesystem>
 
+#include <motionlang/backend/autodiff.hpp>
+#include <motionlang/backend/eigen.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
+#include <motionlang/text/known_words.hpp>
+#include <motionlang/train/stmc_training.hpp>
 
 #include "../commands.hpp"
 #include "../files/motion_files.hpp"
-#include "../generate/known_words.hpp"
 #include "../machine_options.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
-#include "stmc_training.hpp"
-#include "trainer.hpp"
+#include "training_display.hpp"
 
 namespace program {
 
@@ -19,16 +21,16 @@ namespace {
 
 struct TrainOptions {
   std::string data, captions;
-  StmcTrainingConfig config;
-  RunOptions run;
+  ml::StmcTrainingConfig config;
+  ml::TrainingOptions run;
   std::string license, provenance, commit, denoiser;
   MachineOptions machine;
 };
 
 /// How the recordings themselves skate and shake: what generated motions are compared with (motionlang judge).
-std::map<std::string, std::string> quality_of(const TrainingSet& data) {
+std::map<std::string, std::string> quality_of(const ml::TrainingSet& data) {
   double skate = 0, jitter = 0;
-  for (const Segment& s : data.segments()) {
+  for (const ml::CaptionedSegment& s : data.segments()) {
     const auto q = ml::motion_quality(s.motion);
     skate += q.feet.speed;
     jitter += q.jitter;
@@ -42,17 +44,18 @@ void run(const TrainOptions& o) {
   make_output_folder("--out", o.run.out);
   const auto data = [&] {
     ProgressBar bar("reading motions");
-    return TrainingSet(o.captions, o.data, bar);
+    return ml::TrainingSet(o.captions, o.data, bar);
   }();
   std::printf("%s, %.1f minutes\n", ml::counted(data.segments().size(), "segment").c_str(), data.seconds() / 60);
-  Trainer trainer(StmcTask(o.config, data));
-  trainer.run(o.run, [&] {
+  ml::Trainer trainer(ml::StmcTraining<ml::Autodiff<ml::EigenBackend<float>>>(o.config, data));
+  TrainingDisplay display;
+  trainer.run(o.run, display.callbacks([&] {
     if (!o.denoiser.empty()) trainer.task().take_denoiser(o.denoiser);
     if (o.config.text_steps > 0) {
       ProgressBar bar("learning texts");
       trainer.task().learn_texts(bar);
     }
-  });
+  }));
   if (o.license.empty()) std::printf("no --license: the metadata of the weights will not say who may use them\n");
   const auto weights = o.run.out / "stmc.safetensors", curve = o.run.out / "loss.svg";
   auto about = quality_of(data);
@@ -62,7 +65,7 @@ void run(const TrainOptions& o) {
                              ml::concat_text(std::floor(data.seconds() / 6) / 10) + " minutes"},
                 {"command", command_line},
                 {"commit", o.commit},
-                {known_words_entry, listed_words(data.all_captions())},
+                {ml::known_words_entry, ml::listed_words(data.all_captions())},
                 {"version", MOTIONLANG_VERSION}});
   trainer.task().export_model(weights, about);
   std::printf("weights  %s\nloss     %s\nTry them: motionlang generate --model %s --timeline FILE\n",

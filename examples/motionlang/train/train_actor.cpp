@@ -1,5 +1,6 @@
 // motionlang train-actor: motions for actions.
-#include "action_task.hpp"
+#include <motionlang/train/actor_training.hpp>
+
 #include "training_command.hpp"
 
 namespace program {
@@ -9,21 +10,18 @@ namespace {
 struct Options {
   TrainingOptions common;
   LabelOptions labels;
-  std::filesystem::path from, body, regressor;
+  std::filesystem::path from;
+  ml::ActorBodyFiles files;
 };
 
 void run(const Options& o) {
-  auto config = actor_preset(o.common.preset);
+  auto config = named_preset([&] { return ml::actor_preset(o.common.preset); });
   if (!configure(config, o.common)) return;
   config.losses.require_any();
-  const auto data = read_data(o.common, o.labels.sources(o.common), config.data, actor_row_maker(config.clips));
-  std::optional<ActorModel<TrainingBackend>> from;
+  const auto data = read_data(o.labels.sources(o.common), config.data, ml::actor_row_maker(config.clips));
+  std::optional<ml::ActorModel<TrainingBackend>> from;
   if (!o.from.empty()) from.emplace(o.from);
-  Trainer trainer(ActorTask(config, data, std::move(from), o.body, o.regressor));
-  trainer.run(o.common.run, [] {});
-  const auto folder = o.common.run.out / "model";
-  save_action_model(folder, trainer.task().result(), "actor", trainer.task().file(), about(o.common, data));
-  tell_results(o.common, folder);
+  train(ml::ActorTraining<TrainingTape>(config, data, std::move(from), o.files), o.common, data);
 }
 
 }  // namespace
@@ -37,9 +35,9 @@ void add_train_actor(CLI::App& app) {
   c->add_option("--from", o->from,
                 "Model to begin with, also as published: motions of many lengths after those of 60 frames")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--body", o->body, "SMPL, for losses.points = vertices, smpl, a2m, a2mpl, vibe")
+  c->add_option("--body", o->files.body, "SMPL, for losses.points = vertices, smpl, a2m, a2mpl, vibe")
       ->check(CLI::ExistingFile);
-  c->add_option("--joint-regressor", o->regressor,
+  c->add_option("--joint-regressor", o->files.regressor,
                 "J_regressor_extra.npy of SPIN or VIBE, for losses.points = a2m, a2mpl, vibe")
       ->check(CLI::ExistingFile);
   c->callback([o] { run(*o); });

@@ -1,7 +1,11 @@
 // The commands train-sinc and train-teach: options, data, the run, the folder of the model.
 #pragma once
 
-#include "babel_task.hpp"
+#include <cstdio>
+
+#include <motionlang/datasets/babel_motions.hpp>
+#include <motionlang/weights/text_states.hpp>
+
 #include "training_command.hpp"
 
 namespace program {
@@ -30,28 +34,26 @@ inline CLI::App* add_babel_options(CLI::App& app, const char* name, const char* 
   return c;
 }
 
-/// make(config, data, states): the task.
-template <template <class> class System, class Config, class Make>
-void run_babel(const BabelOptions& o, Config config, BabelReader (*reader)(const decltype(Config::data)&), Make make) {
+/// make(config, data, states): the training.
+template <class Config, class Make>
+void run_babel(const BabelOptions& o, Config config, ml::BabelReader (*reader)(const decltype(Config::data)&),
+               Make make) {
   read_settings(config, o.common);
   config.require_sound();
-  if (!begin_training(o.common, config_json(config))) return;
-  const BabelSources sources{o.common.data, o.babel, o.validation, o.common.splits, o.spelling};
-  sources.require_sound();
-  const bool pieces = reads_pieces(config.text, o.text_encoder);
+  if (!begin_training(o.common, ml::config_json(config))) return;
+  const ml::BabelSources sources{o.common.data, o.babel, o.validation, o.common.splits, o.spelling};
+  as_usage([&] { sources.require_sound(); });
+  const bool pieces = as_usage([&] { return ml::reads_pieces(config.text, o.text_encoder); });
   if (config.text.finetune)
     ml::raise<ml::config_error>(102, "text.finetune is of train-tmr and train-temos; DistilBERT is read here as it is");
   const auto data = [&] {
     ProgressBar bar("reading motions");
-    return read_babel_motions(sources, config.features, lots_of(config.data), reader(config.data), bar);
+    return ml::read_babel_motions(sources, config.features, ml::split_config(config.data), reader(config.data), bar);
   }();
-  tell_parts(data);
-  std::printf("%zu different labels\n", all_texts(data).size());
-  Trainer trainer(make(config, data, pieces ? TextStates() : text_states(o.text_encoder)));
-  trainer.run(o.common.run, [] {});
-  const auto folder = o.common.run.out / "model";
-  save_text_motion(folder, trainer.task().result(), trainer.task().config(), data.fps, about(o.common, data));
-  tell_results(o.common, folder);
+  print_parts(data);
+  std::printf("%zu different labels\n", ml::all_texts(data).size());
+  train(make(config, data, pieces ? ml::TextStates() : ml::text_states<TrainingBackend>(o.text_encoder)), o.common,
+        data);
 }
 
 }  // namespace program

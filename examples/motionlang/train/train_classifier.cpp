@@ -1,5 +1,6 @@
 // motionlang train-classifier: what tells actions apart, and so judges generated motions.
-#include "action_task.hpp"
+#include <motionlang/train/classifier_training.hpp>
+
 #include "training_command.hpp"
 
 namespace program {
@@ -13,19 +14,13 @@ struct Options {
 };
 
 void run(const Options& o) {
-  auto config = classifier_preset(o.common.preset);
+  auto config = named_preset([&] { return ml::classifier_preset(o.common.preset); });
   if (!configure(config, o.common)) return;
-  std::optional<ActorModel<TrainingBackend>> generator;
+  std::optional<ml::ActorModel<TrainingBackend>> generator;
   if (!o.generated.empty()) generator.emplace(o.generated);
-  const auto read = [&](const RowMaker& rows) {
-    return read_data(o.common, o.labels.sources(o.common), config.data, rows);
-  };
-  const auto data = read(actor_row_maker(config.clips));
-  Trainer trainer(ClassifierTask(config, data, std::move(generator), read));
-  trainer.run(o.common.run, [] {});
-  const auto folder = o.common.run.out / "model";
-  save_action_model(folder, trainer.task().result(), "classifier", trainer.task().file(), about(o.common, data));
-  tell_results(o.common, folder);
+  const auto read = [&](const ml::RowMaker& rows) { return read_data(o.labels.sources(o.common), config.data, rows); };
+  const auto data = read(ml::actor_row_maker(config.clips));
+  train(ml::ClassifierTraining<TrainingTape>(config, data, std::move(generator), read), o.common, data);
 }
 
 }  // namespace

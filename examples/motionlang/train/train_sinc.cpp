@@ -1,7 +1,7 @@
 // motionlang train-sinc: motions from actions at the same time.
 #include <motionlang/datasets/body_part_table.hpp>
+#include <motionlang/train/sinc_training.hpp>
 
-#include "sinc_task.hpp"
 #include "train_babel.hpp"
 
 namespace program {
@@ -19,11 +19,12 @@ void add_train_sinc(CLI::App& app) {
       ->check(CLI::ExistingFile);
   c->callback([o] {
     std::optional<ml::BodyPartTable> table;
-    run_babel<ml::Sinc>(*o, sinc_preset(o->common.preset), &sinc_reader,
-                        [&](const SincTrainingConfig& config, const DescribedMotions& data, TextStates states) {
-                          if (!o->body_parts.empty()) table = ml::open_body_part_table(ml::FilePath(o->body_parts));
-                          return SincTask(config, data, std::move(states), o->statistics, table ? &*table : nullptr);
-                        });
+    run_babel(*o, named_preset([&] { return ml::sinc_preset(o->common.preset); }), &ml::sinc_reader,
+              [&](const ml::SincTrainingConfig& config, const ml::DescribedMotions& data, ml::TextStates states) {
+                if (!o->body_parts.empty()) table = ml::open_body_part_table(ml::FilePath(o->body_parts));
+                return ml::SincTraining<TrainingTape>(config, data, std::move(states), o->statistics,
+                                                      table ? &*table : nullptr);
+              });
   });
 }
 

@@ -1,5 +1,6 @@
 // motionlang train-teach: motions from actions one after the other.
-#include "teach_task.hpp"
+#include <motionlang/train/teach_training.hpp>
+
 #include "train_babel.hpp"
 
 namespace program {
@@ -11,9 +12,11 @@ void add_train_teach(CLI::App& app) {
       "Trains TEACH, which makes motions from actions one after the other; Ctrl-C saves, the same command goes on", *o,
       "teach-published");
   c->callback([o] {
-    run_babel<ml::Teach>(*o, teach_preset(o->common.preset), &teach_reader,
-                         [&](const TeachTrainingConfig& config, const DescribedMotions& data,
-                             const TextStates& states) { return TeachTask(config, data, states, o->statistics); });
+    run_babel(
+        *o, named_preset([&] { return ml::teach_preset(o->common.preset); }), &ml::teach_reader,
+        [&](const ml::TeachTrainingConfig& config, const ml::DescribedMotions& data, const ml::TextStates& states) {
+          return ml::TeachTraining<TrainingTape>(config, data, states, o->statistics);
+        });
   });
 }
 

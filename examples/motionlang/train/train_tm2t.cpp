@@ -1,10 +1,14 @@
 // motionlang train-tm2t: motions as words, motions to texts, texts to motions; a stage at a time.
+#include <cstdio>
+#include <map>
+#include <optional>
+
+#include <motionlang/train/tm2t_describer_training.hpp>
+#include <motionlang/train/tm2t_tokenizer_training.hpp>
+#include <motionlang/train/tm2t_writer_training.hpp>
 #include <motionlang/weights/tm2t_run.hpp>
 
 #include "../usage_error.hpp"
-#include "model_description.hpp"
-#include "text_motion_model.hpp"
-#include "tm2t_task.hpp"
 #include "training_command.hpp"
 
 namespace program {
@@ -15,42 +19,10 @@ using B = TrainingBackend;
 
 struct Options {
   TrainingOptions common;
-  Tm2tStage stage = Tm2tStage::tokenizer;
+  ml::Tm2tStage stage = ml::Tm2tStage::tokenizer;
   CaptionOptions texts;
   std::filesystem::path statistics, tokenizer, describer, words;
 };
-
-/// What a stage has trained with what was trained before: a folder as `pack` makes it, which generate and describe
-/// read.
-struct Tm2tModel {
-  const ml::MotionTokenizer<B>& tokenizer;
-  const ml::Normalizer<B>& statistics;
-  const ml::GloVe* words = nullptr;
-  const ml::Seq2SeqTransformer<B>* describer = nullptr;
-  const ml::Seq2SeqGru<B>* writer = nullptr;
-};
-
-void save_tm2t(const Options& o, const Tm2tTrainingConfig& config, const DescribedMotions& data, const Tm2tModel& m) {
-  const auto folder = o.common.run.out / "model";
-  ml::TensorStore store;
-  store.add_module(m.tokenizer);
-  store.add_module(m.statistics, "motion_normalizer.");
-  if (m.describer != nullptr) store.add_module(*m.describer, "m2t_transformer.");
-  if (m.writer != nullptr) store.add_module(*m.writer, "t2m_model.");
-  auto model = described_model("tm2t", about(o.common, data));
-  model.features = "guoh3dfeats";
-  model.fps = data.fps;
-  model.text_encoder = m.words != nullptr ? "glove" : "";
-  if (m.describer != nullptr)
-    model.config["n_head"] = m.describer->encoder.layer_stack.at(0).slf_attn.heads;  // which no tensor shows
-  model.others["training"] = config_json(config);
-  if (m.words != nullptr) {
-    std::filesystem::create_directories(folder / "text_encoder");
-    ml::write_glove(folder / "text_encoder/our_vab", *m.words);
-  }
-  overwrite_model(folder, model, store);
-  tell_results(o.common, folder);
-}
 
 /// The folder that an option names, which this stage needs.
 const std::filesystem::path& needed(const std::filesystem::path& folder, const char* option, const char* what) {
@@ -59,59 +31,50 @@ const std::filesystem::path& needed(const std::filesystem::path& folder, const c
 }
 
 /// What the stages behind the tokenizer go on from, except the motions.
-std::optional<TokenizedData> models_before(const Options& o, const Tm2tTrainingConfig& config) {
-  if (o.stage == Tm2tStage::tokenizer) return std::nullopt;
+std::optional<ml::TokenizedData<B>> models_before(const Options& o, const ml::Tm2tTrainingConfig& config) {
+  if (o.stage == ml::Tm2tStage::tokenizer) return std::nullopt;
   ml::GloVe words({"sos", "eos", "unk"}, std::vector<float>(3), 1);
   if (!o.words.empty()) words = ml::read_glove(o.words / "our_vab");
-  if (o.stage == Tm2tStage::text_to_motion && config.text_to_motion.alignment) {
+  if (o.stage == ml::Tm2tStage::text_to_motion && config.text_to_motion.alignment) {
     const auto& folder = needed(o.describer, "--describer",
                                 "a model from motions to texts, for inverse alignment "
                                 "(--set text_to_motion.alignment=false: without)");
     auto run = ml::load_tm2t_describer<B>(ml::find_run(folder),
                                           {.tokenizer = o.tokenizer.string(), .words = o.words.string()});
-    return TokenizedData{std::move(run.model), std::move(run.words)};
+    return ml::TokenizedData<B>{std::move(run.model), std::move(run.words)};
   }
-  return TokenizedData{
+  return ml::TokenizedData<B>{
       ml::load_tm2t_tokenizer<B>(ml::find_run(needed(o.tokenizer, "--tokenizer", "a motion tokenizer"))),
       std::move(words)};
 }
 
 void run(const Options& o) {
-  DataSources sources = o.texts.sources(o.common);
-  auto config = tm2t_preset(o.common.preset, o.stage);
-  if (const std::string found = ready_made_features(sources); !found.empty()) config.features = found;
+  ml::DataSources sources = o.texts.sources(o.common);
+  auto config = named_preset([&] { return ml::tm2t_preset(o.common.preset, o.stage); });
+  if (const std::string found = ml::ready_made_features(sources); !found.empty()) config.features = found;
   if (!configure(config, o.common)) return;
   auto before = models_before(o, config);
   if (before)
     config.features = before->model.statistics.mean.size(0) == 251 ? "kit" : "guoh3d";  // what the tokenizer reads
-  const auto data = read_data(o.common, sources, config.data, row_maker(config.features));
+  const auto data = read_data(sources, config.data, ml::row_maker(config.features));
   if (!before) {
-    Trainer trainer(TokenizerTask(config, data, tm2t_statistics(data, o.statistics, config.tokenizer.feature_bias)));
-    trainer.run(o.common.run, [] {});
-    return save_tm2t(o, config, data, {trainer.task().result(), trainer.task().statistics()});
+    const auto statistics = ml::tm2t_statistics<B>(data, o.statistics, config.tokenizer.feature_bias);
+    return train(ml::Tm2tTokenizerTraining<TrainingTape>(config, data, statistics), o.common, data);
   }
   const bool drawn_words = o.words.empty() && before->model.m2t_transformer.encoder.layer_stack.empty();
   if (drawn_words)
     before->words =
-        words_of(data, config.text_to_motion.word_width, ml::Philox{.seed = config.optimiser.seed}.split("words"));
+        ml::words_of(data, config.text_to_motion.word_width, ml::Philox{.seed = config.optimiser.seed}.split("words"));
   {
     ProgressBar bar("tokenizing");
     before->tokenize(data, bar);
   }
   std::printf("%s, %s\n", ml::counted(before->words.size(), "word").c_str(),
               ml::counted(before->model.vocabulary().codes, "motion token").c_str());
-  const ml::Tm2t<B>& known = before->model;
-  if (o.stage == Tm2tStage::motion_to_text) {
-    Trainer trainer(DescriberTask(config, data, *before));
-    trainer.run(o.common.run, [] {});
-    return save_tm2t(o, config, data, {known.tokenizer, known.statistics, &before->words, &trainer.task().result()});
-  }
-  Trainer trainer(WriterTask(config, data, *before));
-  trainer.run(o.common.run, [] {});
-  const bool describes = config.text_to_motion.alignment;
-  save_tm2t(o, config, data,
-            {known.tokenizer, known.statistics, &before->words, describes ? &known.m2t_transformer : nullptr,
-             &trainer.task().result()});
+  if (o.stage == ml::Tm2tStage::motion_to_text)
+    train(ml::Tm2tDescriberTraining<TrainingTape>(config, data, *before), o.common, data);
+  else
+    train(ml::Tm2tWriterTraining<TrainingTape>(config, data, *before), o.common, data);
 }
 
 }  // namespace
@@ -121,9 +84,9 @@ void add_train_tm2t(CLI::App& app) {
   CLI::App* c = app.add_subcommand("train-tm2t",
                                    "Trains TM2T, which describes motions and makes them from texts, a stage at a time; "
                                    "Ctrl-C saves, the same command goes on");
-  const std::map<std::string, Tm2tStage> stages{{"tokenizer", Tm2tStage::tokenizer},
-                                                {"motion-to-text", Tm2tStage::motion_to_text},
-                                                {"text-to-motion", Tm2tStage::text_to_motion}};
+  const std::map<std::string, ml::Tm2tStage> stages{{"tokenizer", ml::Tm2tStage::tokenizer},
+                                                    {"motion-to-text", ml::Tm2tStage::motion_to_text},
+                                                    {"text-to-motion", ml::Tm2tStage::text_to_motion}};
   c->add_option("--stage", o->stage, "tokenizer (motions as words), then motion-to-text, then text-to-motion")
       ->required()
       ->transform(CLI::CheckedTransformer(stages).description("tokenizer, motion-to-text or text-to-motion"));

@@ -1,5 +1,8 @@
 #include "training_command.hpp"
 
+#include <cmath>
+#include <cstdio>
+
 #include "../files/motion_files.hpp"
 #include "../usage_error.hpp"
 
@@ -65,28 +68,39 @@ bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& conf
   return true;
 }
 
-void tell_parts(const DescribedMotions& data) {
-  std::printf("%s to train on, %zu for validation, %zu for tests; %s\n",
-              ml::counted(data.training.size(), "motion").c_str(), data.validation.size(), data.test.size(),
-              data.left_out.told().c_str());
-}
-void tell_results(const TrainingOptions& o, const std::filesystem::path& model) {
-  std::printf("model    %s\nlosses   %s\n", model.string().c_str(), (o.run.out / "loss.svg").string().c_str());
+void require_assignments(const std::vector<std::string>& set) {
+  for (const std::string& assignment : set) {
+    if (assignment.find('=') == assignment.npos)
+      ml::raise<usage_error>(103, "--set ", assignment, ": expected name=value");
+  }
 }
 
-DescribedMotions read_data(const TrainingOptions&, const DataSources& sources, const DataConfig& config,
-                           const RowMaker& rows) {
-  auto data = [&] {
-    ProgressBar bar("reading motions");
-    return read_described_motions(sources, config, rows, bar);
-  }();
-  tell_parts(data);
+void print_parts(const ml::DescribedMotions& data) {
+  std::printf("%s to train on, %zu for validation, %zu for tests; %s\n",
+              ml::counted(data.training.size(), "motion").c_str(), data.validation.size(), data.test.size(),
+              data.left_out.text().c_str());
+}
+void print_results(const TrainingOptions& o) {
+  std::printf("model    %s\nlosses   %s\n", (o.run.out / "model").string().c_str(),
+              (o.run.out / "loss.svg").string().c_str());
+}
+
+ml::DescribedMotions read_motions_of(const ml::DataSources& sources, const ml::DataConfig& config,
+                                     const ml::RowMaker& rows) {
+  as_usage([&] { sources.require_sound(); });
+  ProgressBar bar("reading motions");
+  return ml::read_described_motions(sources, config, rows, bar);
+}
+
+ml::DescribedMotions read_data(const ml::DataSources& sources, const ml::DataConfig& config, const ml::RowMaker& rows) {
+  auto data = read_motions_of(sources, config, rows);
+  print_parts(data);
   return data;
 }
 
-std::map<std::string, std::string> about(const TrainingOptions& o, const DescribedMotions& data) {
+std::map<std::string, std::string> about(const TrainingOptions& o, const ml::DescribedMotions& data) {
   double frames = 0;
-  for (const DescribedMotion& m : data.training)
+  for (const ml::DescribedMotion& m : data.training)
     frames += static_cast<double>(m.rows.size()) / static_cast<double>(data.width);
   return {{"license", o.license},
           {"provenance", o.provenance},

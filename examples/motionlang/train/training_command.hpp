@@ -1,27 +1,36 @@
 // What the commands train-tmr, train-temos, train-sinc, train-teach, train-tm2t, train-actor and train-classifier have
-// in common: options, configuration, reading of data.
+// in common: options, configuration, reading of data, what they print.
 #pragma once
 
-#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
+#include <motionlang/backend/autodiff.hpp>
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/datasets/described_motions.hpp>
+#include <motionlang/file/fields_json.hpp>
+#include <motionlang/train/trainer.hpp>
+
 #include "../commands.hpp"
 #include "../machine_options.hpp"
-#include "config_json.hpp"
-#include "described_motions.hpp"
-#include "trainer.hpp"
+#include "training_display.hpp"
 
 namespace program {
+
+namespace ml = motionlang;
+
+/// What training computes on.
+using TrainingBackend = ml::EigenBackend<float>;
+using TrainingTape = ml::Autodiff<TrainingBackend>;
 
 struct TrainingOptions {
   std::filesystem::path data, splits, config;
   std::string preset;
   std::vector<std::string> set;
   bool print_config = false;
-  RunOptions run;
+  ml::TrainingOptions run;
   std::string license = "not stated", provenance = "own training", commit;
   MachineOptions machine;
 };
@@ -31,7 +40,7 @@ struct LabelOptions {
   std::filesystem::path labels, annotations;
 
   void add_to(CLI::App& command);
-  DataSources sources(const TrainingOptions& o) const { return {o.data, {}, labels, annotations, o.splits, true}; }
+  ml::DataSources sources(const TrainingOptions& o) const { return {o.data, {}, labels, annotations, o.splits, true}; }
 };
 
 /// Where the texts of train-tmr, train-temos and train-tm2t are from.
@@ -39,47 +48,54 @@ struct CaptionOptions {
   std::filesystem::path captions, annotations;
 
   void add_to(CLI::App& command);
-  DataSources sources(const TrainingOptions& o) const { return {o.data, captions, {}, annotations, o.splits}; }
+  ml::DataSources sources(const TrainingOptions& o) const { return {o.data, captions, {}, annotations, o.splits}; }
 };
 
 /// `presets` are their names; the first is taken unless another is named.
 void add_training_options(CLI::App& command, TrainingOptions& o, const std::vector<std::string>& presets);
 
 /// How many motions each part has.
-void tell_parts(const DescribedMotions& data);
+void print_parts(const ml::DescribedMotions& data);
 /// Where the model and the curves are.
-void tell_results(const TrainingOptions& o, const std::filesystem::path& model);
+void print_results(const TrainingOptions& o);
 
-/// Reads the motions and says how many there are.
-DescribedMotions read_data(const TrainingOptions& o, const DataSources& sources, const DataConfig& config,
-                           const RowMaker& rows);
+/// ml::read_described_motions with a progress bar.
+ml::DescribedMotions read_motions_of(const ml::DataSources& sources, const ml::DataConfig& config,
+                                     const ml::RowMaker& rows);
+/// The same, and prints how many there are.
+ml::DescribedMotions read_data(const ml::DataSources& sources, const ml::DataConfig& config, const ml::RowMaker& rows);
 
 /// License, provenance, data, command: for the metadata of a model.
-std::map<std::string, std::string> about(const TrainingOptions& o, const DescribedMotions& data);
+std::map<std::string, std::string> about(const TrainingOptions& o, const ml::DescribedMotions& data);
 
-/// Puts --config and --set over a preset.
-template <ml::Module C>
-void read_settings(C& config, const TrainingOptions& o);
-/// The same, and puts --threads and --precision to work. False if it was only to be printed.
-template <ml::Module C>
-bool configure(C& config, const TrainingOptions& o);
-
+/// Throws usage_error 103 unless each is name=value.
+void require_assignments(const std::vector<std::string>& set);
 /// Prints, and applies --threads and --precision.
 bool begin_training(const TrainingOptions& o, const nlohmann::ordered_json& config);
 
+/// Puts --config and --set over a preset.
 template <ml::Module C>
 void read_settings(C& config, const TrainingOptions& o) {
   if (!o.config.empty()) {
     const auto document = ml::read_json(o.config);
-    read_config(config, ml::JsonView(document, o.config.string()));
+    ml::read_config(config, ml::JsonView(document, o.config.string()));
   }
-  set_config(config, o.set);
+  require_assignments(o.set);
+  for (const std::string& assignment : o.set) ml::set_config(config, assignment, "--set " + assignment);
 }
-
+/// The same, and puts --threads and --precision to work. False if it was only to be printed.
 template <ml::Module C>
 bool configure(C& config, const TrainingOptions& o) {
   read_settings(config, o);
-  return begin_training(o, config_json(config));
+  return begin_training(o, ml::config_json(config));
+}
+
+/// Trains, and prints what becomes of it.
+template <ml::TrainingTask Task>
+void train(Task task, const TrainingOptions& o, const ml::DescribedMotions& data) {
+  TrainingDisplay display;
+  ml::train(std::move(task), o.run, about(o, data), display.callbacks());
+  print_results(o);
 }
 
 }  // namespace program

@@ -38,6 +38,9 @@ struct Autodiff {
   struct tensor {
     Value value{};
     std::shared_ptr<Node> node{};  // none for constants
+
+    bool defined() const requires requires(const Value& v) { v.defined(); }
+    { return value.defined(); }
   };
 
   using GradientMap = std::unordered_map<const Node*, Value>;
@@ -118,7 +121,7 @@ struct Autodiff {
 
   static tensor full(const Shape& s, scalar v) { return {B::full(s, v), nullptr}; }
   static tensor from_span(std::span<const scalar> values, const Shape& s) { return {B::from_span(values, s), nullptr}; }
-  static auto to_span(const tensor& a) { return B::to_span(a.value); }
+  static auto to_span(const tensor& a MOTIONLANG_LIFETIMEBOUND) { return B::to_span(a.value); }
   static Shape shape(const tensor& a) { return B::shape(a.value); }
 
   // Elementwise, broadcasting.

@@ -7,6 +7,7 @@
 
 #include <algorithm>  // copy, fill
 #include <span>       // values
+#include <utility>    // exchange
 
 #include <motionlang/core/buffer_pool.hpp>
 #include <motionlang/core/concepts.hpp>
@@ -24,6 +25,19 @@ class Dense {
   Dense(const S* values, const Shape& shape, std::shared_ptr<const void> owner)
       : buffer_(values, std::move(owner)), shape_(shape) {}
 
+  Dense(const Dense&) = default;
+  Dense& operator=(const Dense&) = default;
+  /// What was moved from is again nothing.
+  Dense(Dense&& o) noexcept
+      : buffer_(std::move(o.buffer_)), shape_(std::exchange(o.shape_, nothing)), offset_(std::exchange(o.offset_, 0)) {}
+  Dense& operator=(Dense&& o) noexcept {
+    buffer_ = std::move(o.buffer_);
+    shape_ = std::exchange(o.shape_, nothing);
+    offset_ = std::exchange(o.offset_, 0);
+    return *this;
+  }
+  ~Dense() = default;
+
   static Dense full(const Shape& shape, S value) {
     Dense d(shape);
     std::fill_n(d.data(), d.count(), value);
@@ -35,12 +49,13 @@ class Dense {
     return d;
   }
 
-  const Shape& shape() const { return shape_; }
+  const Shape& shape() const MOTIONLANG_LIFETIMEBOUND { return shape_; }
   Index count() const { return shape_.count(); }
-  const S* data() const { return static_cast<const S*>(buffer_.data()) + offset_; }
+  const S* data() const MOTIONLANG_LIFETIMEBOUND { return static_cast<const S*>(buffer_.data()) + offset_; }
   /// For writing: only right after construction or when `unique()`.
-  S* data() { return static_cast<S*>(buffer_.data()) + offset_; }
-  std::span<const S> span() const { return {data(), static_cast<std::size_t>(count())}; }
+  S* data() MOTIONLANG_LIFETIMEBOUND { return static_cast<S*>(buffer_.data()) + offset_; }
+  std::span<const S> span() const MOTIONLANG_LIFETIMEBOUND { return {data(), static_cast<std::size_t>(count())}; }
+  /// Whether there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
   bool defined() const { return static_cast<bool>(buffer_); }
 
   /// Nobody else can see the numbers, so an operation may overwrite them.
@@ -65,8 +80,10 @@ class Dense {
   const void* attached() const { return buffer_ && offset_ == 0 ? buffer_.packed().get() : nullptr; }
 
  private:
+  static constexpr Shape nothing{0};
+
   detail::BufferHandle buffer_;
-  Shape shape_{0};
+  Shape shape_ = nothing;
   Index offset_ = 0;
 };
 

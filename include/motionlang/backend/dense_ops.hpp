@@ -33,7 +33,7 @@ struct DenseOps {
 
   static tensor full(const Shape& shape, S value) { return tensor::full(shape, value); }
   static tensor from_span(std::span<const S> values, const Shape& shape) { return tensor::from_span(values, shape); }
-  static std::span<const S> to_span(const tensor& a) { return a.span(); }
+  static std::span<const S> to_span(const tensor& a MOTIONLANG_LIFETIMEBOUND) { return a.span(); }
   static const Shape& shape(const tensor& a) { return a.shape(); }
 
   static tensor reshape(const tensor& a, const Shape& s) { return a.reshaped(s); }

@@ -35,10 +35,15 @@ Dense<S> eigen_unary(Dense<S> a, F f) {
   return out;
 }
 
+#ifndef MOTIONLANG_INSTANTIATED
+template <Scalar S>
+struct EigenBodies {};
+#endif
+
 }  // namespace detail
 
 template <Scalar S>
-Dense<S> EigenBackend<S>::atan2(tensor a, tensor b) {
+Dense<S> detail::EigenFunctions<S>::atan2(tensor a, tensor b) {
   const Shape s = broadcast_shapes(a.shape(), b.shape(), "atan2");
   a = DenseOps<S>::broadcast(a, s), b = DenseOps<S>::broadcast(b, s);
   tensor out(s);
@@ -47,38 +52,38 @@ Dense<S> EigenBackend<S>::atan2(tensor a, tensor b) {
   return out;
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::exp(tensor a) {
+Dense<S> detail::EigenFunctions<S>::exp(tensor a) {
   return detail::eigen_unary(std::move(a), [](const auto& x) { return x.exp(); });
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::log(tensor a) {
+Dense<S> detail::EigenFunctions<S>::log(tensor a) {
   return detail::eigen_unary(std::move(a), [](const auto& x) { return x.log(); });
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::sqrt(tensor a) {
+Dense<S> detail::EigenFunctions<S>::sqrt(tensor a) {
   // Eigen's own root of a packet is rounded otherwise than its root of a single number
   return detail::eigen_unary(std::move(a), [](const auto& x) { return x.unaryExpr([](S v) { return std::sqrt(v); }); });
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::tanh(tensor a) {
+Dense<S> detail::EigenFunctions<S>::tanh(tensor a) {
   return detail::eigen_unary(std::move(a), [](const auto& x) { return x.tanh(); });
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::erf(tensor a) {  // Eigen's is in an unsupported module
+Dense<S> detail::EigenFunctions<S>::erf(tensor a) {  // Eigen's is in an unsupported module
   tensor out(a.shape());
   detail::kernels<S>().error_function(std::as_const(a).data(), a.count(), out.data());
   return out;
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::sin(tensor a) {
+Dense<S> detail::EigenFunctions<S>::sin(tensor a) {
   return detail::eigen_unary(std::move(a), [](const auto& x) { return x.sin(); });
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::cos(tensor a) {
+Dense<S> detail::EigenFunctions<S>::cos(tensor a) {
   return detail::eigen_unary(std::move(a), [](const auto& x) { return x.cos(); });
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y) {
+Dense<S> detail::EigenFunctions<S>::where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y) {
   const Shape s = broadcast_shapes(broadcast_shapes(a.shape(), b.shape(), "where_less"),
                                    broadcast_shapes(x.shape(), y.shape(), "where_less"), "where_less");
   const Index n = s.count();
@@ -92,7 +97,7 @@ Dense<S> EigenBackend<S>::where_less(const tensor& a, const tensor& b, const ten
   return out;
 }
 template <Scalar S>
-Dense<S> EigenBackend<S>::max(const tensor& a, int axis) {
+Dense<S> detail::EigenFunctions<S>::max(const tensor& a, int axis) {
   const Shape& s = a.shape();
   const Index n = s[axis], inner = s.count(axis + 1, s.rank());
   tensor out = tensor::full(s.without(axis), -std::numeric_limits<S>::infinity());

@@ -3,15 +3,15 @@
 #define MOTIONLANG_C_BUILD
 #include <motionlang/c/motionlang_c.h>
 
-#include <motionlang/compose/cut_texts.hpp>
-#include <motionlang/formats/bvh.hpp>
-#include <motionlang/formats/glb_reader.hpp>
-#include <motionlang/formats/glb_writer.hpp>
-#include <motionlang/kinematics/foot_lock.hpp>
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/core/text_lines.hpp>
+#include <motionlang/generate/timelines_of_text.hpp>
 #include <motionlang/kinematics/retarget.hpp>
-#include <motionlang/kinematics/smooth_motion.hpp>
+#include <motionlang/search/index_folder.hpp>
+#include <motionlang/search/search.hpp>
+#include <motionlang/search/tmr_search_encoder.hpp>
 #include <motionlang/stmc.hpp>
-#include <motionlang/view/viewer.hpp>
+#include <motionlang/view/view_file.hpp>
 
 namespace ml = motionlang;
 
@@ -20,6 +20,25 @@ struct motionlang_model {
 };
 struct motionlang_motion {
   ml::Motion motion;
+};
+struct motionlang_motions {
+  std::vector<motionlang_motion> motions;
+  std::string notes;
+};
+struct motionlang_bytes {
+  std::vector<std::byte> bytes;
+};
+struct motionlang_index {
+  std::unique_ptr<const ml::MotionIndexFile> file;
+  ml::TmrSearchEncoder<ml::EigenBackend<float>> tmr;
+  ml::MotionSearch search;
+};
+struct motionlang_hits {
+  struct Hit {
+    ml::IndexedClip clip;
+    ml::MotionHit hit;
+  };
+  std::vector<Hit> hits;
 };
 
 namespace {
@@ -63,7 +82,50 @@ int made(T** result, const char* name, const F& f) noexcept {
   });
 }
 
-bool ends_with(const char* file, std::string_view ending) { return std::string_view(file).ends_with(ending); }
+ml::MotionReadOptions read_options(const motionlang_read_options* given_options) {
+  const motionlang_read_options o = given_options == nullptr ? motionlang_default_read_options() : *given_options;
+  if (o.up != 0 && o.up != 'y' && o.up != 'z')
+    ml::raise<ml::config_error>(103, "motionlang_read_options: up is ", o.up, ", not 0, 'y' or 'z'");
+  ml::MotionReadOptions out{.scale = o.scale, .rate = o.rate, .drop_lead_in = o.drop_lead_in != 0};
+  if (o.fps != 0) out.fps = o.fps;
+  if (o.up != 0) out.up = o.up == 'y' ? ml::UpAxis::y : ml::UpAxis::z;
+  if (o.asf != nullptr) out.asf = o.asf;
+  if (o.joints != nullptr) out.joints = o.joints;
+  return out;
+}
+motionlang_motions with_handles(std::vector<ml::Motion> motions, std::string notes) {
+  motionlang_motions out{{}, std::move(notes)};
+  for (ml::Motion& m : motions) out.motions.push_back({std::move(m)});
+  return out;
+}
+std::string or_empty(const char* text) { return text == nullptr ? "" : text; }
+ml::TmrSearchEncoder<ml::EigenBackend<float>> tmr_of(const std::string& folder, const std::string& text_encoder) {
+  return ml::TmrSearchEncoder<ml::EigenBackend<float>>(
+      ml::load_tmr<ml::EigenBackend<float>>(folder, {.text_encoder = text_encoder}));
+}
+ml::SearchOptions search_options(const motionlang_search_options* given_options) {
+  const motionlang_search_options o = given_options == nullptr ? motionlang_default_search_options() : *given_options;
+  if (o.what < MOTIONLANG_SEARCH_CLIPS || o.what > MOTIONLANG_SEARCH_CAPTIONS)
+    ml::raise<ml::config_error>(103, "motionlang_search_options: what is ", o.what, ", not 0, 1 or 2");
+  return {.top = o.top,
+          .what = o.what == MOTIONLANG_SEARCH_MOMENTS    ? ml::SearchFor::moments
+                  : o.what == MOTIONLANG_SEARCH_CAPTIONS ? ml::SearchFor::captions
+                                                         : ml::SearchFor::clips,
+          .most_overlap = o.most_overlap};
+}
+motionlang_hits hits_of(const motionlang_index& index, std::span<const float> query,
+                        const motionlang_search_options* options) {
+  motionlang_hits out;
+  for (const ml::MotionHit& hit : ml::search(index.search, query, search_options(options)))
+    out.hits.push_back({ml::clip_of(index.file->index(), hit), hit});
+  return out;
+}
+std::span<const std::byte> memory(const void* bytes, int64_t size) {
+  if (size < 0) ml::raise<ml::config_error>(101, ml::counted(size, "byte"));
+  const auto* first = static_cast<const std::byte*>(bytes);
+  if (size > 0) given(first, "bytes");
+  return {first, static_cast<std::size_t>(size)};
+}
 
 std::array<double, 3> numbers_of(const ml::Vec3<double>& v) { return {v.x, v.y, v.z}; }
 std::array<double, 4> numbers_of(const ml::Quaternion<double>& q) { return {q.w, q.x, q.y, q.z}; }
@@ -76,6 +138,58 @@ void copy_to(float* out, int64_t room, const std::vector<V>& values) {
   for (const V& v : values) {
     for (const double x : numbers_of(v)) *out++ = static_cast<float>(x);
   }
+}
+
+/// The stretches and parts of a motion that are kept.
+ml::KeptClip kept_clip(const motionlang_options& o) {
+  if (o.keep_stretches < 0) ml::raise<ml::config_error>(101, ml::counted(o.keep_stretches, "stretch", "stretches"));
+  ml::KeptClip out{.motion = o.keep->motion};
+  for (int64_t i = 0; i < o.keep_stretches; ++i) {
+    const double* stretch = &given(o.keep_seconds, "keep_seconds") + 2 * i;
+    out.seconds.emplace_back(stretch[0], stretch[1]);
+  }
+  if (o.keep_parts == nullptr) return out;
+  out.parts = {};
+  for (std::string_view names = o.keep_parts; !names.empty();) {
+    const std::size_t comma = std::min(names.find(','), names.size());
+    const auto part = ml::parse_body_part(ml::detail::trim(names.substr(0, comma)));
+    if (!part)
+      ml::raise<ml::config_error>(103, "keep_parts: '", names.substr(0, comma), "' is not one of ",
+                                  ml::join_text(ml::body_part_names));
+    out.parts = out.parts.with(*part);
+    names.remove_prefix(std::min(comma + 1, names.size()));
+  }
+  return out;
+}
+/// Without progress.
+ml::GenerateOptions generate_options(const motionlang_options& o) {
+  ml::GenerateOptions out{.seed = o.seed,
+                          .overlap = o.overlap,
+                          .cut_texts = o.cut_texts != 0,
+                          .smooth = o.smooth != 0,
+                          .fix_feet = o.fix_feet != 0};
+  if (o.steps != 0) out.steps = o.steps;
+  if (o.all_steps != 0) out.steps = 0;
+  if (o.guidance != 0) out.guidance = o.guidance;
+  if (o.sampler != nullptr) out.sampler = ml::parse_sampler(o.sampler);
+  if (o.noise != nullptr) out.noise = o.noise;
+  if (o.record != nullptr) out.record = o.record;
+  if (o.reuse != nullptr) out.reuse = o.reuse;
+  if (o.keep_beyond > 0) out.keep_beyond = o.keep_beyond;
+  if (o.keep != nullptr) out.keep = kept_clip(o);
+  return out;
+}
+
+/// f(options), with the caller's function for progress.
+template <class F>
+auto with_options(const motionlang_options* options, const F& f) {
+  const motionlang_options o = options == nullptr ? motionlang_default_options() : *options;
+  const auto progress = [&](ml::Index step, ml::Index of) {
+    return o.progress == nullptr || o.progress(o.user, step, of) != 0;
+  };
+  ml::GenerateOptions how = generate_options(o);
+  how.progress = progress;
+  return f(how);
 }
 
 }  // namespace
@@ -93,8 +207,10 @@ void motionlang_free_model(motionlang_model* model) { delete model; }
 double motionlang_model_fps(const motionlang_model* model) { return model == nullptr ? 0 : model->stmc.fps; }
 
 motionlang_options motionlang_default_options(void) {
+  const ml::GenerateOptions usual;
   motionlang_options o{};
-  o.cut_texts = o.smooth = o.fix_feet = 1;
+  o.cut_texts = usual.cut_texts, o.smooth = usual.smooth, o.fix_feet = usual.fix_feet;
+  o.overlap = usual.overlap;
   return o;
 }
 
@@ -102,45 +218,83 @@ int motionlang_generate(const motionlang_model* model, const char* timeline, con
                         motionlang_motion** motion) {
   return made(motion, "motion", [&] {
     const auto& stmc = given(model, "model").stmc;
-    const motionlang_options o = options == nullptr ? motionlang_default_options() : *options;
-    auto texts = ml::parse_timeline(&given(timeline, "timeline"), {.fps = stmc.fps});
-    if (o.cut_texts != 0) texts = ml::cut_texts(texts, stmc.fps);
-    const auto progress = [&](ml::Index step, ml::Index of) {
-      return o.progress == nullptr || o.progress(o.user, step, of) != 0;
-    };
-    ml::StmcOptions how{.hidden = ml::HiddenTexts::ignore, .progress = progress};
-    if (o.steps != 0) how.steps = o.steps;
-    if (o.guidance != 0) how.guidance = o.guidance;
-    ml::Motion out = ml::stmc_motion(stmc.generate(texts, ml::Philox{.seed = o.seed}, how), stmc.fps);
-    if (o.smooth != 0) out = ml::smooth_motion(out);
-    if (o.fix_feet != 0) out = ml::fix_feet(out);  // last: feet that stand are to be still
-    return out;
+    const auto text = ml::parse_timeline(&given(timeline, "timeline"), {.fps = stmc.fps});
+    return with_options(options, [&](const ml::GenerateOptions& how) { return ml::generate_motion(stmc, text, how); });
+  });
+}
+int motionlang_generate_motions(const motionlang_model* model, const char* timelines, const motionlang_options* options,
+                                motionlang_motions** motions) {
+  return made(motions, "motions", [&] {
+    const auto& stmc = given(model, "model").stmc;
+    const auto texts = ml::timelines_of_text(&given(timelines, "timelines"), {.fps = stmc.fps});
+    return with_handles(with_options(options,
+                                     [&](const ml::GenerateOptions& how) {
+                                       return ml::generate_motions(stmc, std::span<const ml::Timeline>(texts), how);
+                                     }),
+                        "");
   });
 }
 
+motionlang_read_options motionlang_default_read_options(void) {
+  motionlang_read_options o{};
+  o.scale = ml::MotionReadOptions{}.scale;
+  return o;
+}
+int motionlang_read_motions(const char* file, const motionlang_read_options* options, motionlang_motions** motions) {
+  return made(motions, "motions", [&] {
+    std::string notes;
+    auto read = ml::read_motions(&given(file, "file"), read_options(options), &notes);
+    return with_handles(std::move(read), std::move(notes));
+  });
+}
+int motionlang_parse_motions(const void* bytes, int64_t size, const char* name, const motionlang_read_options* options,
+                             motionlang_motions** motions) {
+  return made(motions, "motions", [&] {
+    std::string notes;
+    auto read = ml::parse_motions(memory(bytes, size), &given(name, "name"), read_options(options), &notes);
+    return with_handles(std::move(read), std::move(notes));
+  });
+}
 int motionlang_read_motion(const char* file, motionlang_motion** motion) {
-  return made(motion, "motion", [&] {
-    const char* name = &given(file, "file");
-    if (ends_with(name, ".bvh")) return ml::read_bvh_motion(name);
-    if (ends_with(name, ".glb") || ends_with(name, ".gltf")) return ml::read_glb(name);
-    ml::raise<ml::config_error>(103, "motionlang_read_motion: ", name, " is not one of .bvh, .glb, .gltf");
-  });
+  return made(motion, "motion", [&] { return std::move(ml::read_motions(&given(file, "file")).front()); });
 }
+
+int64_t motionlang_motions_count(const motionlang_motions* motions) {
+  return motions == nullptr ? 0 : std::ssize(motions->motions);
+}
+const motionlang_motion* motionlang_motions_at(const motionlang_motions* motions, int64_t i) {
+  return i < 0 || i >= motionlang_motions_count(motions) ? nullptr : &motions->motions[static_cast<std::size_t>(i)];
+}
+const char* motionlang_motions_notes(const motionlang_motions* motions) {
+  return motions == nullptr ? "" : motions->notes.c_str();
+}
+void motionlang_free_motions(motionlang_motions* motions) { delete motions; }
+
 int motionlang_write_motion(const motionlang_motion* motion, const char* file) {
+  return done([&] { ml::write_motion_or_view(&given(file, "file"), given(motion, "motion").motion); });
+}
+int motionlang_write_motions(const motionlang_motion* const* motions, int64_t count, const char* file) {
   return done([&] {
-    const ml::Motion& m = given(motion, "motion").motion;
-    const char* name = &given(file, "file");
-    if (ends_with(name, ".bvh")) {
-      ml::write_bvh(name, m);
-    } else if (ends_with(name, ".glb")) {
-      ml::write_glb(name, m);
-    } else if (ends_with(name, ".html")) {
-      ml::write_viewer(name, m);
-    } else {
-      ml::raise<ml::config_error>(103, "motionlang_write_motion: ", name, " is not one of .bvh, .glb, .html");
-    }
+    if (count < 0) ml::raise<ml::config_error>(101, ml::counted(count, "motion"));
+    std::vector<ml::Motion> all;
+    if (count > 0) given(motions, "motions");
+    for (int64_t i = 0; i < count; ++i) all.push_back(given(motions[i], "a motion").motion);
+    ml::write_motions(&given(file, "file"), all);
   });
 }
+int motionlang_motion_bytes(const motionlang_motion* motion, const char* kind, motionlang_bytes** bytes) {
+  return made(bytes, "bytes",
+              [&] { return ml::motion_or_view_bytes(&given(kind, "kind"), given(motion, "motion").motion); });
+}
+const void* motionlang_bytes_data(const motionlang_bytes* bytes) {
+  return bytes == nullptr ? nullptr : bytes->bytes.data();
+}
+int64_t motionlang_bytes_size(const motionlang_bytes* bytes) { return bytes == nullptr ? 0 : std::ssize(bytes->bytes); }
+void motionlang_free_bytes(motionlang_bytes* bytes) { delete bytes; }
+const char* motionlang_motion_name(const motionlang_motion* motion) {
+  return motion == nullptr ? "" : motion->motion.name.c_str();
+}
+
 int motionlang_retarget(const motionlang_motion* motion, const motionlang_motion* character,
                         motionlang_motion** result) {
   return made(result, "result", [&] {
@@ -175,3 +329,93 @@ int motionlang_rotations(const motionlang_motion* motion, float* wxyz, int64_t r
 int motionlang_positions(const motionlang_motion* motion, float* xyz, int64_t room) {
   return done([&] { copy_to(xyz, room, given(motion, "motion").motion.positions()); });
 }
+
+motionlang_index_options motionlang_default_index_options(void) {
+  motionlang_index_options o{};
+  o.moments = 1;
+  return o;
+}
+int motionlang_update_index(const char* index_file, const char* folder, const motionlang_index_options* options,
+                            motionlang_index_report* report) {
+  return done([&] {
+    const motionlang_index_options o = options == nullptr ? motionlang_default_index_options() : *options;
+    const std::filesystem::path file = &given(index_file, "index_file");
+    given(folder, "folder");
+    std::optional<ml::MotionIndexFile> before;
+    if (std::filesystem::exists(file)) before = ml::MotionIndexFile::open(file);
+    std::optional<ml::MotionIndex> index;
+    if (before) index = before->index();
+    if (!index) given(o.model, "model of a new index");
+    const std::string model = o.model != nullptr ? o.model : index->model().path;
+    const std::string encoder = o.text_encoder != nullptr ? o.text_encoder : index ? index->model().text_encoder : "";
+    const auto tmr = tmr_of(ml::indexed_path(ml::found_model_folder(model)).string(),
+                            encoder.empty() ? "" : ml::indexed_path(encoder).string());
+    if (index)
+      index->require_model(tmr.model().id, model);
+    else
+      index.emplace(
+          ml::index_model(tmr, {.windows = o.moments != 0 ? ml::MomentOptions{}.windows : std::vector<double>{}}));
+    index->move_model(tmr.model().path, tmr.model().text_encoder);
+    const auto progress = [&](ml::Index files, ml::Index of) {
+      return o.progress == nullptr || o.progress(o.user, files, of) != 0;
+    };
+    ml::IndexUpdate update(*index, folder, tmr, {.license = or_empty(o.license), .again = o.again != 0});
+    const bool stopped =
+        !ml::detail::guard<ml::cancelled>([&] { update.run(progress); }, [](const ml::cancelled&) { return true; });
+    constexpr ml::Index graph_from = 100'000;  // vectors, as `motionlang index` does
+    ml::write_motion_index(file, *index, ml::motion_graphs(*index, graph_from, {}, before ? &*before : nullptr));
+    const ml::IndexReport& r = update.report();
+    if (report != nullptr)
+      *report = {index->count(), r.added, r.removed, r.renamed, r.unchanged, std::ssize(r.skipped)};
+    if (stopped) throw ml::cancelled();
+  });
+}
+int motionlang_open_index(const char* index_file, const char* model, const char* text_encoder,
+                          motionlang_index** index) {
+  return made(index, "index", [&] {
+    auto file =
+        std::make_unique<const ml::MotionIndexFile>(ml::MotionIndexFile::open(&given(index_file, "index_file")));
+    const ml::IndexModel& made_with = file->index().model();
+    const std::string path = model != nullptr ? model : made_with.path;
+    auto tmr = tmr_of(path, text_encoder != nullptr ? text_encoder : made_with.text_encoder);
+    file->index().require_model(tmr.model().id, path);
+    ml::MotionSearch search = ml::open_motion_search(*file);
+    return motionlang_index{std::move(file), std::move(tmr), std::move(search)};
+  });
+}
+int64_t motionlang_index_clips(const motionlang_index* index) {
+  return index == nullptr ? 0 : index->file->index().count();
+}
+void motionlang_free_index(motionlang_index* index) { delete index; }
+
+motionlang_search_options motionlang_default_search_options(void) {
+  const ml::SearchOptions o;
+  return {o.top, MOTIONLANG_SEARCH_CLIPS, o.most_overlap};
+}
+int motionlang_search_text(const motionlang_index* index, const char* text, const motionlang_search_options* options,
+                           motionlang_hits** hits) {
+  return made(hits, "hits", [&] {
+    const auto& searched = given(index, "index");
+    return hits_of(searched, searched.tmr.encode_text(&given(text, "text")), options);
+  });
+}
+int motionlang_search_motion(const motionlang_index* index, const motionlang_motion* motion,
+                             const motionlang_search_options* options, motionlang_hits** hits) {
+  return made(hits, "hits", [&] {
+    const auto& searched = given(index, "index");
+    return hits_of(searched, ml::encode_motion(searched.tmr, given(motion, "motion").motion), options);
+  });
+}
+int64_t motionlang_hits_count(const motionlang_hits* hits) { return hits == nullptr ? 0 : std::ssize(hits->hits); }
+int motionlang_hits_at(const motionlang_hits* hits, int64_t i, motionlang_hit* hit) {
+  return done([&] {
+    motionlang_hit& out = given(hit, "hit");
+    const auto count = motionlang_hits_count(hits);
+    if (i < 0 || i >= count) ml::raise<ml::shape_error>(203, "hit ", i, " of ", count);
+    const auto& [clip, found] = hits->hits[static_cast<std::size_t>(i)];
+    out = {clip.path.c_str(),    clip.name.c_str(), clip.captions.empty() ? "" : clip.captions.front().c_str(),
+           clip.license.c_str(), found.start,       found.end,
+           ml::score_of(found)};
+  });
+}
+void motionlang_free_hits(motionlang_hits* hits) { delete hits; }

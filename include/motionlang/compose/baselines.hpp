@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The timelines of the baselines that STMC is compared with: everything on one track, or in one sentence.
 ///
-/// Source  STMC (Petrovich et al. 2024), mtt/create_baselines.py; spec stmc.md 5. They are made from seconds and
+/// Source  thesis 6.3.3; STMC (Petrovich et al. 2024) mtt/create_baselines.py. They are made from seconds and
 ///         written to files, which are then read at 20 fps; converting with to_frames gives the same.
 #pragma once
 

@@ -8,7 +8,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY TimelineInSeconds single_track(const TimelineInSeconds& timeline) {
-  TimelineInSeconds out;
+  TimelineInSeconds out{{}, timeline.body};
   for (const auto& piece : elementary_pieces(timeline)) {
     if (piece.intervals.empty()) continue;
     IntervalInSeconds joined{"", piece.start, piece.end, {}};
@@ -25,7 +25,7 @@ MOTIONLANG_BODY TimelineInSeconds single_track(const TimelineInSeconds& timeline
 MOTIONLANG_BODY TimelineInSeconds one_text(const TimelineInSeconds& timeline) {
   constexpr double longest = 9.8;
   constexpr const char* words[] = {"", " and then ", " while "};
-  if (timeline.intervals.empty()) return {};
+  if (timeline.intervals.empty()) return {{}, timeline.body};
   IntervalInSeconds joined{"", 0.0, 0.0, {}};
   double first = timeline.intervals.front().start;
   for (std::size_t i = 0; i < timeline.intervals.size(); ++i) {
@@ -35,7 +35,7 @@ MOTIONLANG_BODY TimelineInSeconds one_text(const TimelineInSeconds& timeline) {
     first = std::min(first, interval.start);
   }
   joined.end = std::min(timeline.end() - first, longest);
-  return {{std::move(joined)}};
+  return {{std::move(joined)}, timeline.body};
 }
 
 MOTIONLANG_NAMESPACE_END

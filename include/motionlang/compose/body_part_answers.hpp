@@ -4,7 +4,7 @@
 ///
 ///     parse_body_part_answer("Answer: right leg\nleft leg\nbuttocks")   // global, left leg, right leg
 ///
-/// Source   SINC (Athanasiou et al., ICCV 2023), text_list_to_bp; spec sinc.md 6
+/// Source   thesis B.2.1; SINC (Athanasiou et al., ICCV 2023) sinc/tools/frank.py text_list_to_bp
 /// Differs  from the code: each line is stripped, so that "- waist" is one; "left shoulder" is understood
 #pragma once
 

@@ -7,6 +7,8 @@
 ///
 /// Rule   every known word adds its parts; words of one arm mean the right one unless "left arm", "left hand", ... is
 ///        written; both arms with "both", with "left and right", or with a plural; nothing known: all parts
+///
+/// In another body the words of its BodyPartition add their parts, and so do names and synonyms of parts.
 #pragma once
 
 #include <string_view>  // text
@@ -16,12 +18,14 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 BodyParts guess_body_parts(std::string_view text);
+/// The parts of another body.
+BodyParts guess_body_parts(std::string_view text, const BodyPartition& body);
 
 /// Guesses the parts of all intervals that have none.
 template <class T>
 void guess_missing_parts(BasicTimeline<T>& timeline) {
   for (auto& i : timeline.intervals) {
-    if (i.parts.empty()) i.parts = guess_body_parts(i.text);
+    if (i.parts.empty()) i.parts = guess_body_parts(i.text, timeline.body);
   }
 }
 

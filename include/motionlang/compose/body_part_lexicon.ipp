@@ -2,7 +2,7 @@
 // Bodies of body_part_lexicon.hpp.
 #pragma once
 
-#include <algorithm>  // find
+#include <algorithm>  // find, search
 #include <array>      // lexicon
 #include <span>       // lists of words
 #include <string>     // words
@@ -91,23 +91,25 @@ inline constexpr std::array lexicon = {
 };
 // clang-format on
 
-/// The longest stem of which the word is a form: the stem and at most four more letters ("step" + "ping").
-inline const WordMeaning* meaning_of(std::string_view word) {
-  const WordMeaning* best = nullptr;
-  for (const WordMeaning& m : lexicon) {
+/// The entry with the longest stem of which the word is a form: the stem and at most four more letters ("step" +
+/// "ping"). Null if there is none.
+template <class Entries>
+const auto* meaning_of(const Entries& entries, std::string_view word) {
+  const typename Entries::value_type* best = nullptr;
+  for (const auto& m : entries) {
     const bool fits = word.starts_with(m.stem) && word.size() - m.stem.size() <= 4;
     if (fits && (best == nullptr || m.stem.size() > best->stem.size())) best = &m;
   }
   return best;
 }
 
-/// Runs of letters in lower case.
-inline std::vector<std::string> words_of(std::string_view text) {
+/// Runs of letters in lower case. With `digits` these are letters, too ("arm 2").
+inline std::vector<std::string> words_of(std::string_view text, bool digits = false) {
   std::vector<std::string> words;
   bool inside = false;
   for (char c : text) {
     const char small = lower(c);
-    const bool letter = small >= 'a' && small <= 'z';
+    const bool letter = (small >= 'a' && small <= 'z') || (digits && small >= '0' && small <= '9');
     if (letter && !inside) words.emplace_back();
     if (letter) words.back() += small;
     inside = letter;
@@ -142,7 +144,7 @@ MOTIONLANG_BODY BodyParts guess_body_parts(std::string_view text) {
   const std::vector<std::string> words = detail::words_of(text);
   detail::WordMeaning sum;
   for (const std::string& word : words) {
-    const detail::WordMeaning* m = detail::meaning_of(word);
+    const detail::WordMeaning* m = detail::meaning_of(detail::lexicon, word);
     if (m == nullptr) continue;
     sum.arm |= m->arm, sum.arms |= m->arms, sum.legs |= m->legs, sum.head |= m->head, sum.spine |= m->spine;
   }
@@ -157,6 +159,26 @@ MOTIONLANG_BODY BodyParts guess_body_parts(std::string_view text) {
   if (sum.head) parts = parts.with(head);
   if (sum.spine) parts = parts.with(spine);
   return parts.empty() ? BodyParts::all() : parts;
+}
+
+MOTIONLANG_BODY BodyParts guess_body_parts(std::string_view text, const BodyPartition& body) {
+  if (body.words().empty() && body == BodyPartition()) return guess_body_parts(text);
+  const std::vector<std::string> words = detail::words_of(text, true);
+  BodyParts parts;
+  for (const std::string& word : words) {
+    if (const auto* m = detail::meaning_of(body.words(), word)) parts.bits |= m->parts.bits;
+  }
+  const auto add_named = [&](std::string_view name, BodyPart part) {
+    const std::vector<std::string> wanted = detail::words_of(name, true);
+    const auto found = std::search(words.begin(), words.end(), wanted.begin(), wanted.end());
+    if (!wanted.empty() && found != words.end()) parts = parts.with(part);
+  };
+  for (int p = 0; p < body.size(); ++p) {
+    const auto part = static_cast<BodyPart>(p);
+    add_named(body.name(part), part);
+  }
+  for (const BodyPartition::Named& s : body.synonyms()) add_named(s.name, s.part);
+  return parts.empty() ? body.all() : parts;
 }
 
 MOTIONLANG_NAMESPACE_END

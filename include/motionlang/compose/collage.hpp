@@ -52,7 +52,7 @@ Offsets joined(const Offsets& a, const Offsets& b);
 
 }  // namespace detail
 
-/// Source  STMC (Petrovich et al. 2024), algorithm 1; spec stmc.md 4 and 6
+/// Source  thesis 6.2.3, figure 6.3 c; STMC (Petrovich et al. 2024) src/model/gaussian.py p_sample_stmc
 /// Cost    one call of the network per step and `rows_at_once` frames: what the network holds at a time does not grow
 ///         with the timelines. Sequences of the same frames and the same text go through it once: both calls of
 ///         guidance of a crop whose text is "", and the unconditional calls of texts that begin and end together; what

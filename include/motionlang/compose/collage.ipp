@@ -136,7 +136,8 @@ MOTIONLANG_BODY BatchPlan independent_plan(const BatchPlan& plan, Index frames) 
   std::vector<TimelinePlan> alone;
   for (const TimelinePlan& p : plan.timelines) {
     for (const Interval& i : p.timeline.intervals) {
-      alone.push_back(plan_timeline({{{i.text, 0, frames > 0 ? frames : i.end - i.start, BodyParts::all()}}}));
+      const BodyPartition& body = p.timeline.body;
+      alone.push_back(plan_timeline({{{i.text, 0, frames > 0 ? frames : i.end - i.start, body.all()}}, body}));
     }
   }
   return batch_plans(std::move(alone));

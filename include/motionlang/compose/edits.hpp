@@ -7,7 +7,7 @@
 /// where nothing spans a cut (overlap 0), and at the end of the run. As the noise belongs to the frame, all other
 /// frames are those of before, bit for bit.
 ///
-/// Source   follows from STMC (Petrovich et al. 2024), algorithm 1; not in the paper
+/// Source   follows from STMC (thesis 6.2.3, figure 6.3 c); not in the thesis
 /// Caution  holds for denoisers whose sequences do not depend on their batch mates (see MdmSmplDenoiser)
 #pragma once
 

@@ -39,8 +39,8 @@ MOTIONLANG_BODY EditSpread::EditSpread(const BatchPlan& before, Index rows_befor
                                        Index reads, std::optional<Index> within)
     : plan_(std::move(after)), rows_(rows), reads_(reads) {
   for (std::size_t m = 0; m < plan_.timelines.size(); ++m) {
-    std::vector<char> edited(static_cast<std::size_t>(rows), 1);  // where nothing is recorded
-    if (m < before.timelines.size()) {
+    std::vector<char> edited(static_cast<std::size_t>(rows), 1);  // where nothing is recorded, or of another body
+    if (m < before.timelines.size() && before.timelines[m].timeline.body == plan_.timelines[m].timeline.body) {
       const Index longest = std::max(rows, rows_before);
       const auto was = detail::frame_terms(before.timelines[m], longest),
                  is = detail::frame_terms(plan_.timelines[m], longest);

@@ -7,7 +7,7 @@
 ///
 ///     const auto motion = stmc.generate(cut_at_handovers(timeline, 10), rng);
 ///
-/// Differs  from STMC (Petrovich et al. 2024), section 3.3, where each text is one crop
+/// Differs  from STMC (thesis 6.2.3, "Motion cropping and denoising"), where each text is one crop
 #pragma once
 
 #include <motionlang/compose/timeline.hpp>

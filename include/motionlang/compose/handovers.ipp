@@ -10,20 +10,21 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY Timeline cut_at_handovers(const Timeline& timeline, Index least) {
   const auto pieces = elementary_pieces(timeline);
+  const auto parts = static_cast<std::size_t>(timeline.body.size());
   std::vector<PartOwners> owners;
   owners.reserve(pieces.size());
   FirstWins ties;
   for (const Piece& piece : pieces) {
-    owners.push_back(piece.intervals.empty() ? PartOwners{} : assign_parts(timeline, piece.intervals, ties));
+    owners.push_back(piece.intervals.empty() ? PartOwners(parts) : assign_parts(timeline, piece.intervals, ties));
   }
   least = std::max<Index>(least, 1);
-  Timeline out;
+  Timeline out{{}, timeline.body};
   for (Index i = 0; i < std::ssize(timeline.intervals); ++i) {
     Interval rest = timeline.intervals[static_cast<std::size_t>(i)];
     for (std::size_t k = 1; k < pieces.size(); ++k) {
       const Index cut = pieces[k].start;
       const bool changes = [&] {
-        for (std::size_t p = 0; p < body_part_count; ++p) {
+        for (std::size_t p = 0; p < parts; ++p) {
           if ((owners[k][p] == i) != (owners[k - 1][p] == i)) return true;
         }
         return false;

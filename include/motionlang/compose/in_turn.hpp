@@ -4,7 +4,7 @@
 /// Denoisers learn from clips of a few seconds, most of which show one thing: of "walk forward then sit down" they do
 /// one half.
 ///
-///     actions_in_turn("walk forward, then sit down")                 // {"walk forward", "sit down"}
+///     actions_in_turn("walk forward, then sit down");                // {"walk forward", "sit down"}
 ///     const auto motion = stmc.generate(in_turn(timeline), rng);
 #pragma once
 

@@ -74,7 +74,7 @@ MOTIONLANG_BODY std::vector<std::string> actions_in_turn(std::string_view senten
 }
 
 MOTIONLANG_BODY Timeline in_turn(const Timeline& timeline) {
-  Timeline out;
+  Timeline out{{}, timeline.body};
   for (const Interval& whole : timeline.intervals) {
     const auto actions = actions_in_turn(whole.text);
     if (whole.end - whole.start < std::ssize(actions))

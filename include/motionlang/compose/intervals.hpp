@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Cutting a timeline at every start and end: between two neighbouring cuts the set of active texts is constant.
 ///
-/// Source  STMC (Petrovich et al. 2024), section 3.2; spec stmc.md 3.1
+/// Source  thesis 6.2.3, "Resolving unassigned timeframes"; STMC (Petrovich et al. 2024) src/stmc.py process_timeline
 #pragma once
 
 #include <algorithm>  // lower_bound
@@ -64,7 +64,7 @@ void fill_gaps(BasicTimeline<T>& timeline) {
   detail::sort(covered, [](const auto& a, const auto& b) { return a < b; });
   T reached{};
   for (const auto& [start, end] : covered) {
-    if (start > reached) timeline.intervals.push_back({"", reached, start, BodyParts::all()});
+    if (start > reached) timeline.intervals.push_back({"", reached, start, timeline.body.all()});
     reached = std::max(reached, end);
   }
 }

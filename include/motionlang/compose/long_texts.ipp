@@ -24,7 +24,7 @@ MOTIONLANG_BODY std::vector<Interval> equal_parts(const Interval& whole, Index c
 
 MOTIONLANG_BODY Timeline divide_long_texts(const Timeline& timeline, Index longest) {
   if (longest < 1) raise<config_error>(101, "divide_long_texts: parts of ", counted(longest, "frame"));
-  Timeline out;
+  Timeline out{{}, timeline.body};
   for (const Interval& whole : timeline.intervals) {
     const Index parts = std::max<Index>(1, (whole.end - whole.start + longest - 1) / longest);
     if (parts > most_parts) {

@@ -7,8 +7,7 @@
 ///
 /// Each timeline has three intervals: two back to back on one track, one on a second track beside them, with other body
 /// parts than those it meets.
-/// Source  STMC (Petrovich et al., CVPR workshops 2024), section 4.1; mtt/sampling_timelines.py; spec
-///         stmc-evaluation.md 1
+/// Source  thesis 6.3.1; STMC (Petrovich et al., CVPR workshops 2024) mtt/sampling_timelines.py
 /// Differs from the thesis: durations have a deviation of 1.2 s, not 1.0, and end at 9.2 s; parts are other ones only
 /// where
 ///         the window of the third interval was chosen, which is where it lies

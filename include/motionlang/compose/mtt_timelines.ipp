@@ -19,7 +19,7 @@ MOTIONLANG_BODY std::vector<MttText> parse_mtt_texts(std::string_view file, std:
     if (detail::trim(content).empty()) return;
     const detail::TimelineLine line(content, number, name);
     if (line.fields() < 2) line.fail(501, line.fields(), "expected 'text # body part'");
-    out.push_back({line.text(), line.parts(1)});
+    out.push_back({line.text(), line.parts(1, {})});
   });
   if (out.empty()) raise<timeline_error>(507, name, ": no line");
   return out;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Overlap around the cuts of a timeline: how far texts reach beyond their ends, and the windows of transitions.
 ///
-/// Source   STMC (Petrovich et al. 2024), section 3.3; spec stmc.md 3.4-3.6
+/// Source   thesis 6.2.3, "Temporal stitching"; STMC (Petrovich et al. 2024) src/stmc.py
 /// Differs  from the thesis, which gives 0.25 s on each side: the code splits a total overlap, the longer half to the
 ///          right
 #pragma once

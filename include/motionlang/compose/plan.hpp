@@ -2,7 +2,7 @@
 /// From timelines to the integers of a composition: which crops to denoise, and which frames of which crop are added to
 /// and subtracted from which frames of the motion, for each body part. No tensors here.
 ///
-/// Source     STMC (Petrovich et al. 2024), section 3.3; spec stmc.md 3; reference: nv-tlabs/stmc src/stmc.py
+/// Source     thesis 6.2.3; STMC (Petrovich et al. 2024); reference: nv-tlabs/stmc src/stmc.py process_timelines
 /// Notation   a, b -> start, end of an interval; T -> frames; O, l, r -> Overlap; x -> cut
 /// Property   for every body part and frame, additions minus subtractions = 1, however close the cuts are, if extension
 ///            and transition crops are both on or both off; see net_weights
@@ -88,7 +88,7 @@ void require_text(const Piece& piece);
 /// Throws timeline_error 508 at a crop of more than `longest` frames (0: any number).
 void check_crops(const TimelinePlan& plan, Index longest);
 
-/// A plan with its pieces, which have no owners yet. Throws timeline_error 504, 505, 507, config_error 101.
+/// A plan with its pieces, which have no owners yet. Throws timeline_error 503 ... 505, 507, config_error 101.
 TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options);
 
 /// What follows from the owners of the pieces. Throws timeline_error 506, 508.
@@ -98,7 +98,8 @@ void finish_plan(TimelinePlan& plan, const PlanOptions& options);
 
 /// The plan of one timeline. `ties` decides between equal base texts: FirstWins, or a generator (see PlanOptions and
 /// sinc_assignment.hpp).
-/// Throws     timeline_error 504, 505 (gap), 506 (hidden text), 507, 508 (crop too long), config_error 101
+/// Throws     timeline_error 503 (parts of another body), 504, 505 (gap), 506 (hidden text), 507, 508 (crop too long),
+///            config_error 101
 template <Shuffler G>
 TimelinePlan plan_timeline(Timeline timeline, const PlanOptions& options, G& ties) {
   TimelinePlan plan = detail::pieces_of(std::move(timeline), options);

@@ -24,6 +24,9 @@ inline void check_timeline(const Timeline& timeline) {
     if (i.start < 0 || i.end < i.start || i.end > latest_time) {
       raise<timeline_error>(504, "plan_timeline: ", quoted(i), " is not a range of frames of the motion");
     }
+    if ((i.parts.bits & ~timeline.body.all().bits) != 0) {
+      raise<timeline_error>(503, "plan_timeline: ", quoted(i), " moves other body parts than ", timeline.body);
+    }
   }
   if (timeline.end() == 0) raise<timeline_error>(504, "plan_timeline: the timeline has no frame");
 }
@@ -35,7 +38,8 @@ MOTIONLANG_BODY void require_text(const Piece& piece) {
 
 /// Joins neighbouring pieces of a part that have the same owner.
 inline void merge_pieces(TimelinePlan& plan) {
-  for (std::size_t p = 0; p < body_part_count; ++p) {
+  const auto parts = static_cast<std::size_t>(plan.timeline.body.size());
+  for (std::size_t p = 0; p < parts; ++p) {
     for (std::size_t k = 0; k < plan.pieces.size(); ++k) {
       const Piece& piece = plan.pieces[k];
       const Index owner = plan.owners[k][p];
@@ -153,7 +157,7 @@ MOTIONLANG_BODY BatchPlan plan_timelines(std::span<const Timeline> timelines, co
 
 MOTIONLANG_BODY NetWeights net_weights(const TimelinePlan& plan) {
   NetWeights net{std::numeric_limits<int>::max(), std::numeric_limits<int>::min()};
-  for (int p = 0; p < body_part_count; ++p) {
+  for (int p = 0; p < plan.timeline.body.size(); ++p) {
     std::vector<std::pair<Index, int>> steps{{0, 0}, {plan.frames, 0}};  // frame, change of the weight
     const auto count = [&](const std::vector<Slice>& slices, int weight) {
       for (const Slice& s : slices) {

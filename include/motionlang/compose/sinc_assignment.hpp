@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: MIT
 /// Which text owns which body part while several texts are active.
 ///
-/// Source   SINC (Athanasiou et al., ICCV 2023) heuristic as STMC's code applies it; spec stmc.md 3.2. Where papers and
-///          code differ (the base is a text with legs first, ties are random), the code is followed.
-/// Rule     1. Base: of the texts with legs (of all, if none has legs) the one with the most body parts. It gets all
-///             five parts.
+/// Source   thesis 6.2.3, figure 6.4: the heuristic of SINC (thesis B.2.1) as STMC src/stmc.py applies it. Where papers
+///          and code differ (the base is a text with legs first, ties are random), the code is followed.
+/// Rule     1. Base: of the texts with the part that carries the path, the legs of a human, the one with the most body
+///             parts (of all texts, if none has that part). It gets all parts.
 ///          2. The others, by number of parts, largest first, in file order among equals, take their parts away from
 ///             whoever holds them: the text with fewer parts wins, among equals the later one.
 /// Ties     between base texts: the first in the file, or random as published when a generator is given
 #pragma once
 
-#include <array>  // one owner for each part
-#include <span>   // texts of a piece
+#include <span>    // texts of a piece
+#include <vector>  // one owner for each part
 
 #include <motionlang/compose/intervals.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Number of the interval that owns each body part.
-using PartOwners = std::array<Index, body_part_count>;
+using PartOwners = std::vector<Index>;
 
 /// A generator that can put a list into random order: PythonRandom (as published), NumpyRandom.
 template <class G>
@@ -33,14 +33,15 @@ struct FirstWins {
 
 namespace detail {
 
-/// Of the texts with legs (of all, if there are none) the one with the most parts; of equals the first after a shuffle.
+/// Of the texts with the path (of all, if there are none) the one with the most parts; of equals the first after a
+/// shuffle.
 /// Shuffling one text draws nothing.
 template <class T, Shuffler G>
 Index base_text(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
   const auto parts = [&](Index i) { return timeline.intervals[static_cast<std::size_t>(i)].parts; };
   std::vector<Index> candidates;
   for (Index i : texts) {
-    if (parts(i).has(BodyPart::legs)) candidates.push_back(i);
+    if (parts(i).has(timeline.body.path())) candidates.push_back(i);
   }
   if (candidates.empty()) candidates.assign(texts.begin(), texts.end());
   ties.shuffle(std::span<Index>(candidates));
@@ -53,17 +54,17 @@ Index base_text(const BasicTimeline<T>& timeline, std::span<const Index> texts, 
 
 }  // namespace detail
 
-/// Owners of the five parts on a piece with at least one text. `texts` are numbers of intervals in file order.
+/// Owners of all parts on a piece with at least one text. `texts` are numbers of intervals in file order.
 template <class T, Shuffler G>
 PartOwners assign_parts(const BasicTimeline<T>& timeline, std::span<const Index> texts, G& ties) {
-  PartOwners owners;
   const Index base = detail::base_text(timeline, texts, ties);
-  owners.fill(base);
-  for (int count = body_part_count; count > 0; --count) {  // texts with many parts first, in file order among equals
+  const int size = timeline.body.size();
+  PartOwners owners(static_cast<std::size_t>(size), base);
+  for (int count = size; count > 0; --count) {  // texts with many parts first, in file order among equals
     for (Index i : texts) {
       const BodyParts parts = timeline.intervals[static_cast<std::size_t>(i)].parts;
       if (i == base || parts.count() != count) continue;
-      for (int p = 0; p < body_part_count; ++p) {
+      for (int p = 0; p < size; ++p) {
         if (parts.has(static_cast<BodyPart>(p))) owners[static_cast<std::size_t>(p)] = i;
       }
     }

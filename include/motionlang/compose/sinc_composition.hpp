@@ -3,7 +3,7 @@
 ///
 ///     compose_motions(walk, parts_of_walk, wave, parts_of_wave)   // walks, the right arm waves
 ///
-/// Source  SINC (Athanasiou et al., ICCV 2023), combine_motions; spec sinc.md 7
+/// Source  thesis B.2.1, steps 1 to 5; SINC (Athanasiou et al., ICCV 2023) sinc/tools/frank.py combine_motions
 /// Rule    1. The motion with fewer parts is the second one (a tie: as given) and overrides.
 ///         2. Legs and pelvis stay together: with the second if it has any of them, else with the first.
 ///         3. What the second does not have comes from the first. The path over the ground is of the one with the legs.

@@ -45,21 +45,25 @@ struct PartMoves {
 };
 PartMoves moves_of_part(const BatchPlan& plan, const Offsets& crops, Index stride, BodyPart part);
 
+/// Throws config_error 102 unless the layout gives each number to one body part of the body that the timelines have.
+void check_layout(const FeatureLayout& layout, const BatchPlan& plan);
+
 }  // namespace detail
 
 /// Puts crops together: for each body part the additions of the plan, then its subtractions.
 ///     motion[to, part] = sum crops[from, part] - sum transitions[from, part]
-/// Source  STMC, section 3.3, "spatio-temporal stitching"; spec stmc.md 4 step 5
+/// Source  thesis 6.2.3, "Spatial (body-part) stitching", "Temporal stitching"; STMC src/stmc.py
+///         combine_features_intervals
 template <Backend B>
 class Stitcher {
  public:
   Stitcher() = default;
   /// `crops`: offsets of the crops in batch order; `stride`: rows per motion. Throws config_error 102 for a layout that
-  /// does not give each number to one body part.
+  /// does not give each number to one body part, and for one of another body.
   Stitcher(const BatchPlan& plan, const FeatureLayout& layout, const Offsets& crops, Index stride)
       : rows_(static_cast<Index>(plan.timelines.size()) * stride), features_(layout.size) {
-    layout.validate();
-    for (int p = 0; p < body_part_count; ++p) {
+    detail::check_layout(layout, plan);
+    for (int p = 0; p < layout.body.size(); ++p) {
       Part part;
       part.mask = detail::part_mask<B>(layout, static_cast<BodyPart>(p));
       auto moves = detail::moves_of_part(plan, crops, stride, static_cast<BodyPart>(p));
@@ -90,13 +94,13 @@ class Stitcher {
 /// Hard cuts softened afterwards (the SINC+lerp baseline): in every window of the plan the part is interpolated
 /// linearly between the values at the window's first and last frame.
 ///     w v_first + (1 - w) v_last,   w = linspace(1, 0, window)
-/// All windows read the hard-cut motion; where they overlap the later one wins. Source: spec stmc.md 5.
-/// Throws config_error 102 for a layout that does not give each number to one body part.
+/// All windows read the hard-cut motion; where they overlap the later one wins. Source: STMC src/stmc.py.
+/// Throws config_error 102 for a layout that does not give each number to one body part, and for one of another body.
 template <Backend B>
 Tensor<B, 2> interpolate_transitions(const BatchPlan& plan, const FeatureLayout& layout, const Tensor<B, 2>& motion,
                                      Index stride) {
   using S = typename B::scalar;
-  layout.validate();
+  detail::check_layout(layout, plan);
   const auto read = motion.span();
   std::vector<S> out(read.begin(), read.end());
   const auto width = static_cast<std::size_t>(layout.size);

@@ -43,6 +43,15 @@ MOTIONLANG_BODY PartMoves moves_of_part(const BatchPlan& plan, const Offsets& cr
   return out;
 }
 
+MOTIONLANG_BODY void check_layout(const FeatureLayout& layout, const BatchPlan& plan) {
+  layout.validate();
+  for (const TimelinePlan& p : plan.timelines) {
+    if (p.timeline.body == layout.body) continue;
+    raise<config_error>(102, "FeatureLayout '", layout.name, "' is of a body of ", layout.body, "; the timeline's has ",
+                        p.timeline.body);
+  }
+}
+
 }  // namespace detail
 
 MOTIONLANG_NAMESPACE_END

@@ -2,7 +2,7 @@
 /// TEACH's way to put generated parts one behind the other: the next part is turned and moved onto the last frame of
 /// the one before it, the frames between them are interpolated.
 ///
-/// Source    TEACH (Athanasiou et al., 3DV 2022), tools/interpolation.py; spec teach.md 5.1
+/// Source    thesis A.2.3 and A.3.4; TEACH (Athanasiou et al., 3DV 2022) teach/tools/interpolation.py
 /// Notation  last frame of what is there -> e, first frame of the next part -> b
 /// World     Z up. The turn is the difference of the z of two rotation vectors, which is that of the headings only for
 ///           bodies that do not lean; published so.

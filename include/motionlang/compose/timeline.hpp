@@ -9,7 +9,7 @@
 #include <string>     // texts
 #include <vector>     // intervals
 
-#include <motionlang/kinematics/body_parts.hpp>
+#include <motionlang/kinematics/body_partition.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -33,6 +33,7 @@ struct BasicInterval {
 template <class T>
 struct BasicTimeline {
   std::vector<BasicInterval<T>> intervals;
+  BodyPartition body{};  // whose parts the intervals move; the human body unless given
 
   /// End of the last interval.
   T end() const {

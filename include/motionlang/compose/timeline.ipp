@@ -17,7 +17,7 @@ MOTIONLANG_BODY Index frame_at(double seconds, double fps) {
 }
 
 MOTIONLANG_BODY Timeline to_frames(const TimelineInSeconds& timeline, double fps) {
-  Timeline out;
+  Timeline out{{}, timeline.body};
   for (const auto& i : timeline.intervals) {
     out.intervals.push_back({i.text, frame_at(i.start, fps), frame_at(i.end, fps), i.parts, i.place});
   }
@@ -31,7 +31,7 @@ MOTIONLANG_BODY TimelineInSeconds to_seconds(const Timeline& timeline, double fp
     while (frame_at(t, fps) < frame) t = std::nextafter(t, HUGE_VAL);  // the quotient was rounded down
     return t;
   };
-  TimelineInSeconds out;
+  TimelineInSeconds out{{}, timeline.body};
   for (const auto& i : timeline.intervals)
     out.intervals.push_back({i.text, seconds(i.start), seconds(i.end), i.parts, i.place});
   return out;

@@ -28,6 +28,7 @@ struct TimelineTextOptions {
   /// Take intervals without a frame and texts without parts as they are. Else texts without parts move the whole body.
   bool as_published = false;
   std::string_view name = "timeline";  // of the file, for messages
+  BodyPartition body{};                // whose parts the texts move
 };
 
 /// A text with a length, for motions of one text each: it moves the whole body.

@@ -7,6 +7,7 @@
 
 #include <motionlang/compose/detail/timeline_line.hpp>
 #include <motionlang/compose/timeline_text.hpp>
+#include <motionlang/core/sort.hpp>
 #include <motionlang/core/text_lines.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -26,8 +27,8 @@ BasicInterval<T> parse_interval(const TimelineLine& line, const TimelineTextOpti
       return line.seconds(i);
     }
   };
-  BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3), line.place(0)};
-  if (out.parts == BodyParts{} && !options.as_published) out.parts = BodyParts::all();
+  BasicInterval<T> out{line.text(), time(1), time(2), line.parts(3, options.body), line.place(0)};
+  if (out.parts == BodyParts{} && !options.as_published) out.parts = options.body.all();
   if (!(out.start < out.end) && !options.as_published) {
     line.fail(504, 2, "the interval ", line.field(1), " to ", line.field(2), " s ",
               line.seconds(1) < line.seconds(2) ? "has no frame" : "is empty or ends before it starts");
@@ -43,7 +44,7 @@ std::vector<BasicTimeline<T>> parse_timelines_as(std::string_view text, const Ti
   for_each_line(text, [&](std::string_view line, Index number) {
     const bool blank = trim(line).empty();
     if (!blank) {
-      if (!inside) out.emplace_back();
+      if (!inside) out.push_back({{}, options.body});
       out.back().intervals.push_back(parse_interval<T>(TimelineLine(line, number, options.name), options));
     }
     inside = !blank;
@@ -85,7 +86,7 @@ MOTIONLANG_BODY bool is_text_list(std::string_view text, const TimelineTextOptio
     const detail::TimelineLine line(content, number, options.name);
     if (line.fields() < 3)
       ++short_lines;
-    else if (parse_body_part(line.field(2)))
+    else if (options.body.find(line.field(2)))
       ++lines_with_parts;
   });
   return options.as_published ? short_lines > 0 : lines > 0 && short_lines + lines_with_parts == lines;
@@ -97,7 +98,7 @@ MOTIONLANG_BODY std::vector<TimedText> parse_text_list(std::string_view text, co
     if (detail::trim(content).empty()) return;
     const detail::TimelineLine line(content, number, options.name);
     if (line.fields() < 2) line.fail(501, line.fields(), "expected 'text # duration'");
-    if (!options.as_published) line.parts(2);
+    if (!options.as_published) line.parts(2, options.body);
     const double seconds = line.seconds(1);
     if (std::abs(seconds * options.fps) > double(latest_time)) line.fail(502, 1, "'", line.field(1), "' is too long");
     const Index frames = frame_at(seconds, options.fps);
@@ -109,9 +110,13 @@ MOTIONLANG_BODY std::vector<TimedText> parse_text_list(std::string_view text, co
 }
 
 MOTIONLANG_BODY std::string write_timelines(std::span<const TimelineInSeconds> timelines) {
-  using enum BodyPart;
   std::string out;
   for (const TimelineInSeconds& timeline : timelines) {
+    const BodyPartition& body = timeline.body;
+    std::vector<BodyPart> alphabetical;
+    alphabetical.reserve(static_cast<std::size_t>(body.size()));
+    for (int p = 0; p < body.size(); ++p) alphabetical.push_back(static_cast<BodyPart>(p));
+    detail::sort(alphabetical, [&](BodyPart a, BodyPart b) { return body.name(a) < body.name(b); });
     for (const IntervalInSeconds& i : timeline.intervals) {
       if (i.text.find_first_of("#\r\n") != i.text.npos) {
         raise<timeline_error>(510, "write_timelines: the text '", i.text, "' contains '#' or a line end");
@@ -120,8 +125,8 @@ MOTIONLANG_BODY std::string write_timelines(std::span<const TimelineInSeconds> t
       detail::append_python_float(out, i.start);
       out += " # ";
       detail::append_python_float(out, i.end);
-      for (BodyPart part : {head, left_arm, legs, right_arm, spine}) {
-        if (i.parts.has(part)) out += " # " + to_string(part);
+      for (BodyPart part : alphabetical) {
+        if (i.parts.has(part)) out += " # " + body.name(part);
       }
       out += '\n';
     }

@@ -17,6 +17,7 @@
 #include <utility>      // exchange
 
 #include <motionlang/core/error.hpp>
+#include <motionlang/core/lifetime.hpp>
 #include <motionlang/core/thread_object.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -38,7 +39,7 @@ struct alignas(64) Buffer {
 
 /// Free buffers of this thread, in buckets of four sizes per power of two. A pool keeps only what it made itself:
 /// buffers that one thread makes and another frees do not pile up. Once the pool of an ending thread is gone, memory
-/// comes from the system and returns to it.
+/// comes from the system and returns to it. Under the address sanitizer, who uses a free buffer is reported.
 class BufferPool {
  public:
   static BufferPool& local() { return thread_object<BufferPool>(); }
@@ -51,6 +52,7 @@ class BufferPool {
   static void give_back(detail::Buffer* b) {
     if (gone_ || b->pool != local().number_) return release(b);
     b->packed.reset();
+    if constexpr (detail::address_sanitizer) detail::forbid_access(b->data, bucket_bytes(b->bucket));
     b->next = std::exchange(local().free_[static_cast<std::size_t>(b->bucket)], b);
   }
 
@@ -76,6 +78,7 @@ class BufferPool {
     if (head != nullptr) {
       detail::Buffer* b = std::exchange(head, head->next);
       b->references.store(1, std::memory_order_relaxed);
+      if constexpr (detail::address_sanitizer) detail::allow_access(b->data, bucket_bytes(bucket));
       return b;
     }
     ++system_allocations_;
@@ -114,7 +117,7 @@ class BufferHandle {
     buffer_->data = const_cast<void*>(data);
     buffer_->owner = std::move(owner);
   }
-  BufferHandle(const BufferHandle& o) : buffer_(o.buffer_) {
+  BufferHandle(const BufferHandle& o) noexcept : buffer_(o.buffer_) {
     if (buffer_ != nullptr) buffer_->references.fetch_add(1, std::memory_order_relaxed);
   }
   BufferHandle(BufferHandle&& o) noexcept : buffer_(std::exchange(o.buffer_, nullptr)) {}
@@ -130,7 +133,7 @@ class BufferHandle {
       ::operator delete (destroyed(buffer_), std::align_val_t{64});
   }
 
-  void* data() const { return buffer_ == nullptr ? nullptr : buffer_->data; }
+  void* data() const MOTIONLANG_LIFETIMEBOUND { return buffer_ == nullptr ? nullptr : buffer_->data; }
   /// Nobody else sees this memory, and it may be written.
   bool unique() const {
     return buffer_ != nullptr && buffer_->bucket >= 0 && buffer_->references.load(std::memory_order_acquire) == 1;

@@ -15,6 +15,7 @@ MOTIONLANG_BODY void BufferPool::trim() {
 
 MOTIONLANG_BODY void BufferPool::release(detail::Buffer* b) {
   const int bucket = b->bucket;
+  if constexpr (detail::address_sanitizer) detail::allow_access(b->data, bucket_bytes(bucket));
   b->~Buffer();
   give_memory(b, sizeof(detail::Buffer) + bucket_bytes(bucket));
 }

@@ -3,7 +3,7 @@
 /// model in tests/laws), and the models.
 #pragma once
 
-#include <concepts>     // same_as, convertible_to
+#include <concepts>     // same_as, semiregular
 #include <cstdint>      // uint64_t
 #include <span>         // views of values and rows
 #include <string_view>  // names of random streams
@@ -42,15 +42,21 @@ concept ScalarLike = std::copyable<S> && requires(const S& a, const S& b) {
 /// backend only computes. Everything else (softmax, attention, ...) has a default in these primitives; a backend may
 /// add its own version under the same name (see tensor/fused.hpp).
 ///
+/// tensor    can be made without anything, copied and moved. One that is made so is no tensor yet: its shape is (0) and
+///           to_span gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
+///           an operation of the backend sees it. A list of no values has the shape (0) too; `bool defined() const`,
+///           if the tensor has it, tells one from the other
 /// Minimum   data      full, from_span, to_span, shape
 ///           elements  add sub mul div maximum atan2 (broadcasting), exp log sqrt tanh erf sin cos, where_less
 ///           reduce    sum max (one axis, which disappears)
 ///           product   matmul(a, b, transpose_a, transpose_b), equal leading axes
 ///           movement  reshape permute broadcast slice concat gather scatter_add
-/// Laws      every operation equals the one of ReferenceBackend (tests/ops); operands are never changed visibly
+/// Left out  which device, threads, in-place operations, other scalars than float and double, views of memory of others
+/// Laws      every operation equals the one of ReferenceBackend (tests/ops); operands are never changed visibly; the
+///           algebra of tests/laws. examples/11_own_backend has a backend of one's own, and how to run the laws on it
 /// Models    ReferenceBackend<S>, EigenBackend<S>, XtensorBackend<S>, Autodiff<B>
 template <class B>
-concept Backend = Scalar<typename B::scalar> && std::copyable<typename B::tensor> &&
+concept Backend = Scalar<typename B::scalar> && std::semiregular<typename B::tensor> &&
     requires(const typename B::tensor a, const Shape s, int axis, Index n, std::span<const typename B::scalar> values,
              std::span<const Index> rows, std::span<const int> axes, std::span<const typename B::tensor> list) {
   { B::full(s, typename B::scalar{}) } -> std::same_as<typename B::tensor>;

@@ -157,22 +157,38 @@ TextPart text_part(const T& value) {
 }
 std::string concat_parts(std::initializer_list<TextPart> parts);
 
+/// A module that is being evaluated. Its name is given, or known by the fields of the module around it.
+struct ModuleStep {
+  std::string name;
+  const void* module = nullptr;  // null: the name is given
+  const void* type = nullptr;    // tells a module from its first member, which lies in the same place
+  /// Path from `module` to one inside of it, "" if it has none such.
+  std::string (*path_to)(const void* module, const void* inner, const void* inner_type) = nullptr;
+};
+
+/// The step into a module (core/fields.hpp).
+template <class M>
+struct StepInto;
+
 /// The modules that are being evaluated, outermost first. Only kept when MOTIONLANG_DIAGNOSTICS is defined.
 struct ModulePath {
-  static std::vector<std::string>& names() { return thread_object<std::vector<std::string>, ModulePath>(); }
+  using Steps = std::vector<ModuleStep>;
+  static Steps& steps() { return thread_object<Steps, ModulePath>(); }
+  /// "layers.3.linear1"
+  static std::string text();
   /// As long as it lives, the thread is inside the modules of another one, a part of whose work it does.
   class Continued {
    public:
 #ifdef MOTIONLANG_DIAGNOSTICS
-    explicit Continued(std::vector<std::string> other) : own_(std::exchange(names(), std::move(other))) {}
-    ~Continued() { names() = std::move(own_); }
+    explicit Continued(Steps other) : own_(std::exchange(steps(), std::move(other))) {}
+    ~Continued() { steps() = std::move(own_); }
     Continued(const Continued&) = delete;
     Continued& operator=(const Continued&) = delete;
 
    private:
-    std::vector<std::string> own_;
+    Steps own_;
 #else
-    explicit Continued(const std::vector<std::string>&) {}
+    explicit Continued(const Steps&) {}
     ~Continued() {}
 #endif
   };
@@ -212,14 +228,18 @@ std::string counted(N n, std::string_view one, std::string_view several = {}) {
   return out;
 }
 
-/// Names the module that is evaluated as long as the object lives. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
+/// Names the module that is evaluated as long as the object lives: ModuleScope scope(*this) in its functions, or the
+/// text of all arguments. Costs nothing unless MOTIONLANG_DIAGNOSTICS is set.
 struct ModuleScope {
 #ifdef MOTIONLANG_DIAGNOSTICS
   template <class... T>
   explicit ModuleScope(const T&... name) {
-    detail::ModulePath::names().push_back(concat_text(name...));
+    detail::ModulePath::steps().push_back({.name = concat_text(name...)});
   }
-  ~ModuleScope() { detail::ModulePath::names().pop_back(); }
+  template <class M>
+  requires requires { M::fields(); }
+  explicit ModuleScope(const M& module) { detail::ModulePath::steps().push_back(detail::StepInto<M>::step(module)); }
+  ~ModuleScope() { detail::ModulePath::steps().pop_back(); }
 #else
   template <class... T>
   explicit ModuleScope(const T&...) {}

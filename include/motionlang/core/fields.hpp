@@ -1,22 +1,25 @@
 // SPDX-License-Identifier: MIT
 /// Member lists: what a module is made of, and how to walk over it.
 ///
-///     struct Linear {
+///     struct Model {
 ///       Tensor<B, 2> weight;
 ///       Tensor<B, 1> bias;
-///       static constexpr auto fields() { return motionlang::fields("weight", &Linear::weight, "bias", &Linear::bias);
-///       }
+///       static constexpr auto fields() { return motionlang::fields("weight", &Model::weight, "bias", &Model::bias); }
 ///     };
-///     visit(model, [](const std::string& path, auto& tensor) { ... });   // "layers.0.linear1.weight"
+///     Model model;
+///     visit(model, [](const std::string& path, auto& tensor) { use(path, tensor); });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
 /// may contain dots ("tx_embedding.0") where the official key has a level that is no module here, and be empty where
-/// the fields of a member have no level of their own (the statistics of a BatchNorm).
+/// the fields of a member have no level of their own (the statistics of a BatchNorm). Two members of one name are a
+/// compile error, unless both are optional. A member with nothing to save is an option: a number, an enumeration, a
+/// text, or a type that says so (is_option, tensor/module.hpp).
 #pragma once
 
 #include <optional>     // members that a model may lack
 #include <string>       // paths
 #include <string_view>  // names
+#include <type_traits>  // bool_constant
 #include <vector>       // repeated members
 
 #include <motionlang/core/concepts.hpp>
@@ -54,6 +57,41 @@ template <class T>
 inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
+
+/// Whether a list has a member of this name. One of two optional members may be there, under the same name.
+template <bool optional, class M, class T, class Rest>
+constexpr bool has_name(const FieldList<Field<M, T>, Rest>& list, std::string_view name);
+template <bool optional>
+constexpr bool has_name(const NoFields&, std::string_view) {
+  return false;
+}
+template <bool optional, class M, class T, class Rest>
+constexpr bool has_name(const FieldList<Field<M, T>, Rest>& list, std::string_view name) {
+  return (list.first.name == name && !(optional && is_optional<T>)) || has_name<optional>(list.rest, name);
+}
+/// The first name that is there twice, "" if there is none. (Several members may have no level of their own.)
+constexpr std::string_view repeated_name(const NoFields&) { return {}; }
+template <class M, class T, class Rest>
+constexpr std::string_view repeated_name(const FieldList<Field<M, T>, Rest>& list) {
+  const std::string_view name = list.first.name;
+  return !name.empty() && has_name<is_optional<T>>(list.rest, name) ? name : repeated_name(list.rest);
+}
+/// Whether the compiler can look at the names of a module.
+template <class M>
+concept ConstantFields = requires {
+  typename std::bool_constant<(static_cast<void>(M::fields()), true)>;
+};
+/// Two members of one name would share what is kept by name: a place in a file, the moments of an optimiser. A compile
+/// error where fields() is constexpr, else config_error 102.
+template <Module M>
+void check_names() {
+  if constexpr (ConstantFields<M>) {
+    static_assert(repeated_name(M::fields()).empty(),
+                  "motionlang: fields() of a module lists two members by the same name");
+  } else if (const std::string_view name = repeated_name(M::fields()); !name.empty()) {
+    raise<config_error>(102, "fields() of a module lists two members by the name '", name, "'");
+  }
+}
 
 inline std::string join_path(const std::string& prefix, std::string_view name) {
   std::string path = prefix;
@@ -95,6 +133,7 @@ struct Walk {
 };
 template <class Object>
 auto walk(Object& object) {
+  check_names<std::remove_const_t<Object>>();
   return Walk<decltype(Object::fields()), Object>{Object::fields(), object};
 }
 
@@ -131,6 +170,58 @@ void visit(M& module, F f) { detail::visit_fields("", f, module); }
 template <class M, class N, class F>
 requires Module<std::remove_const_t<M>> && Module<std::remove_const_t<N>>
 void zip(M& a, N& b, F f) { detail::visit_fields("", f, a, b); }
+
+namespace detail {
+
+/// A place that is another for every type.
+template <class M>
+inline constexpr char type_place = 0;
+
+/// Whether one module is inside another, and its path from there.
+template <Module M>
+bool find_module(const M& around, const void* module, const void* type, std::string& path);
+template <class T>
+bool find_module_in(const T& member, const std::string& name, const void* module, const void* type, std::string& path) {
+  if constexpr (Module<T>) {
+    if (&member == module && &type_place<T> == type) {
+      path = name;
+      return true;
+    }
+    if (!find_module(member, module, type, path)) return false;
+    path = join_path(name, path);
+    return true;
+  } else if constexpr (is_vector<T>) {
+    for (std::size_t i = 0; i < member.size(); ++i) {
+      if (find_module_in(member[i], join_path(name, std::to_string(i)), module, type, path)) return true;
+    }
+  } else if constexpr (is_optional<T>) {
+    return member && find_module_in(*member, name, module, type, path);
+  }
+  return false;
+}
+template <Module M>
+bool find_module(const M& around, const void* module, const void* type, std::string& path) {
+  bool found = false;
+  auto look = [&](const char* name, const auto& member) {
+    found = found || find_module_in(member, name, module, type, path);
+  };
+  each_field(look, walk(around));
+  return found;
+}
+
+template <class M>
+struct StepInto {
+  static ModuleStep step(const M& module) {
+    return {.name = {}, .module = &module, .type = &type_place<M>, .path_to = &path_to};
+  }
+  static std::string path_to(const void* around, const void* module, const void* type) {
+    std::string path;
+    find_module(*static_cast<const M*>(around), module, type, path);
+    return path;
+  }
+};
+
+}  // namespace detail
 
 /// Number of leaves.
 template <Module M>

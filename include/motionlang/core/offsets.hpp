@@ -13,6 +13,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sequence i has the rows offsets[i] ... offsets[i + 1] - 1. Cheap to copy; whoever keeps a copy keeps the list alive.
+/// To move is to copy: what was moved from keeps its list.
 class Offsets {
  public:
   Offsets() : Offsets(std::span<const Index>()) {}
@@ -29,6 +30,9 @@ class Offsets {
   }
   explicit Offsets(const std::vector<Index>& lengths) : Offsets(std::span<const Index>(lengths)) {}
   Offsets(std::initializer_list<Index> lengths) : Offsets(std::span<const Index>(lengths.begin(), lengths.size())) {}
+  Offsets(const Offsets&) = default;
+  Offsets& operator=(const Offsets&) = default;
+  ~Offsets() = default;
   /// `count` sequences of equal length. Throws shape_error 207 if either is negative.
   static Offsets equal(Index count, Index length);
 
@@ -38,7 +42,9 @@ class Offsets {
   Index end(Index i) const { return first()[i + 1]; }
   Index length(Index i) const { return end(i) - begin(i); }
   Index longest() const;
-  std::span<const Index> list() const { return {first(), static_cast<std::size_t>(count_) + 1}; }
+  std::span<const Index> list() const MOTIONLANG_LIFETIMEBOUND {
+    return {first(), static_cast<std::size_t>(count_) + 1};
+  }
   bool operator==(const Offsets& o) const {
     return count_ == o.count_ &&
            std::memcmp(first(), o.first(), (static_cast<std::size_t>(count_) + 1) * sizeof(Index)) == 0;

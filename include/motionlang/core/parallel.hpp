@@ -1,5 +1,16 @@
 // SPDX-License-Identifier: MIT
-/// A small pool of threads and `parallel_for`.
+/// Threads: a small pool of them and `parallel_for`, how many are used, and what threads of a program may share.
+///
+/// How many   processor_count() threads calculate (core/processors.hpp: what the process is given, in a container too),
+///            at most 256. set_thread_count(n) changes that for the whole process. The results are the same bits
+/// From several threads of a program at once
+///   may be shared    everything that is const: models, tensors, skeletons, indices, text encoders. Copying a handle of
+///                    the same tensor, and using it, too. One call calculates in the pool at a time, others wait for it
+///   may not          what is written: a tensor that is assigned to, a generator that draws, an AdamW that steps, a
+///                    KeptMotion that is filled. Give each thread its own, or a lock. A Context counts its masks: one
+///                    for each call
+///   Autodiff         variables may be shared; operations behind a loss belong to the thread that calls `backward`
+///   at rest          set_thread_count and set_product_precision (backend/precision.hpp): while no work is running
 ///
 /// Work is split into tasks that never share a sum, and the result of a task does not depend on who runs it: one thread
 /// and many give the same bits. Workers spin after a task (20,000 pauses: 0.2 to 1 millisecond, by the processor) and

@@ -2,11 +2,11 @@
 /// What is known to be wrong in the files of AMASS, and to have another name from one release to the next.
 ///
 ///     sequence.fps = corrected_amass_fps(path, sequence.fps);
-///     for (const std::string& path : amass_paths(babel.feat_p)) ...      // the file of an annotation, of whatever
-///     release
+///     // The file of an annotation, of whatever release.
+///     for (const std::string& file : amass_paths(babel.feat_p)) use(file);
 ///
 /// No reader corrects a rate by itself: a file that was resampled lies below the same name and says what is true.
-/// Source  TEACH (Athanasiou et al., 3DV 2022), amass_files; specs teach.md 4.1, body-models.md 6
+/// Source  TEACH (Athanasiou et al., 3DV 2022), amass_files
 #pragma once
 
 #include <array>        // tables

@@ -7,10 +7,10 @@
 ///
 ///     const auto file = AnnotationFile::open("annotations.json");
 ///     for (const std::string& id : file.select(read_ids("splits/train.txt"))) {
-///       for (const Annotation& a : training_annotations(file.load(id), "train")) ...
+///       for (const Annotation& a : training_annotations(file.load(id), "train")) use(a);
 ///     }
 ///
-/// Source  AMASS-Annotation-Unifier; TMR (Petrovich et al. 2023), src/data/text_motion.py; spec exchange-formats.md 5.1
+/// Source  AMASS-Annotation-Unifier; TMR (Petrovich et al. 2023), src/data/text_motion.py
 #pragma once
 
 #include <span>         // ids

@@ -8,8 +8,8 @@
 ///       for (const auto& a : sequence.frame_annotations) use(babel_segments(a.labels, 30, frames, spelling));
 ///     }
 ///
-/// Source  Punnakkal et al. (CVPR 2021), babel v1.0; TEACH and SINC, extract_frame_labels; spec exchange-formats.md 5.1
-///         and 5.4, teach.md 4, sinc.md 5, tmr.md 8.1
+/// Source  Punnakkal et al. (CVPR 2021), babel v1.0; TEACH teach/data/babel.py and SINC
+///         sinc/data/tools/extract_pairs.py, extract_frame_labels
 #pragma once
 
 #include <cstdint>        // numbers of sequences

@@ -28,7 +28,7 @@ bool is_babel_excluded(std::string_view label);
 
 /// The segments that SINC takes, in their order: without empty ones and excluded labels. One without text stays here
 /// (it
-/// counts as simultaneous with others) and is nothing to train on. Source  spec sinc.md 5.1
+/// counts as simultaneous with others) and is nothing to train on. Source  SINC sinc/data/tools/extract_pairs.py
 std::vector<BabelSegment> sinc_segments(std::vector<BabelSegment> segments);
 
 MOTIONLANG_NAMESPACE_END

@@ -3,7 +3,7 @@
 ///
 ///     {"wave right hand": ["", "", "Answer: right arm"], ...}
 ///
-/// Source  SINC (Athanasiou et al., ICCV 2023); spec sinc.md 6.1. The published table is the user's to supply.
+/// Source  SINC (Athanasiou et al., ICCV 2023), thesis B.2.1. The published table is the user's to supply.
 #pragma once
 
 #include <motionlang/compose/body_part_answers.hpp>

@@ -2,7 +2,7 @@
 /// Which clips, and which frames of them, the loader of Guo et al. hands to its evaluator and its models. The caption
 /// beside them is `GloVe::framed`.
 ///
-/// Source  text-to-motion data/dataset.py, Text2MotionDatasetV2; spec evaluation-guo.md 1.3, 2.4
+/// Source  text-to-motion data/dataset.py, Text2MotionDatasetV2
 #pragma once
 
 #include <span>    // lengths

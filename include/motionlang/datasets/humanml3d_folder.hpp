@@ -8,7 +8,7 @@
 ///     const HumanMl3dFolder data("HumanML3D");
 ///     for (const std::string& id : data.ids("train")) use(data.load(id));
 ///
-/// Source  Guo et al. (CVPR 2022); spec humanml3d-features.md 10, exchange-formats.md 5.2
+/// Source  Guo et al. (CVPR 2022); HumanML3D, README and cal_mean_variance.ipynb; text-to-motion data/dataset.py
 #pragma once
 
 #include <cstddef>      // numbers of captions

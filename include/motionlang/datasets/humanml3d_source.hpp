@@ -2,7 +2,7 @@
 /// From raw AMASS to the joints that HumanML3D begins with: which frames a row of index.csv takes, and the axes. The
 /// body is the caller's: a function that poses frames, such as a BodyModel of SMPL-H on the user's own model file.
 ///
-/// Source   Guo et al. (CVPR 2022), raw_pose_processing.ipynb; spec humanml3d-features.md 8
+/// Source   Guo et al. (CVPR 2022), HumanML3D raw_pose_processing.ipynb
 /// World    in: Z up, metres (AMASS); out: Y up, (x, y, z) -> (-x, z, y). HumanAct12 clips come as joints that are Y up
 ///          and stay as they are, and the index is not applied to them.
 ///

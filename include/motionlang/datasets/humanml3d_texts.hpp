@@ -4,7 +4,7 @@
 ///
 ///     caption#word/POS word/POS ...#start#end          seconds; 0.0 and 0.0: the whole clip; "nan" is 0
 ///
-/// Source  Guo et al. (CVPR 2022); spec humanml3d-features.md 8 and 10, exchange-formats.md 5.2
+/// Source  Guo et al. (CVPR 2022); HumanML3D, README; text-to-motion data/dataset.py Text2MotionDatasetV2
 #pragma once
 
 #include <span>         // captions

@@ -5,8 +5,8 @@
 ///     <id>_meta.json          {"nb_annotations": 1, ...}
 ///     <id>_fke.csv            a head line; then an index and x, y, z of MMM's 21 joints on each line, millimetres
 ///
-/// Source  Plappert et al. (2016); the csv files from the preprocessing of Ghosh et al.; spec exchange-formats.md 5.3,
-///         temos.md 9
+/// Source  Plappert et al. (2016); the csv files from the preprocessing of Ghosh et al., which TEMOS
+///         reads; thesis 4.3.1
 #pragma once
 
 #include <string>       // ids

@@ -4,8 +4,8 @@
 ///     <tokenizer>/<id>.txt     a line for each pass over the clip (five), ids of codes with blanks between them, no
 ///                              marks
 ///
-/// Source  TM2T (Guo et al., ECCV 2022), tokenize_script.py, data/dataset.py; spec tm2t.md 2, 3. TM2T's script appends
-///         to a file that is there already; here it is replaced.
+/// Source  TM2T (Guo et al., ECCV 2022), section 3.1; tokenize_script.py, data/dataset.py TextMotionTokenDataset.
+///         TM2T's script appends to a file that is there already; here it is replaced.
 #pragma once
 
 #include <span>         // tokens

@@ -4,7 +4,7 @@
 ///
 ///     simultaneous_segments(std::vector<BabelSegment>{{0, 60, "walk"}, {30, 90, "wave"}})   // [30, 60) {walk, wave}
 ///
-/// Source   SINC (Athanasiou et al., ICCV 2023), spatial_compositions; spec sinc.md 5.2
+/// Source   thesis B.3.1; SINC (Athanasiou et al., ICCV 2023) sinc/data/tools/spatiotempo.py spatial_compositions
 /// Differs  from the code, whose order of labels is that of a hash table: here they are sorted
 #pragma once
 

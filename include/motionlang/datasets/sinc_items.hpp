@@ -3,9 +3,9 @@
 ///
 ///     const SincItems items(list_of_items, table);
 ///     const SincElement e = items.draw(k, {}, rng);
-///     if (e.partner) train(compose_motions(features of k, e.parts[0], features of *e.partner, e.parts[1]));
+///     if (e.partner) use(compose_motions(motions[k], e.parts[0], motions[*e.partner], e.parts[1]));
 ///
-/// Source   SINC (Athanasiou et al., ICCV 2023), load_keyid; spec sinc.md 5.3, 5.4
+/// Source   thesis B.2.1 and B.3.1; SINC (Athanasiou et al., ICCV 2023) sinc/data/babel.py load_keyid
 #pragma once
 
 #include <optional>       // elements without partner

@@ -3,10 +3,10 @@
 ///
 ///     for (const ActionPair& pair : teach_pairs(babel_intervals(labels, 30, frames))) {
 ///       const PairFrames cut = pair.frames();
-///       if (is_teach_length(cut)) train(pair.first.text, pair.second.text, cut);
+///       if (is_teach_length(cut)) use(pair.first.text, pair.second.text, cut);
 ///     }
 ///
-/// Source    TEACH (Athanasiou et al., 3DV 2022), separate_actions; spec teach.md 4.3
+/// Source    thesis A.2.3, "Data handling"; TEACH (Athanasiou et al., 3DV 2022) teach/data/babel.py separate_actions
 /// Notation  segment S -> (start, end); X before S: X begins and ends earlier and touches S; X after S likewise
 /// Differs   from the paper: two overlapping actions are not parted in the middle of their overlap but half of it after
 ///           the end of the first one, as the code does

@@ -2,7 +2,7 @@
 /// What TM2T's tokenizer is trained on: its statistics, the windows of the clips, the frames that become tokens. And
 /// how often its decoder is shown the truth.
 ///
-/// Source  TM2T (Guo et al., ECCV 2022), data/dataset.py, networks/trainers.py; spec tm2t.md 1, 2, 5.1
+/// Source  TM2T (Guo et al., ECCV 2022), data/dataset.py MotionDataset, networks/trainers.py schedule_tf; appendix B
 #pragma once
 
 #include <algorithm>  // min

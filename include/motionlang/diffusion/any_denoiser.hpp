@@ -39,16 +39,19 @@ struct AnyDenoiser {
 
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     if (mdm_smpl) return (*mdm_smpl)(x, t, *text.mdm_smpl, context);
     if (mdm) return (*mdm)(x, t, text.text, context);
     return (*motiondiffuse)(x, t, *text.motiondiffuse, context);
   }
   Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
                           const EncodedText& text) const {
+    const ModuleScope scope(*this);
     return mdm_smpl ? (*mdm_smpl)(x, uses, t, *text.mdm_smpl) : (*this)(repeat_sequences(x, uses), t, text);
   }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return (*this)(x, t, encode(text), context);
   }
 };

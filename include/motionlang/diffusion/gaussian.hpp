@@ -55,12 +55,12 @@ class GaussianDiffusion {
   double inverse_abar(Index t) const;
   double abarp(Index t) const { return t == 0 ? 1 : abar_[at(t) - 1]; }
   double abarn(Index t) const { return t + 1 == steps() ? 0 : abar_[at(t) + 1]; }
-  /// Variance of the posterior: beta_t (1 - abarp_t) / (1 - abar_t); 0 at t = 0.
+  /// Variance of the posterior (thesis eq. 6.4): beta_t (1 - abarp_t) / (1 - abar_t); 0 at t = 0.
   double posterior_variance(Index t) const { return beta(t) * (1 - abarp(t)) / (1 - abar(t)); }
   /// Its logarithm, with index 1 in place of index 0.
   double posterior_log_variance(Index t) const;
   double large_variance(Index t) const;
-  /// Weights of x0 and x_t in the posterior mean.
+  /// Weights of x0 and x_t in the posterior mean (thesis eq. 6.3).
   double c0(Index t) const { return beta(t) * std::sqrt(abarp(t)) / (1 - abar(t)); }
   double ct(Index t) const { return (1 - abarp(t)) * std::sqrt(alpha(t)) / (1 - abar(t)); }
 
@@ -88,7 +88,8 @@ Tensor<B, R> coefficients(std::span<const Index> t, F f) {
   return Tensor<B, R>::from(std::span<const typename B::scalar>(values), s);
 }
 
-/// x_t = sqrt(abar_t) x0 + sqrt(1 - abar_t) eps.   (Ho et al. 2020, eq. 4) One t per leading index, or one for all.
+/// x_t = sqrt(abar_t) x0 + sqrt(1 - abar_t) eps: the steps 0 ... t of thesis eq. 6.1 at once (Ho et al. 2020, eq. 4).
+/// One t per leading index, or one for all.
 template <Backend B, int R>
 Tensor<B, R> q_sample(const GaussianDiffusion& d, const Tensor<B, R>& x0, std::span<const Index> t,
                       const Tensor<B, R>& eps) {
@@ -96,14 +97,14 @@ Tensor<B, R> q_sample(const GaussianDiffusion& d, const Tensor<B, R>& x0, std::s
          coefficients<B, R>(t, [&](Index i) { return std::sqrt(1 - d.abar(i)); }) * eps;
 }
 
-/// Mean of q(x_{t-1} | x_t, x0): c0 x0 + ct x_t.   (eq. 7)
+/// Mean of q(x_{t-1} | x_t, x0): c0 x0 + ct x_t.   (thesis eq. 6.3; Ho et al. 2020, eq. 7)
 template <Backend B, int R>
 Tensor<B, R> posterior_mean(const GaussianDiffusion& d, const Tensor<B, R>& x0, const Tensor<B, R>& x_t,
                             std::span<const Index> t) {
   return coefficients<B, R>(t, [&](Index i) { return d.c0(i); }) * x0 +
          coefficients<B, R>(t, [&](Index i) { return d.ct(i); }) * x_t;
 }
-/// The same mean from the noise: (x_t - beta_t / sqrt(1 - abar_t) eps) / sqrt(alpha_t).   (eq. 11)
+/// The same mean from the noise: (x_t - beta_t / sqrt(1 - abar_t) eps) / sqrt(alpha_t).   (Ho et al. 2020, eq. 11)
 template <Backend B, int R>
 Tensor<B, R> posterior_mean_from_eps(const GaussianDiffusion& d, const Tensor<B, R>& eps, const Tensor<B, R>& x_t,
                                      std::span<const Index> t) {

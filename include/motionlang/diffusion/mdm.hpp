@@ -17,7 +17,8 @@ enum class MdmCondition { text, action, none };
 enum class MdmClassToken { none, time_plus_text, time_only };
 
 struct MdmConfig {
-  Index nfeats = 263;  // joints times features of the published layout
+  static constexpr bool is_option = true;  // holds no tensors
+  Index nfeats = 263;                      // joints times features of the published layout
   MdmArch arch = MdmArch::trans_enc;
   MdmCondition condition = MdmCondition::text;
   Index text_dim = 512;        // CLIP; 768 for DistilBERT
@@ -100,6 +101,7 @@ struct MdmDenoiser {
 
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const Index n = x.count();
     if (static_cast<Index>(t.size()) != n || (config.condition != MdmCondition::none && text.count() != n)) {
       raise<shape_error>(204, "MdmDenoiser: ", n, " sequences, ", text.count(), " texts, ", t.size(), " steps");

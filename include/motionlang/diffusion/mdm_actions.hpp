@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 /// MDM for actions: motions for classes, which stand where MDM for texts has a text.
 ///
-///     const MdmActions<B> mdm{.denoiser = ..., .diffusion = GaussianDiffusion(CosineSchedule{.steps = 1000})};
-///     const auto motions = mdm.generate(actions, Philox{.seed = 7});            // frames of rotations and way, as
-///     ACTOR has them
+///     const GaussianDiffusion diffusion(CosineSchedule{.steps = 1000});
+///     const MdmActions<B> mdm{.denoiser = network, .diffusion = diffusion};
+///     // Frames of rotations and way, as ACTOR has them.
+///     const auto motions = mdm.generate(actions, Philox{.seed = 7});
 ///
 /// An unconstrained model (HumanAct12 without its classes) has one class, which it does not look at.
-/// Source  Tevet et al., "Human motion diffusion model" (ICLR 2023), section 4.2; spec mdm.md 3, 3.1
+/// Source  Tevet et al., "Human motion diffusion model" (ICLR 2023), section 4.2; MDM model/mdm.py
 #pragma once
 
 #include <motionlang/core/rng.hpp>

@@ -14,6 +14,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes (27 M parameters).
 struct MdmSmplConfig {
+  static constexpr bool is_option = true;  // holds no tensors
   Index nfeats = 205;
   Index tx_dim = 512;
   Index latent_dim = 512;
@@ -31,7 +32,7 @@ struct MdmSmplConfig {
 
 /// The sequence [time, text ..., registers, frames] plus sinusoidal positions through a pre-norm transformer encoder;
 /// the frames are read off its end.
-/// Source   Petrovich et al., "Multi-track timeline control" (2024), section 4.3; nv-tlabs/stmc src/model/mdm_smpl.py,
+/// Source   thesis 6.2.4 ("Multi-track timeline control", Petrovich et al. 2024); nv-tlabs/stmc src/model/mdm_smpl.py,
 ///          whose state-dict keys (behind "denoiser.") are the field names
 /// Caution  texts of several tokens are placed as the published code pads them: frames come behind the longest text of
 ///          the batch, so such a sequence depends on its batch mates. With one token per text (CLIP, ours) none
@@ -113,6 +114,7 @@ struct MdmSmplDenoiser {
   /// computed once. t: a step for each text. Throws shape_error 204 for other numbers of sequences, texts or steps.
   Sequences<B> operator()(const Sequences<B>& x, const Offsets& uses, std::span<const Index> t,
                           const EncodedText& text) const {
+    const ModuleScope scope(*this);
     check_counts(uses.rows(), t, text);
     const Offsets lengths = repeat_lengths(x.offsets, uses);
     const auto heads = add_positions(head_tokens(t, text), positions.rows(), gaps(text));
@@ -123,10 +125,12 @@ struct MdmSmplDenoiser {
   }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return (*this)(x, t, encode(text), context);
   }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     auto tokens = sequence(x, t, text);
     if (context.dropout) tokens = tokens.with(dropout(tokens.rows, dropout_p, context));
     return to_skel_layer(last_rows(seqTransEncoder(tokens, context), x.offsets));

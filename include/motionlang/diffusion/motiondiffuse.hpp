@@ -10,6 +10,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// Sizes of the HumanML3D release.
 struct MotionDiffuseConfig {
+  static constexpr bool is_option = true;  // holds no tensors
   Index input_feats = 263;
   Index num_frames = 196;  // rows of the learned positions
   Index latent_dim = 512;
@@ -42,6 +43,7 @@ struct StylizationBlock {
   /// h and x (rows, width), emb (sequences, time width): x with what is made of h added
   Tensor<B, 2> operator()(const Tensor<B, 2>& h, const Tensor<B, 2>& emb, const Offsets& offsets,
                           const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
     const Index d = h.size(1);
     const auto modulation = emb_layer(activate(emb, Activation::silu));
     const auto scale = repeat_for_rows(slice(modulation, 1, 0, d) + 1.0, offsets);
@@ -79,6 +81,7 @@ struct MotionDiffuseAttention {
 
   /// Self-attention when there is no text.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>* text, const Tensor<B, 2>& emb) const {
+    const ModuleScope scope(*this);
     const auto n = norm(x.rows), source = text == nullptr ? n : (*text_norm)(text->rows);
     const Offsets& keys = text == nullptr ? x.offsets : text->offsets;
     const auto q = query(n), k = key(source), v = value(source);
@@ -98,6 +101,7 @@ struct MotionDiffuseFeedForward {
     return motionlang::fields("linear1", &M::linear1, "linear2", &M::linear2, "proj_out", &M::proj_out);
   }
   Tensor<B, 2> operator()(const Sequences<B>& x, const Tensor<B, 2>& emb) const {
+    const ModuleScope scope(*this);
     return proj_out(linear2(linear1(x.rows, Activation::gelu)), emb, x.offsets, x.rows);
   }
 };
@@ -118,6 +122,7 @@ struct MotionDiffuseBlock {
         ffn{{c.latent_dim, c.ff_size, rng}, {c.ff_size, c.latent_dim, rng}, {c.latent_dim, 4 * c.latent_dim, rng}} {}
 
   Sequences<B> operator()(Sequences<B> x, const Sequences<B>& text, const Tensor<B, 2>& emb) const {
+    const ModuleScope scope(*this);
     x.rows = sa_block(x, nullptr, emb);
     x.rows = ca_block(x, &text, emb);
     x.rows = ffn(x, emb);
@@ -225,6 +230,7 @@ struct MotionDiffuseDenoiser {
 
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text,
                           const Context& = {}) const {
+    const ModuleScope scope(*this);
     if (text.xf_out.count() != x.count() || static_cast<Index>(t.size()) != x.count()) {
       raise<shape_error>(204, "MotionDiffuseDenoiser: ", x.count(), " sequences, ", text.xf_out.count(), " texts, ",
                          t.size(), " steps");
@@ -236,6 +242,7 @@ struct MotionDiffuseDenoiser {
   }
   Sequences<B> operator()(const Sequences<B>& x, std::span<const Index> t, const TextFeatures<B>& text,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return (*this)(x, t, encode(text), context);
   }
 };

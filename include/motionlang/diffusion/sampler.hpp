@@ -48,6 +48,7 @@ struct SamplingOptions {
   enum class Sampler { ddpm, ddim };
   Sampler sampler = Sampler::ddpm;
   double eta = 0;  // of ddim
+  /// As in STMC's released code. The noise of thesis eq. 6.2 is NoiseScale::posterior_std.
   NoiseScale noise_scale = NoiseScale::posterior_variance;
   bool clip = false;
 };
@@ -84,14 +85,16 @@ Tensor<B, R> clean_estimate(const GaussianDiffusion& d, const Tensor<B, R>& x, c
 
 }  // namespace detail
 
-/// One step of Ho et al. (2020), algorithm 2: x_{t-1} = mean + factor noise.
+/// One step of Ho et al. (2020), algorithm 2: x_{t-1} = mean + factor noise, a sample of thesis eq. 6.2.
 /// t: one index per sample, or one for all. When the network predicts x_{t-1}, that is the mean.
+/// Differs from thesis eq. 6.2 with NoiseScale::posterior_variance: the factor is the variance, as STMC's code has it.
 template <Backend B, int R, class Fix = detail::KeepX0>
 AncestralStep<B, R> ancestral_step(const GaussianDiffusion& d, const Tensor<B, R>& x, const Tensor<B, R>& output,
                                    const Tensor<B, R>& noise, std::span<const Index> t, const StepOptions& options = {},
                                    const Fix& fix = {}) {
   auto x0 = detail::clean_estimate(d, x, output, t, options, fix);
   auto mean = options.prediction == Prediction::x_prev ? output : posterior_mean(d, x0, x, t);
+  // thesis eq. 6.2
   auto x_prev = mean + coefficients<B, R>(t, [&](Index i) {
                          return d.noise_factor(i, options.noise_scale, options.variance);
                        }) * noise;

@@ -8,7 +8,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// A forward process q(x_t | x_{t-1}) = N(sqrt(1 - beta_t) x_{t-1}, beta_t I), t = 0 ... steps-1.
+/// A forward process q(x_t | x_{t-1}) = N(sqrt(1 - beta_t) x_{t-1}, beta_t I), t = 0 ... steps-1 (thesis eq. 6.1).
 /// Minimum   steps, beta(t)
 /// Deduced   everything in gaussian.hpp
 /// Laws      0 < beta(t) <= 1 (checked where the tables are built)

@@ -3,7 +3,7 @@
 ///
 ///     vertices  the surface, where SMPL puts it      a2m    18 joints of Action2Motion    vibe  49 joints of VIBE
 ///     smpl      24 joints                            a2mpl  28: both together
-/// Source  ACTOR, src/models/rotation2xyz.py and smpl.py; spec actor.md 4.3, 5.1, 5.3
+/// Source  thesis 3.2.2, "vertex coordinates"; ACTOR src/models/rotation2xyz.py and src/models/smpl.py
 #pragma once
 
 #include <motionlang/features/pose_representation.hpp>

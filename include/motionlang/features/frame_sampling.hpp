@@ -23,11 +23,11 @@ inline void require_rates(const char* function, double from, double to) {
 }  // namespace detail
 
 /// TEMOS: frames 0, s, 2s, ..., s = floor(old / new); 120 frames per second become 13.33 where 12.5 are asked for.
-/// Source  TEMOS, spec temos.md 9. Throws config_error 101 unless 0 < new <= old.
+/// Source  TEMOS temos/data/sampling/framerate.py subsample. Throws config_error 101 unless 0 < new <= old.
 std::vector<Index> every_nth_frame(Index frames, double old_fps, double new_fps);
 
 /// TEACH and SINC: floor(new / old frames) frames spread evenly from the first to the last, rounded down.
-/// Source  TEACH, spec teach.md 4.1. Throws config_error 101 unless both rates are positive.
+/// Source  TEACH scripts/process_amass.py process_sequence. Throws config_error 101 unless both rates are positive.
 std::vector<Index> spread_frames(Index frames, double old_fps, double new_fps);
 
 /// TEMOS: values between the frames on straight lines, (frames, width) -> ((frames - 1) k + 1, width),
@@ -59,7 +59,7 @@ struct FrameSlice {
   Index first = -1, length = 0;
   bool operator==(const FrameSlice&) const = default;
 };
-/// TMR: seconds to frames, rounded down, as far as the clip goes. Source  spec tmr.md 4.
+/// TMR: seconds to frames, rounded down, as far as the clip goes. Source  TMR src/data/motion.py AMASSMotionLoader.
 /// Throws config_error 101 for a negative time, or unless the rate is positive.
 FrameSlice slice_of_seconds(double start, double end, double fps, Index frames);
 
@@ -73,13 +73,14 @@ struct ActorFrameOptions {
 /// ACTOR: the frames of a training item out of `available` ones. Clips that are too short repeat their last frame; of
 /// others, every step-th frame from a random start on. The last possible start is never drawn, as published. Scattered
 /// frames are drawn by this generator, too; the published program has NumPy's for them.
-/// Source  ACTOR, src/datasets/dataset.py; spec actor.md 6.3
+/// Source  ACTOR src/datasets/dataset.py _get_item_data_index
 /// Throws  config_error 101 unless 2 frames or more are wanted, of 1 or more
 std::vector<Index> actor_frames(Index available, const ActorFrameOptions& options, PythonRandom& random);
 
 /// SINC: the frames of a training item. Of a longer clip consecutive ones from a random start on; the last possible
 /// start is never drawn, as published. In evaluation whole clips (`request` 0) of 15 to 800 frames.
-/// Source  SINC, spec sinc.md 5.3
+/// Source   SINC sinc/data/sampling
+/// Differs  from thesis B.3.1, as published: clips of 15 to 600 frames are evaluated there
 struct SincWindow {
   Index request = 300;  // frames to take; 0: all
   Index shortest = 15;

@@ -3,7 +3,7 @@
 /// guoh3d_extraction.hpp; which number is what: Guoh3dSlots in layout.hpp.
 ///
 /// Source  Guo et al. (CVPR 2022), motion_representation.ipynb recover_root_rot_pos, recover_from_ric,
-///         recover_from_rot; spec humanml3d-features.md 7
+///         recover_from_rot
 /// World   Y up, frame 0 at x = z = 0; units as the features have them (metres; KIT: about 1/640 m), not normalised
 #pragma once
 

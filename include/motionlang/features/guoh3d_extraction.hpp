@@ -6,8 +6,7 @@
 ///
 /// Another body is another ChainSkeleton. Which number is what: Guoh3dSlots in layout.hpp.
 ///
-/// Source  Guo et al. (CVPR 2022), motion_representation.ipynb process_file, extract_features;
-///         spec humanml3d-features.md 3 to 6
+/// Source  Guo et al. (CVPR 2022), motion_representation.ipynb process_file, extract_features
 /// World   Y up; velocities and turns per frame (20 frames per second, KIT 12.5)
 #pragma once
 

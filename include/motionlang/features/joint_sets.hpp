@@ -5,7 +5,7 @@
 ///     mmm      21 joints of MMM, 640 units per metre, Y up          smplmmm  21 joints of MMM, metres, Z up
 ///     mmmns    21 joints of MMM, metres, Y up                       smplnh   22 joints without the hands
 ///     smplh    all 73
-/// Source  TEMOS, rots2joints/smplh.py; spec temos.md 4.3
+/// Source  thesis 4.3.5, table 4.10; TEMOS temos/transforms/rots2joints/smplh.py
 #pragma once
 
 #include <array>        // indices

@@ -3,17 +3,20 @@
 /// former from a representation.
 ///
 /// Source  STMC (Petrovich et al. 2024), bptools: joint j owns its position, its 6D rotation and its velocity; what
-///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule.
-///         Meanings and units: specs humanml3d-features.md 6 and 10, mdm.md 6, temos.md 4.1, tmr.md 4.1
+///         belongs to the root, and the foot contacts, go to the legs. The tables are generated from that rule. In
+///         other bodies the part with the path takes the place of the legs.
+///         Meanings and units: HumanML3D motion_representation.ipynb; STMC src/tools/smplrifke_feats.py; TEMOS
+///         temos/transforms/joints2jfeats/rifke.py; TMR src/rifke.py
 #pragma once
 
 #include <array>        // one list for each part
 #include <span>         // parts of joints
 #include <string>       // name
 #include <string_view>  // meanings
+#include <utility>      // move
 #include <vector>       // ranges
 
-#include <motionlang/kinematics/body_parts.hpp>
+#include <motionlang/kinematics/body_partition.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -35,18 +38,29 @@ struct FeatureRange {
 /// A feature vector cut into body parts: every number belongs to exactly one. Own representations are a name, a size
 /// and their ranges, or `from_owner`:
 ///
-///     auto layout = FeatureLayout::from_owner("my features", 64, [](Index i) { return i < 40 ? legs : head; });
+///     const auto owner = [](Index i) { return i < 40 ? BodyPart::legs : BodyPart::head; };
+///     auto layout = FeatureLayout::from_owner("my features", 64, owner);
 struct FeatureLayout {
   std::string name;
   Index size = 0;                                              // numbers of one frame
-  std::array<std::vector<IndexRange>, body_part_count> parts;  // ascending and separate, in the order of BodyPart
+  std::array<std::vector<IndexRange>, most_body_parts> parts;  // ascending and separate, in the order of the parts
+  BodyPartition body{};                                        // whose parts; the human body unless given
 
-  /// From a function position -> BodyPart.
+  /// From a function position -> BodyPart, or the number of a part. Throws config_error 102 for a part that the body
+  /// does not have.
   template <class F>
   static FeatureLayout from_owner(std::string name, Index size, F owner) {
-    FeatureLayout layout{std::move(name), size, {}};
+    return from_owner(std::move(name), size, BodyPartition(), std::move(owner));
+  }
+  template <class F>
+  static FeatureLayout from_owner(std::string name, Index size, BodyPartition body, F owner) {
+    FeatureLayout layout{std::move(name), size, {}, std::move(body)};
     for (Index i = 0; i < size; ++i) {
-      auto& ranges = layout.parts[static_cast<std::size_t>(owner(i))];
+      const auto part = static_cast<Index>(owner(i));
+      if (part < 0 || part >= layout.body.size())
+        raise<config_error>(102, "FeatureLayout '", layout.name, "': number ", i, " belongs to part ", part, " of ",
+                            layout.body.size());
+      auto& ranges = layout.parts[static_cast<std::size_t>(part)];
       if (ranges.empty() || ranges.back().end != i) ranges.push_back({i, i});
       ranges.back().end = i + 1;
     }
@@ -58,14 +72,15 @@ struct FeatureLayout {
   /// All positions of a part, ascending.
   std::vector<Index> indices(BodyPart part) const;
 
-  /// Throws config_error 102 unless the ranges cover 0 ... size-1, each position once.
+  /// Throws config_error 102 unless the ranges cover 0 ... size-1, each position once, and belong to parts of the body.
   void validate() const;
   bool operator==(const FeatureLayout&) const = default;
 };
 
 /// smplrifke: 4 root numbers, 6D rotations of `rotations` joints, positions of joints 1 ... J-1: 4 + 6 * 22 + 3 * 23 =
 /// 205 for SMPL.
-FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint, Index rotations = 22);
+FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint, Index rotations = 22,
+                               const BodyPartition& body = {});
 
 /// What the numbers of `smplrifke_layout` mean. World: Z up.
 inline constexpr std::array<FeatureRange, 6> smplrifke_ranges{{
@@ -100,8 +115,10 @@ struct Guoh3dSlots {
   }
 };
 
-/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs.
-FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>());
+/// The vector of HumanML3D or, with 21 joints, of KIT: see Guoh3dSlots. The root and the contacts go to the legs, or to
+/// the part with the path.
+FeatureLayout guoh3dfeats_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
+                                 const BodyPartition& body = {});
 
 namespace detail {
 
@@ -133,7 +150,8 @@ inline constexpr auto kit_ranges =
 
 /// rifke: the root's height, positions of joints 1 ... J-1, the root's turn and velocity (see rifke.hpp): 3 J + 1, 67
 /// for SMPL's 22 joints and with `kit_part_of_joint` TEMOS's 64.
-FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>());
+FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
+                           const BodyPartition& body = {});
 
 /// What the numbers of `rifke_layout` mean: of TMR, Z up, and of TEMOS on KIT, Y up.
 inline constexpr std::array<FeatureRange, 4> rifke_ranges{{

@@ -10,7 +10,7 @@
 ///     kit                 251   12.5  KIT's, 21 joints of MMM, reflected, 640 units per metre, bones as long as the
 ///                         clip's; else as guoh3d
 ///     rifke                67   12.5  TMR's canonical view, 22 joints; positions alone
-///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot);
+///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot),
 ///                          positions alone
 ///     smplvelp            135   12.5  TEMOS on SMPL         with the exact heading, so that it is there and back
 ///     smplvelp-published  135   12.5  TEMOS on SMPL         with the turn of its repository, which is no heading: see
@@ -19,8 +19,8 @@
 ///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a
 ///                         camera
 /// Positions alone: the clip that comes back has rotations that fit them (motion_from_joints.hpp).
-/// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM: specs
-///         humanml3d-features.md 1.2 and 10, temos.md 4.1 and 4.3
+/// Source  see guoh3d_extraction.hpp, rifke.hpp, smplvelp.hpp, smplrifke.hpp, pose_representation.hpp; MMM:
+///         text-to-motion utils/paramUtil.py, TEMOS temos/transforms
 #pragma once
 
 #include <motionlang/features/smplrifke.hpp>

@@ -8,7 +8,7 @@
 ///     rot6d    6   first two rows of the matrix; what all published models use
 ///
 /// Source  ACTOR (Petrovich et al., ICCV 2021), src/datasets/dataset.py; conversions: geometry/pytorch3d.hpp;
-///         spec actor.md 4.1, 4.2
+///         thesis 3.3.2, table 3.1
 #pragma once
 
 #include <array>        // names
@@ -96,9 +96,9 @@ struct ActorFeatureOptions {
 inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
 
 /// A frame of ACTOR: a rotation of each joint, then the root's way (see `actor_frame_features`), which goes to the
-/// legs: 150.
+/// part with the path: 150.
 FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
-                           const ActorFeatureOptions& options = {});
+                           const ActorFeatureOptions& options = {}, const BodyPartition& body = {});
 
 /// What the numbers of `actor_layout` mean. World: that of a camera, in which figures stand on their heads.
 inline constexpr std::array<FeatureRange, 4> actor_ranges{{

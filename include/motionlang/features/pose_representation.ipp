@@ -13,13 +13,13 @@ MOTIONLANG_BODY PoseRepresentation parse_pose_representation(std::string_view na
   raise<config_error>(103, "parse_pose_representation: '", name, "' is not rotvec, rotquat, rotmat or rot6d");
 }
 
-MOTIONLANG_BODY FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint,
-                                           const ActorFeatureOptions& options) {
+MOTIONLANG_BODY FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint, const ActorFeatureOptions& options,
+                                           const BodyPartition& body) {
   const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(options.rotations);
   if (joints < 1) raise<config_error>(101, "actor_layout: no joints");
-  return FeatureLayout::from_owner("actor", options.rows(joints) * numbers, [=](Index i) {
+  return FeatureLayout::from_owner("actor", options.rows(joints) * numbers, body, [&](Index i) {
     const Index joint = i / numbers + (options.global ? 0 : 1);
-    return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : BodyPart::legs;
+    return joint < joints ? part_of_joint[static_cast<std::size_t>(joint)] : body.path();
   });
 }
 

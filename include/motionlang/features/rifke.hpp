@@ -9,7 +9,8 @@
 /// World: Y up with x, z level (TEMOS, any unit), or Z up with x, y level (SINC, TMR).
 ///
 /// Source  Holden et al., "A deep learning framework for character motion synthesis and editing" (SIGGRAPH 2016); TEMOS
-///         joints2jfeats/rifke.py, SINC, TMR src/rifke.py; specs temos.md 4.1, sinc.md 9, tmr.md 4.1
+///         (ECCV 2022), appendix B.1, temos/transforms/joints2jfeats/rifke.py; SINC
+///         sinc/transforms/joints2jfeats/rifke.py; TMR src/rifke.py
 #pragma once
 
 #include <algorithm>    // min, max, copy_n

@@ -11,7 +11,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// rotations    (frames, 22 or 52, 9), row by row; 22 leave the hands in their mean pose
 /// translation  (frames, 3)
 /// result       (frames, points, 3)
-/// Source       TEMOS, transforms/rots2joints/smplh.py; spec temos.md 4.3
+/// Source       thesis 4.3.5, table 4.10; TEMOS temos/transforms/rots2joints/smplh.py
 /// Throws       config_error 103 for an unknown name, 106, shape_error 204, 205
 template <Backend B>
 Tensor<B, 3> smplh_joints(std::string_view name, const Body<B>& body, const Tensor<B, 3>& rotations,
@@ -26,7 +26,8 @@ Tensor<B, 3> smplh_joints(std::string_view name, const Body<B>& body, const Tens
     for (std::size_t i = 0; i < numbers.size(); i += 3) out.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
     return out;
   };
-  const auto points = vectors(concat(1, posed.joints, posed.extra).span()), trans = vectors(translation.span());
+  const auto joints_and_extra = concat(1, posed.joints, posed.extra);
+  const auto points = vectors(joints_and_extra.span()), trans = vectors(translation.span());
   const auto joints = select_joints<S>(name, points, trans);
   std::vector<S> out;
   for (const auto& p : joints) out.insert(out.end(), {p.x, p.y, p.z});

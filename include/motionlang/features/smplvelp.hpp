@@ -6,8 +6,8 @@
 ///     3:135    22 rotations as two rows of the matrix: the body in the world, then joints 1 ... 21
 /// World: Z up, metres; velocities per frame (TEMOS 12.5 frames per second, TEACH and SINC 30).
 ///
-/// Source  TEMOS (Petrovich et al., ECCV 2022), rots2rfeats/smplvelp.py; TEACH (Athanasiou et al., 3DV 2022),
-///         globvelandy.py; specs temos.md 4.2, teach.md 1. Normalise with eps 1e-12, SINC with 1e-5 both ways.
+/// Source  TEMOS (Petrovich et al., ECCV 2022), appendix B.2, temos/transforms/rots2rfeats/smplvelp.py; TEACH
+///         teach/transforms/rots2rfeats/globvelandy.py. Normalise with eps 1e-12, SINC with 1e-5 both ways.
 #pragma once
 
 #include <motionlang/features/pose_representation.hpp>
@@ -34,11 +34,11 @@ struct SmplVelpMotion {
 /// smplvelp: the root's height and velocity, then a rotation of each joint as above: 135 for 22 joints in 6D.
 inline FeatureLayout smplvelp_layout(
     std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
-    PoseRepresentation rotations = PoseRepresentation::rot6d) {
+    PoseRepresentation rotations = PoseRepresentation::rot6d, const BodyPartition& body = {}) {
   const Index joints = std::ssize(part_of_joint), numbers = motionlang::size(rotations);
   if (joints < 1) raise<config_error>(101, "smplvelp_layout: no joints");
-  return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, [=](Index i) {
-    return i < 3 ? BodyPart::legs : part_of_joint[static_cast<std::size_t>((i - 3) / numbers)];
+  return FeatureLayout::from_owner("smplvelp", 3 + numbers * joints, body, [&](Index i) {
+    return i < 3 ? body.path() : part_of_joint[static_cast<std::size_t>((i - 3) / numbers)];
   });
 }
 

@@ -6,7 +6,7 @@
 /// Source  Welford, "Note on a method for calculating corrected sums of squares" (Technometrics 1962). The published
 ///         scripts (TEMOS, TMR) concatenate all clips and take torch's unbiased deviation: the same up to rounding.
 ///         HumanML3D takes the deviation of the population, n in place of n - 1, skips clips with NaN, and replaces
-///         each deviation by the mean of its group (spec humanml3d-features.md 9):
+///         each deviation by the mean of its group (HumanML3D cal_mean_variance.ipynb):
 ///
 ///     for (const auto& clip : clips) statistics.add_finite(std::span<const float>(clip), slots.size());
 ///     auto std = group_means(statistics.population_deviation(), slots.groups());

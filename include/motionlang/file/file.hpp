@@ -58,6 +58,9 @@ void write_file(const FilePath& path, std::string_view contents);
 /// Makes the folder unless it is there. Its parent has to be. Throws io_error 401.
 void make_folder(const FilePath& path);
 
+/// A name as a part of a file's name: characters that some system does not allow there become "_".
+std::string safe_file_name(std::string name);
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_INSTANTIATED

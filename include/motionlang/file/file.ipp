@@ -174,4 +174,13 @@ MOTIONLANG_BODY void make_folder(const FilePath& path) {
   raise<io_error>(401, "cannot make the folder ", path.string());
 }
 
+MOTIONLANG_BODY std::string safe_file_name(std::string name) {
+  for (char& c : name) {
+    const bool odd =
+        static_cast<unsigned char>(c) < ' ' || std::string_view("/\\:*?\"<>|").find(c) != std::string_view::npos;
+    if (odd) c = '_';
+  }
+  return name;
+}
+
 MOTIONLANG_NAMESPACE_END

@@ -14,7 +14,7 @@
 /// Memory is bounded by the size of the file: lengths are checked before anything is allocated, texts and bytes are
 /// views into the file.
 ///
-/// Source  CPython Lib/pickle.py and pickletools.py; spec weights.md, section 5
+/// Source  CPython Lib/pickle.py and pickletools.py
 #pragma once
 
 #include <cstdint>      // numbers

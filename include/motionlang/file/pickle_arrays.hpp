@@ -4,7 +4,7 @@
 ///
 ///     Pickle dump = Pickle::open("grouped.pth.tar", {.inline_bytes = joblib_array_bytes});
 ///
-/// Source  spec weights.md, sections 5.2, 6, 7, 8.2
+/// Source  NumPy: numpy/lib/format.py, numpy.core.multiarray._reconstruct; joblib/numpy_pickle.py; chumpy.ch.Ch
 #pragma once
 
 #include <span>    // bytes

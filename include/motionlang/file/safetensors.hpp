@@ -2,12 +2,12 @@
 /// safetensors files: reading without a copy, writing. Includes no JSON library (see detail/json_cursor.hpp).
 ///
 ///     const auto file = SafetensorsFile::open("weights.safetensors");
-///     for (const TensorView& t : file.tensors()) ...                  // sorted by name
+///     for (const TensorView& t : file.tensors()) use(t);              // sorted by name
 ///     std::vector<float> bias = values_of<float>(file.tensor("head.bias"));
 ///
 /// Layout   8 bytes: length N of the header; N bytes: JSON, name -> {dtype, shape, data_offsets}, "__metadata__" -> map
 ///          of strings; the rest: data, without holes
-/// Checked  everything, before any tensor is handed out (spec weights.md 2.2): lengths, strict JSON, UTF-8, no name
+/// Checked  everything, before any tensor is handed out: lengths, strict JSON, UTF-8, no name
 ///          twice, products without overflow, ranges that tile the data exactly. Memory stays below a small multiple of
 ///          the header, and nothing is allocated for what a file merely claims.
 /// Caution  a file that another process shortens while it is mapped ends the program (SIGBUS); write_file never does so

@@ -32,6 +32,10 @@ class TensorSet {
   std::vector<TensorView> tensors_;
 };
 
+/// A checksum of names, types, shapes and bytes of tensors, whatever their order: equal for equal weights, in
+/// hexadecimal.
+std::string tensors_checksum(std::span<const TensorView> tensors);
+
 MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_INSTANTIATED

@@ -2,8 +2,9 @@
 // Bodies of tensor_set.hpp.
 #pragma once
 
-#include <algorithm>  // lower_bound
+#include <algorithm>  // lower_bound, sort
 
+#include <motionlang/file/detail/content_hash.hpp>
 #include <motionlang/file/tensor_set.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -26,6 +27,18 @@ MOTIONLANG_BODY const TensorView& TensorSet::tensor(std::string_view tensor) con
   const std::string like = nearest_name(tensor, names());
   raise<io_error>(406, name_, ": no tensor '", tensor, "' among ", tensors_.size(),
                   like.empty() ? "" : concat_text("; the file has '", like, "'"));
+}
+
+MOTIONLANG_BODY std::string tensors_checksum(std::span<const TensorView> tensors) {
+  std::vector<const TensorView*> sorted;
+  for (const TensorView& t : tensors) sorted.push_back(&t);
+  std::sort(sorted.begin(), sorted.end(), [](const TensorView* a, const TensorView* b) { return a->name < b->name; });
+  std::uint64_t hash = 1;
+  for (const TensorView* t : sorted) {
+    const std::string about = concat_text(t->name, " ", t->dtype, " ", t->shape);
+    hash = detail::content_hash(t->bytes, detail::content_hash(std::as_bytes(std::span(about)), hash));
+  }
+  return detail::hexadecimal(hash);
 }
 
 MOTIONLANG_NAMESPACE_END

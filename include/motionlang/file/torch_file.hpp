@@ -10,7 +10,7 @@
 /// big-endian) are gathered. weights/weight_file.hpp finds all tensors of a file by their names.
 ///
 /// Checked  sizes, strides and offsets against the storage, storages against the archive, the checksum of the pickle
-/// Source   spec weights.md, sections 3 and 4
+/// Source   pytorch/pytorch torch/serialization.py (_save, _legacy_save) and torch/_utils.py (_rebuild_tensor_v2)
 #pragma once
 
 #include <memory>  // what keeps the bytes

@@ -7,8 +7,9 @@
 /// `trans` is then the pelvis itself, and a viewer with a real body shows the same motion shifted by J_0.
 #pragma once
 
-#include <string>  // names
-#include <vector>  // shapes
+#include <cstddef>  // byte
+#include <string>   // names
+#include <vector>   // shapes
 
 #include <motionlang/formats/amass_sequence.hpp>
 #include <motionlang/kinematics/motion.hpp>
@@ -42,6 +43,9 @@ inline constexpr std::size_t amass_joints = 22;  // SMPL's without the hands: th
 /// Throws       config_error 106 for another skeleton, numeric_error 301 if a number is not finite, io_error 401
 void write_amass(const FilePath& path, const Motion& motion, const AmassBody& body = {},
                  const Vec3<double>& rest_pelvis = {});
+/// The contents of such a file; `name` stands in messages. Throws what write_amass throws, but io_error 401.
+std::vector<std::byte> amass_bytes(const Motion& motion, const AmassBody& body = {},
+                                   const Vec3<double>& rest_pelvis = {}, const std::string& name = "AMASS file");
 
 namespace detail {
 
@@ -63,6 +67,8 @@ AmassClip read_amass(const FilePath& path, const Vec3<double>& rest_pelvis = {},
 /// the order of the skeleton; readers take 22 or 24 for SMPL's. Throws io_error 401, numeric_error 301 for a position
 /// that float32 cannot hold.
 void write_joints_npy(const FilePath& path, const Motion& motion);
+/// The contents of such a file. Throws numeric_error 301.
+std::vector<std::byte> joints_npy_bytes(const Motion& motion);
 
 /// Joint positions as write_joints_npy wrote them, turned to Y up: (frames, joints), joint fastest.
 struct JointPositions {

@@ -39,9 +39,14 @@ inline void require_smpl(const Skeleton& skeleton) {
 
 MOTIONLANG_BODY void write_amass(const FilePath& path, const Motion& motion, const AmassBody& body,
                                  const Vec3<double>& rest_pelvis) {
+  write_file(path, amass_bytes(motion, body, rest_pelvis, path.string()));
+}
+
+MOTIONLANG_BODY std::vector<std::byte> amass_bytes(const Motion& motion, const AmassBody& body,
+                                                   const Vec3<double>& rest_pelvis, const std::string& name) {
   motion.validate();
   detail::require_smpl(motion.skeleton);
-  detail::require_finite_betas(path.string(), body.betas);
+  detail::require_finite_betas(name, body.betas);
   std::vector<double> trans, poses;
   const Quaternion<double> upright = detail::quarter_turn_about_x(1);
   for (Index frame = 0; frame < motion.frames(); ++frame) {
@@ -62,7 +67,7 @@ MOTIONLANG_BODY void write_amass(const FilePath& path, const Motion& motion, con
       {"mocap_frame_rate", NpyArray::scalar(motion.fps)},  // the spelling of SMPL-X tools
       {"betas", NpyArray::of(std::span<const double>(body.betas), {static_cast<Index>(body.betas.size())})},
       {"poses", NpyArray::of(std::span<const double>(poses), {frames, static_cast<Index>(detail::amass_columns)})}};
-  write_npz(path, arrays);
+  return npz_bytes(arrays);
 }
 
 namespace detail {
@@ -101,6 +106,10 @@ MOTIONLANG_BODY AmassClip read_amass(const FilePath& path, const Vec3<double>& r
 }
 
 MOTIONLANG_BODY void write_joints_npy(const FilePath& path, const Motion& motion) {
+  write_file(path, joints_npy_bytes(motion));
+}
+
+MOTIONLANG_BODY std::vector<std::byte> joints_npy_bytes(const Motion& motion) {
   motion.validate();
   std::vector<float> values;
   for (const Vec3<double>& p : motion.positions()) {
@@ -112,7 +121,7 @@ MOTIONLANG_BODY void write_joints_npy(const FilePath& path, const Motion& motion
     }
     values.insert(values.end(), {v.x, v.y, v.z});
   }
-  write_npy(path, NpyArray::of(std::span<const float>(values), {motion.frames(), motion.skeleton.size(), 3}));
+  return npy_bytes(NpyArray::of(std::span<const float>(values), {motion.frames(), motion.skeleton.size(), 3}));
 }
 
 MOTIONLANG_BODY JointPositions read_joints_npy(const FilePath& path) {

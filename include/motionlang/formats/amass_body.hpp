@@ -4,7 +4,7 @@
 ///     const auto clip = amass_on_body(read_amass_sequence("a.npz"), "a", body);
 ///     write_body_glb("a.glb", body, std::span(&clip.motion, 1), std::span<const float>(clip.betas));
 ///
-/// Source  Mahmood et al. (ICCV 2019); spec body-models.md 1, 2, 6
+/// Source  Mahmood et al. (ICCV 2019); vchoutas/smplx smplx/body_models.py
 #pragma once
 
 #include <algorithm>  // copy_n, min, transform

@@ -2,7 +2,7 @@
 /// AMASS files as they stand, for a body model: all rotation vectors, shape and gender, world Z up. As a Motion on
 /// SMPL's bones: amass.hpp.
 ///
-/// Source  Mahmood et al. (ICCV 2019); spec body-models.md 6
+/// Source  Mahmood et al. (ICCV 2019); the keys of the published files
 #pragma once
 
 #include <optional>     // a rate that may be missing
@@ -16,6 +16,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 class NpzArchive;
+class ZipArchive;
 
 namespace detail {
 
@@ -40,6 +41,8 @@ std::optional<double> amass_rate(const NpzArchive& npz);
 ///         no motion), 407 if one has another shape, 403 for an impossible frame rate; config_error 102 if the file
 ///         says another rate; numeric_error 301 if a number of betas is not finite
 AmassSequence read_amass_sequence(const FilePath& path, double fps = 0);
+/// The same of an archive that is open. Throws all but io_error 401.
+AmassSequence amass_sequence(const ZipArchive& zip, double fps = 0);
 
 MOTIONLANG_NAMESPACE_END
 

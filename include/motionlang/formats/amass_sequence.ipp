@@ -89,7 +89,10 @@ MOTIONLANG_BODY std::optional<double> amass_rate(const NpzArchive& npz) {
 }
 
 MOTIONLANG_BODY AmassSequence read_amass_sequence(const FilePath& path, double fps) {
-  const ZipArchive zip = ZipArchive::open(path);
+  return amass_sequence(ZipArchive::open(path), fps);
+}
+
+MOTIONLANG_BODY AmassSequence amass_sequence(const ZipArchive& zip, double fps) {
   const NpzArchive npz(zip);
   constexpr Index most_columns = 4096;
   auto matrix = [&](std::string_view name) {

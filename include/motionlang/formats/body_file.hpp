@@ -7,7 +7,7 @@
 ///     auto body = read_body<EigenBackend<float>>(file, {.betas = 16});
 ///     auto posed = body.model(betas, rotations, translation);        // vertices, joints, extra points
 ///
-/// Coefficients are those of shape and then those of expression. Source: spec weights.md 8, body-models.md 2, 4, 7.
+/// Coefficients are those of shape and then those of expression. Source: vchoutas/smplx smplx/body_models.py.
 #pragma once
 
 #include <algorithm>    // copy_n, max, min

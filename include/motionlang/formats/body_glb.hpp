@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The user's body in motion: as a GLB file with its skin, and as one OBJ file for each frame.
 ///
-///     write_body_glb("walk.glb", body, motion);                 // moves in every viewer; pose blend shapes are left
-///     out
+///     write_body_glb("walk.glb", body, std::span(&motion, 1));  // moves in every viewer; without pose blend shapes
 ///     write_body_objs("walk.obj", body, motion);                // walk_0000.obj, ...: exactly the model's vertices
 ///
 /// A vertex in a GLB file follows at most four joints: the four largest weights, which is all that SMPL has.

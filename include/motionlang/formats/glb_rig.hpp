@@ -10,6 +10,7 @@
 #include <cstddef>     // byte
 #include <functional>  // which joint is which
 #include <memory>      // the file
+#include <optional>    // report
 #include <span>        // motions
 #include <string>      // names
 #include <vector>      // joints
@@ -68,6 +69,14 @@ class GlbRig {
   std::vector<Quaternion<double>> rest_rotations_;
   detail::GltfTransform above_;  // of the pelvis' parent in the world, at rest
 };
+
+/// Motions on the skeleton of a character, which those that are not on it yet are retargeted to.
+struct MotionsOnRig {
+  std::vector<Motion> motions;
+  std::optional<RetargetReport> report{};  // of the first motion, unless it is on the character's own skeleton
+};
+/// Throws what GlbRig::map_from and retarget throw.
+MotionsOnRig motions_on_rig(const GlbRig& rig, std::span<const Motion> motions);
 
 /// Throws io_error 401, and what GlbRig::with throws. The file is whole or not there at all.
 void write_glb(const FilePath& path, const GlbRig& rig, std::span<const Motion> motions,

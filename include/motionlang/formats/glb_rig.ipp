@@ -137,4 +137,19 @@ MOTIONLANG_BODY void write_glb(const FilePath& path, const GlbRig& rig, std::spa
   write_file(path, rig.with(motions, options));
 }
 
+MOTIONLANG_BODY MotionsOnRig motions_on_rig(const GlbRig& rig, std::span<const Motion> motions) {
+  MotionsOnRig out;
+  std::optional<SkeletonMap> map;  // from the first motion's skeleton, unless it is the character's own
+  if (!motions.empty() && motions.front().skeleton != rig.skeleton()) {
+    map.emplace(rig.map_from(motions.front().skeleton));
+    out.report = map->report();
+  }
+  for (const Motion& m : motions) {
+    out.motions.push_back(m.skeleton == rig.skeleton()         ? m
+                          : map && m.skeleton == map->source() ? retarget(m, *map)
+                                                               : retarget(m, rig.map_from(m.skeleton)));
+  }
+  return out;
+}
+
 MOTIONLANG_NAMESPACE_END

@@ -10,6 +10,8 @@
 /// Source  Tevet et al., "Human Motion Diffusion Model" (ICLR 2023); GuyTevet/motion-diffusion-model sample/generate.py
 #pragma once
 
+#include <span>    // bytes
+#include <string>  // names
 #include <vector>  // motions
 
 #include <motionlang/formats/motion_npy.hpp>
@@ -24,6 +26,9 @@ bool may_be_mdm_motions(const FilePath& path);
 /// Throws  io_error 401 to 405, 406 if the object lacks an entry, 407 if something has another shape or type, and as
 ///         motion_from_array
 std::vector<Motion> read_motions_npy(const FilePath& path, const MotionArrayOptions& options = {});
+/// The same of a file in memory; `name` stands in messages. Throws all but io_error 401.
+std::vector<Motion> motions_of_npy(std::span<const std::byte> bytes, const std::string& name,
+                                   const MotionArrayOptions& options = {});
 
 MOTIONLANG_NAMESPACE_END
 

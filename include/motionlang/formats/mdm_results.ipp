@@ -87,19 +87,23 @@ MOTIONLANG_BODY bool may_be_mdm_motions(const FilePath& path) {
 }
 
 MOTIONLANG_BODY std::vector<Motion> read_motions_npy(const FilePath& path, const MotionArrayOptions& options) {
-  const auto file = MappedFile::open(path);
-  const detail::NpyParts npy = detail::npy_parts(file->bytes(), path.string());
+  return motions_of_npy(MappedFile::open(path)->bytes(), path.string(), options);
+}
+
+MOTIONLANG_BODY std::vector<Motion> motions_of_npy(std::span<const std::byte> bytes, const std::string& name,
+                                                   const MotionArrayOptions& options) {
+  const detail::NpyParts npy = detail::npy_parts(bytes, name);
   if (detail::is_single_object(npy.header)) {
-    const std::uint64_t start = file->bytes().size() - npy.raw.size();
-    const Pickle pickle(file->bytes(), path.string(), {}, nullptr, start);
-    if (const auto behind = file->bytes().size() - pickle.end(); behind > 0)
-      raise<io_error>(403, path.string(), ": ", counted(behind, "byte"), " behind the object, which ends at byte ",
+    const std::uint64_t start = bytes.size() - npy.raw.size();
+    const Pickle pickle(bytes, name, {}, nullptr, start);
+    if (const auto behind = bytes.size() - pickle.end(); behind > 0)
+      raise<io_error>(403, name, ": ", counted(behind, "byte"), " behind the object, which ends at byte ",
                       pickle.end());
     return detail::mdm_motions(pickle.root(), options);
   }
-  const NpyArray array = parse_npy(file->bytes(), path.string());
-  if (array.shape.size() == 4) return detail::mdm_motions(array, {}, options, path.string());
-  return {motion_from_array(array, options, path.string())};
+  const NpyArray array = parse_npy(bytes, name);
+  if (array.shape.size() == 4) return detail::mdm_motions(array, {}, options, name);
+  return {motion_from_array(array, options, name)};
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -3,7 +3,8 @@
 ///
 ///     merge_smplh("smplh/male/model.npz", "MANO_LEFT.pkl", "MANO_RIGHT.pkl", "smplh/SMPLH_MALE.npz");
 ///
-/// Source   spec weights.md 8.1: hands_components, hands_mean, hands_coeffs of MANO, with l and r behind them
+/// Source   vchoutas/smplx tools/merge_smplh_mano.py: hands_components, hands_mean, hands_coeffs of MANO, with l and r
+///          behind
 /// Differs  from TEMOS' script: the members of the archive are stored, not deflated; what forward passes do not read is
 ///          left out
 #pragma once

@@ -9,7 +9,7 @@
 /// Positions become rotations by motion_from_joints.hpp. MMM's joints are in metres or, if they are large, in KIT's
 /// units; with Y up they are reflected, as KIT has them and TEMOS makes them, and are reflected back, so that "L" is
 /// the left.
-/// Source  specs humanml3d-features.md 1.2 and 10, temos.md 4.3
+/// Source  text-to-motion utils/paramUtil.py (KIT's skeleton); TEMOS temos/transforms/rots2joints/smplh.py
 #pragma once
 
 #include <string_view>  // names

@@ -4,7 +4,7 @@
 ///
 /// They differ where the general functions are safer: `between` has no answer for opposite vectors, `slerp` takes the
 /// long way if the quaternions lie in different hemispheres. Use them to reproduce published numbers, not otherwise.
-/// Source  Guo et al. (CVPR 2022), common/quaternion.py; spec humanml3d-features.md 11b
+/// Source  Guo et al. (CVPR 2022), HumanML3D common/quaternion.py
 #pragma once
 
 #include <span>    // rotations

@@ -4,6 +4,7 @@
 #include <motionlang/core/error.ipp>
 #include <motionlang/core/instruction_set.ipp>
 #include <motionlang/core/large_memory.ipp>
+#include <motionlang/core/lifetime.ipp>
 #include <motionlang/core/offsets.ipp>
 #include <motionlang/core/parallel.ipp>
 #include <motionlang/core/processors.ipp>

@@ -2,5 +2,5 @@
 // The eigen backend, compiled once for motionlang::instantiated.
 #include <motionlang/backend/eigen.ipp>
 
-template struct motionlang::EigenBackend<float>;
-template struct motionlang::EigenBackend<double>;
+template struct motionlang::detail::EigenFunctions<float>;
+template struct motionlang::detail::EigenFunctions<double>;

@@ -9,6 +9,7 @@
 #include <motionlang/formats/bvh_text.ipp>
 #include <motionlang/formats/detail/figure_mesh.ipp>
 #include <motionlang/formats/detail/figure_pose.ipp>
+#include <motionlang/formats/features_npy.ipp>
 #include <motionlang/formats/figure.ipp>
 #include <motionlang/formats/mdm_results.ipp>
 #include <motionlang/formats/merged_body.ipp>

@@ -5,3 +5,5 @@
 #include <motionlang/formats/glb_reader.ipp>
 #include <motionlang/formats/glb_rig.ipp>
 #include <motionlang/formats/glb_writer.ipp>
+#include <motionlang/formats/motion_file.ipp>
+#include <motionlang/formats/motion_folder.ipp>

@@ -3,6 +3,8 @@
 #include <motionlang/kinematics/blend.ipp>
 #include <motionlang/kinematics/body_joints.ipp>
 #include <motionlang/kinematics/body_motion.ipp>
+#include <motionlang/kinematics/body_partition.ipp>
+#include <motionlang/kinematics/edit_motion.ipp>
 #include <motionlang/kinematics/finger_names.ipp>
 #include <motionlang/kinematics/foot_contact.ipp>
 #include <motionlang/kinematics/foot_lock.ipp>
@@ -11,10 +13,12 @@
 #include <motionlang/kinematics/known_skeletons.ipp>
 #include <motionlang/kinematics/limb_ik.ipp>
 #include <motionlang/kinematics/loops.ipp>
+#include <motionlang/kinematics/match_motion.ipp>
 #include <motionlang/kinematics/mirror_joints.ipp>
 #include <motionlang/kinematics/motion.ipp>
 #include <motionlang/kinematics/motion_from_joints.ipp>
 #include <motionlang/kinematics/motion_tools.ipp>
+#include <motionlang/kinematics/on_smpl.ipp>
 #include <motionlang/kinematics/overlay.ipp>
 #include <motionlang/kinematics/retarget.ipp>
 #include <motionlang/kinematics/root_motion.ipp>

@@ -8,5 +8,6 @@
 #include <motionlang/metrics/motion_quality.ipp>
 #include <motionlang/metrics/mtt.ipp>
 #include <motionlang/metrics/retrieval.ipp>
+#include <motionlang/metrics/sampled_errors.ipp>
 #include <motionlang/metrics/stgcn.ipp>
 #include <motionlang/metrics/summary.ipp>

@@ -5,6 +5,7 @@
 #include <motionlang/text/clip_tokenizer.ipp>
 #include <motionlang/text/glove.ipp>
 #include <motionlang/text/joined_labels.ipp>
+#include <motionlang/text/known_words.ipp>
 #include <motionlang/text/mirror_caption.ipp>
 #include <motionlang/text/text_repair.ipp>
 #include <motionlang/text/tokenizer.ipp>

@@ -3,7 +3,8 @@
 /// serve as extra joints. Bodies come from the user's own files (formats/body_file.hpp) or from any skeleton
 /// (formats/figure_body.hpp).
 ///
-/// Source  spec body-models.md, sections 2, 4, 5
+/// Source  vchoutas/smplx smplx/body_models.py, joint_names.py and vertex_ids.py; TEMOS
+///         temos/transforms/rots2joints/smplh.py
 #pragma once
 
 #include <array>        // tables

@@ -7,8 +7,8 @@
 /// are then packed once). On an Autodiff backend every number of the chain is a tensor over the poses, so that vertices
 /// and joints can be differentiated by shape, rotations and translation.
 ///
-/// Source    Loper et al. (2015), eq. 2-12; spec body-models.md 1. The model's arrays come from the user's own file
-///           (formats/body_file.hpp) or from a skeleton (formats/figure_body.hpp).
+/// Source    Loper et al. (2015), eq. 2-12; vchoutas/smplx smplx/lbs.py. The model's arrays come from the user's own
+///           file (formats/body_file.hpp) or from a skeleton (formats/figure_body.hpp).
 /// Notation  V vertices, J joints, K shape coefficients, N poses; beta -> betas, R_j -> rotations, tau -> translation
 /// Differs   from the smplx package: rest joints come from the regressor folded into template and shape directions,
 ///           which is the same sum in another order

@@ -7,7 +7,7 @@
 /// Rotations are taken as they are: SMPL's rest pose and the motion's are both a T-pose. Unless the motion has all
 /// joints of the body, fingers have the mean pose of the body's hands, or are stretched out; jaw and eyes are at rest.
 /// The path is scaled with the length of the legs.
-/// Source  spec body-models.md 2, 4
+/// Source  smplx body_models.py and joint_names.py: what SMPL, SMPL-H and SMPL-X call their joints
 #pragma once
 
 #include <motionlang/kinematics/body.hpp>

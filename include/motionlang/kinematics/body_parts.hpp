@@ -1,26 +1,43 @@
 // SPDX-License-Identifier: MIT
-/// Named body parts: the five of STMC, and the joints of each on a skeleton.
+/// Body parts: the five of STMC with their names, sets of parts, and the joints of each part on a skeleton. Parts of
+/// other bodies are named by a BodyPartition (body_partition.hpp).
 #pragma once
 
 #include <array>     // lists of parts
 #include <optional>  // unknown names
+#include <utility>   // synonyms
 
 #include <motionlang/kinematics/skeleton.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// The five parts in the order that STMC uses everywhere.
+/// The number of a body part. The enumerators are the five human parts, in the order that STMC uses everywhere. Other
+/// bodies have BodyPart{0}, BodyPart{1}, ... in the order of their BodyPartition.
 /// Source  STMC (Petrovich et al., CVPR workshops 2024); the thesis says "torso" for `spine`; neck and head are `head`.
 enum class BodyPart : int { left_arm, right_arm, legs, head, spine };
 inline constexpr int body_part_count = 5;
 inline constexpr std::array<std::string_view, body_part_count> body_part_names{"left arm", "right arm", "legs", "head",
                                                                                "spine"};
+/// Other names of the human parts.
+inline constexpr std::array<std::pair<std::string_view, BodyPart>, 6> body_part_synonyms{{
+    {"torso", BodyPart::spine},
+    {"neck", BodyPart::head},
+    {"left hand", BodyPart::left_arm},
+    {"right hand", BodyPart::right_arm},
+    {"left leg", BodyPart::legs},
+    {"right leg", BodyPart::legs},
+}};
+/// A body has this many parts at most.
+inline constexpr int most_body_parts = 32;
 
-/// A set of body parts.
+/// A set of body parts, one bit for each.
 struct BodyParts {
   unsigned bits = 0;
 
+  /// The five human parts. BodyPartition::all() gives those of another body.
   static constexpr BodyParts all() { return {(1u << body_part_count) - 1}; }
+  /// All parts of any body, for callers that do not know the body.
+  static constexpr BodyParts every() { return {~0u}; }
   constexpr bool has(BodyPart p) const { return (bits >> static_cast<unsigned>(p) & 1u) != 0; }
   constexpr BodyParts with(BodyPart p) const { return {bits | 1u << static_cast<unsigned>(p)}; }
   constexpr int count() const {
@@ -32,20 +49,22 @@ struct BodyParts {
   constexpr bool operator==(const BodyParts&) const = default;
 };
 
-/// Part of a name as it stands in a timeline file; synonyms: torso = spine, neck = head, left hand = left arm, right
-/// hand = right arm, left leg = right leg = legs. Case-sensitive, as published. Nothing for an unknown name.
+/// The human part that a timeline file names, also by a synonym. Case-sensitive, as published. Nothing for an unknown
+/// name.
 constexpr std::optional<BodyPart> parse_body_part(std::string_view name) {
   for (int p = 0; p < body_part_count; ++p) {
     if (name == body_part_names[static_cast<std::size_t>(p)]) return static_cast<BodyPart>(p);
   }
-  if (name == "torso") return BodyPart::spine;
-  if (name == "neck") return BodyPart::head;
-  if (name == "left hand") return BodyPart::left_arm;
-  if (name == "right hand") return BodyPart::right_arm;
-  if (name == "left leg" || name == "right leg") return BodyPart::legs;
+  for (const auto& [synonym, part] : body_part_synonyms) {
+    if (name == synonym) return part;
+  }
   return std::nullopt;
 }
-inline std::string to_string(BodyPart part) { return std::string(body_part_names[static_cast<std::size_t>(part)]); }
+/// The name of a human part. Any other number gives "part 7"; BodyPartition::name knows the names of other bodies.
+inline std::string to_string(BodyPart part) {
+  const auto p = static_cast<std::size_t>(part);
+  return p < body_part_names.size() ? std::string(body_part_names[p]) : concat_text("part ", static_cast<int>(part));
+}
 
 /// Part of each SMPL joint (24; the first 22 are HumanML3D's). Collars belong to the arms, the pelvis to the legs.
 inline constexpr std::array<BodyPart, 24> smpl_part_of_joint = [] {

@@ -6,7 +6,7 @@
 ///
 ///     g_j = between(direction_j, p_j - p_parent(j)),   g_0 = root,   q_j = g_before(j)^-1 g_j
 ///     back:  g_j = g_before(j) q_j,   p_j = p_parent(j) + g_j offset_j
-/// Source  Guo et al. (CVPR 2022), common/skeleton.py; spec humanml3d-features.md 2, 3, 5
+/// Source  Guo et al. (CVPR 2022), HumanML3D common/skeleton.py inverse_kinematics_np, forward_kinematics
 /// Shapes  joints (frames, joints), joint fastest, any unit of length
 #pragma once
 

@@ -3,11 +3,11 @@
 /// the cheek as the head turns away from the camera.
 ///
 ///     const auto posed = body.model(betas, rotations, translation);
-///     const auto points = concat(1, posed.joints, posed.extra, face_landmarks(body, posed.vertices, rotations));   //
-///     SMPL-X: 144
+///     // SMPL-X: 144 points.
+///     const auto points = concat(1, posed.joints, posed.extra, face_landmarks(body, posed.vertices, rotations));
 ///
-/// Source  spec body-models.md 1, step 8, and 2; weights.md 8.1 (dynamic_lmk_faces_idx: a contour for each angle of the
-///         neck)
+/// Source  vchoutas/smplx smplx/lbs.py find_dynamic_lmk_idx_and_bcoords; dynamic_lmk_faces_idx of the model files has a
+///         contour for each angle of the neck
 #pragma once
 
 #include <algorithm>  // bounds

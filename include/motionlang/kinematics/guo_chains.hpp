@@ -2,8 +2,8 @@
 /// A body as chains of joints with one zero direction for every bone: what HumanML3D and KIT need to know of a
 /// skeleton.
 ///
-/// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), paramUtil.py;
-///         spec humanml3d-features.md 1
+/// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), HumanML3D
+///         paramUtil.py
 /// World   Y up, a body faces +Z with its left side at +X (KIT's coordinates are mirrored, see below)
 #pragma once
 

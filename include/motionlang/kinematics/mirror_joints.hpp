@@ -2,7 +2,7 @@
 /// Joint positions in a mirror that stands in the plane x = 0: how HumanML3D doubles its clips. Of whole motions, with
 /// rotations: motion_tools.hpp.
 ///
-/// Source  Guo et al. (CVPR 2022), raw_pose_processing.ipynb swap_left_right; spec humanml3d-features.md 8
+/// Source  Guo et al. (CVPR 2022), raw_pose_processing.ipynb swap_left_right
 #pragma once
 
 #include <span>    // joints

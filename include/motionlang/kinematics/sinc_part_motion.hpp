@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Which parts of the body a recording moves, measured instead of read from its text: SINC's baseline.
 ///
-/// Source  SINC (Athanasiou et al., ICCV 2023), compute_heuristic; spec sinc.md 6.5
+/// Source  thesis B.2.1, "Could we extract body part labels without GPT-3?"; SINC sinc/data/babel.py compute_heuristic
 /// Differs from the paper, which standardises: the six speeds are brought to 0 ... 1, as the code does
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The six body parts of SINC and their joints. STMC's five are in body_parts.hpp.
 ///
-/// Source  SINC (Athanasiou et al., ICCV 2023); spec sinc.md 6
+/// Source  thesis B.2.1; SINC (Athanasiou et al., ICCV 2023) sinc/info/joints.py get_compat_matrix
 #pragma once
 
 #include <array>        // lists of parts

@@ -2,7 +2,7 @@
 /// Points on the surface of a body that move with it: face landmarks.
 ///
 ///     point = w_0 v_a + w_1 v_b + w_2 v_c      on the triangle (a, b, c)
-/// Source  spec weights.md 8.1 (lmk_faces_idx, lmk_bary_coords), body-models.md 1, step 8
+/// Source  vchoutas/smplx smplx/lbs.py vertices2landmarks; lmk_faces_idx and lmk_bary_coords of the model files
 #pragma once
 
 #include <array>   // corners

@@ -5,7 +5,7 @@
 ///     scale = (thigh + shank of the target) / (thigh + shank of frame 0)
 ///     X_0 = scale p_0,   X_j = X_parent(j) + length_j (p_j - p_parent(j)) / |p_j - p_parent(j)|
 ///
-/// Source  Guo et al. (CVPR 2022), motion_representation.ipynb uniform_skeleton; spec humanml3d-features.md 3. The
+/// Source  Guo et al. (CVPR 2022), HumanML3D motion_representation.ipynb uniform_skeleton. The
 ///         published code goes there and back through rotations, which cancel; its NaN for a bone opposite to its zero
 ///         direction is not reproduced here.
 #pragma once

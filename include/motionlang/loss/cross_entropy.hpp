@@ -39,8 +39,8 @@ Tensor<B, 0> cross_entropy(const Tensor<B, 2>& logits, std::span<const Index> la
   return mean(cross_entropies(logits, labels, smoothing));
 }
 
-/// The sum over all symbols of -log p, as TM2T has it not their mean. `logits`: of what comes after each symbol but the
-/// last one.
+/// The sum over all symbols of -log p (TM2T eq. 4, and the first sum of TM2T eq. 7), not their mean. `logits`: of what
+/// comes after each symbol but the last one.
 template <Backend B>
 Tensor<B, 0> next_symbol_loss(const Tensor<B, 2>& logits, const IdSequences& written, double smoothing = 0) {
   return sum(cross_entropies(logits, written.without_ends(1, 0).ids, smoothing));

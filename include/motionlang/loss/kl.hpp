@@ -37,7 +37,8 @@ Tensor<B, 1> kl_to_standard_normal_of_rows(const Tensor<B, 2>& mu, const Tensor<
 
 /// KL(N(mu_q, exp(logvar_q)) || N(mu_p, exp(logvar_p))), averaged over all elements.
 ///     (exp(logvar_q - logvar_p) + (mu_q - mu_p)^2 exp(-logvar_p) - 1 - (logvar_q - logvar_p)) / 2
-/// Source  spec temos.md 6.1, tmr.md 6.1. A mean where the textbook has a sum over the coordinates, as published.
+/// Source   a term of thesis eq. 4.2; TEMOS temos/model/losses/kl.py, TMR src/model/losses.py KLLoss
+/// Differs  from the textbook, as published: a mean over the coordinates, not their sum
 template <Backend B>
 Tensor<B, 0> kl_divergence(const Tensor<B, 2>& mu_q, const Tensor<B, 2>& logvar_q, const Tensor<B, 2>& mu_p,
                            const Tensor<B, 2>& logvar_p) {

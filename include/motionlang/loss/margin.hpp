@@ -54,8 +54,11 @@ Tensor<B, 0> margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, double ma
 
 ///     d(a, b) = |a - b + 1e-6|,   positive = mean_i d(x_i, y_i)^2,   negative = mean_i max(0, margin - d(x_i, y_(i +
 ///     shift) mod n))^2
-/// Source   Guo et al. (CVPR 2022), the training of their evaluator; spec evaluation-guo.md 3. There the shift is drawn
-///          from 0 ... n - 2, so that now and then, at 0, the right partner is pushed away
+/// Source   TM2T (Guo et al., ECCV 2022), appendix C, TM2T eq. 8; text-to-motion networks/trainers.py
+///          TextMotionMatchTrainer, networks/modules.py ContrastiveLoss. There the shift is drawn from 0 ... n - 2, so
+///          that now and then, at 0, the right partner is pushed away
+/// Differs  from TM2T eq. 8, as published: the equation squares |s - p|^2 once more, and compares |s - p|^2 with the
+///          margin
 /// Shapes   x, y (batch, latent) -> the two terms, of weight 1
 /// Throws   shape_error 204 if the shapes differ, config_error 101 unless margin > 0 and 0 <= shift
 template <Backend B>
@@ -67,6 +70,7 @@ LossTerms<B> shifted_margin_loss(const Tensor<B, 2>& x, const Tensor<B, 2>& y, I
   for (Index i = 0; i < n; ++i) other.push_back((i + shift) % n);
   auto squared = [&](const Tensor<B, 2>& partner) { return sum(square(x - partner + 1e-6), 1); };
   LossTerms<B> out;
+  // the two terms of TM2T eq. 8, see above
   out.add("positive", 1, mean(squared(y)));
   out.add("negative", 1, mean(square(detail::short_of_margin(squared(gather(y, other)), margin))));
   return out;

@@ -47,20 +47,21 @@ double padded_count(const Sequences<B>& a, Index frames) {
 /// Sum of squares over the rows, divided by what a padded batch would have divided by:
 ///     loss = sum (a - b)^2 / (count * frames * width)
 /// frames  that the batch is padded to, if more than the longest sequence has
-/// Source  STMC training (spec diffusion.md, section 9): padding adds nothing to the sum but counts in the mean.
+/// Source   thesis eq. 6.5, as STMC src/model/gaussian.py diffusion_step trains with it
+/// Differs  from thesis eq. 6.5, a squared norm: here a mean, where padding adds nothing to the sum but is counted
 template <Backend B>
 Tensor<B, 0> padded_mse(const Sequences<B>& a, const Tensor<B, 2>& b, Index frames = 0) {
   return sum(square(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
 }
 
-/// smooth_l1 with the same mean over a padded batch. Source  spec temos.md 6.1, tmr.md 6.1
+/// smooth_l1 with the same mean over a padded batch. Source  TEMOS temos/model/losses/compute.py, TMR src/model/tmr.py
 template <Backend B>
 Tensor<B, 0> padded_smooth_l1(const Sequences<B>& a, const Tensor<B, 2>& b, Index frames = 0) {
   return sum(detail::huber(a.rows - b)) * (1.0 / detail::padded_count(a, frames));
 }
 
-/// The mean over the sequences of smooth_l1 of each: a short sequence weighs as much as a long one. Source  spec
-/// teach.md 3
+/// The mean over the sequences of smooth_l1 of each: a short sequence weighs as much as a long one.
+/// Source  TEACH teach/model/losses/compute_teach.py
 template <Backend B>
 Tensor<B, 0> smooth_l1_of_sequences(const Sequences<B>& a, const Tensor<B, 2>& b) {
   std::vector<typename B::scalar> share;  // of each row

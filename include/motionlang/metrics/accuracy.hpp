@@ -2,7 +2,7 @@
 /// How often a classifier names the action of a motion, as ACTOR reports it, and a labeller its body parts, as SINC
 /// does.
 ///
-/// Source  ACTOR src/evaluate/action2motion/accuracy.py; SINC (ICCV 2023), table 1; specs actor.md 7.4, sinc.md 6.5
+/// Source  thesis 3.3.1; ACTOR src/evaluate/action2motion/accuracy.py; SINC: thesis B.2.1, table B.1
 #pragma once
 
 #include <motionlang/metrics/rows.hpp>

@@ -3,17 +3,17 @@
 /// actions meet.
 ///
 ///     ApeAveMetric<double> metric(temos_rifke(), 0.001);                      // joints in mm, errors in m
-///     for (...) metric.add(generated, recorded);                              // joints of a pair, (frames, J) each
-///     const ApeAve errors = metric.result();                                  // errors.ape.root,
-///     errors.ave.mean_joints()
+///     for (const auto& [generated, recorded] : pairs) metric.add(generated, recorded);  // joints, (frames, J) each
+///     const ApeAve errors = metric.result();                             // errors.ape.root, errors.ave.mean_joints()
 ///
 /// Both motions are brought to the start: root at the origin, heading 0, on the floor. With x = root (3 coordinates),
 /// trajectory (2), each joint seen from the body ("local", "pose") and each joint in the world:
 ///     APE_x = sum_clips sum_t |x_t - x*_t| / sum_clips L
 ///     AVE_x = mean_clips |v - v*|,   v = sum_t (x_t - mean x)^2 / (L - 1) of each coordinate
-/// Source  TEMOS (Petrovich, Black, Varol, ECCV 2022), section 4.1 and appendix; TEMOS temos/model/metrics/compute*.py,
-///         TEACH teach/model/metrics/compute.py and compute_td.py, SINC sinc/model/metrics/compute_sinc.py; specs
-///         temos.md 8, teach.md 6, sinc.md 9
+/// Source  TEMOS (Petrovich, Black, Varol, ECCV 2022), section 4.1 and appendix C: APE is TEMOS eq. 4, AVE is
+///         TEMOS eq. 5 of the variance in TEMOS eq. 6; thesis 4.3.1, A.3.2, B.3.1; TEMOS
+///         temos/model/metrics/compute*.py, TEACH teach/model/metrics/compute.py and compute_td.py, SINC
+///         sinc/model/metrics/compute_sinc.py
 /// Units   those of the joints times `unit`; AVE in their square
 /// Differs from the paper: APE is an average over frames of the whole set, not over clips; the variance has no square
 ///         root. As published, the body's heading is that of knees and elbows in TEMOS and TEACH (temos_rifke) and is
@@ -107,7 +107,7 @@ PointErrors point_errors(const std::vector<Point>& a, const std::vector<Point>& 
       squares += (x[i] - y[i]) * (x[i] - y[i]);
       mean_a[i] += x[i] / static_cast<double>(frames), mean_b[i] += y[i] / static_cast<double>(frames);
     }
-    out.distance += std::sqrt(squares);
+    out.distance += std::sqrt(squares);  // TEMOS eq. 4
   }
   for (std::size_t t = 0; t < frames; ++t) {
     const auto x = coordinates(a[t * per_frame + j]), y = coordinates(b[t * per_frame + j]);
@@ -115,6 +115,7 @@ PointErrors point_errors(const std::vector<Point>& a, const std::vector<Point>& 
       difference[i] += (x[i] - mean_a[i]) * (x[i] - mean_a[i]) - (y[i] - mean_b[i]) * (y[i] - mean_b[i]);
     }
   }
+  // TEMOS eq. 5: the length of the difference of two variances, each TEMOS eq. 6
   for (const double d : difference) out.variance += d * d;
   out.variance = std::sqrt(out.variance) / static_cast<double>(frames - 1);
   return out;

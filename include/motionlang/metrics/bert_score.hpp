@@ -3,7 +3,7 @@
 /// roberta-large, sentences stripped and with a leading blank.
 ///
 ///     BertWeights weights;
-///     for (...) weights.add(reference_ids);                              // every reference of the test set
+///     for (const auto& ids : ids_of_references) weights.add(ids);        // every reference of the test set
 ///     const BertScore s = bert_score(candidate, references, weights, tm2t_bert_baseline);
 ///
 /// With unit embeddings x_i of the candidate and y_j of a reference and weights w of their tokens:
@@ -11,7 +11,7 @@
 ///     w = log((N + 1) / (c + 1)),   c = references with this token, of N
 ///     of several references the largest P, R and F, each for itself; then (x - b) / (1 - b) with a baseline b
 /// Source  Zhang et al., "BERTScore: evaluating text generation with BERT" (ICLR 2020), sections 3 and 4; the package
-///         bert-score; spec evaluation-guo.md 6.5
+///         bert-score, bert_score/utils.py greedy_cos_idf
 /// The package counts pairs with padding as similarity 0, which shows only where all similarities of a token are
 /// negative: beside padding (BertPadding) their largest is 0.
 #pragma once

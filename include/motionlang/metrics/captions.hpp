@@ -2,13 +2,12 @@
 /// Descriptions of motions against reference descriptions: BLEU, ROUGE-L and CIDEr, word by word. BERTScore, which
 /// needs a language model, is in bert_score.hpp.
 ///
-///     const std::vector<CaptionPair> all{{"a man walk forward", three_references({"a man walk", "someone walk"})},
-///     ...};
-///     bleu(corpus_counts(all))[3], rouge_l(all), cider(all)                     // published tables: times 100
+///     const std::vector<CaptionPair> all{{"a man walk forward", three_references({"a man walk", "someone walk"})}};
+///     use(bleu(corpus_counts(all))[3], rouge_l(all), cider(all));               // published tables: times 100
 ///
 /// A candidate is the words of the model, joined by blanks; references are the lemmas of the annotation, three for each
 /// motion. Nothing is lower-cased and no punctuation is taken away.
-/// Source  nlg-eval (pycocoevalcap), as TM2T (Guo et al., ECCV 2022) calls it; spec evaluation-guo.md 6
+/// Source  nlg-eval (pycocoevalcap), as TM2T (Guo et al., ECCV 2022, section 4.2 and appendix B) calls it
 #pragma once
 
 #include <array>   // n-gram lengths

@@ -9,9 +9,8 @@
 ///     const double guo_modes = multimodality(embeddings, 30, disjoint_draws(30, 10, rng));
 ///
 /// Each is the mean of |x_a - x_b| over pairs, in the unit of the features; the systems differ in how they draw them.
-/// Source  Guo et al., "Action2Motion" (ACM MM 2020) and CVPR 2022; references: ACTOR
-///         src/evaluate/action2motion/diversity.py, text-to-motion utils/metrics.py; specs actor.md 7.4,
-///         evaluation-guo.md 4
+/// Source  Guo et al., "Action2Motion" (ACM MM 2020) and CVPR 2022; thesis 3.3.1; TM2T (ECCV 2022), appendix C;
+///         references: ACTOR src/evaluate/action2motion/diversity.py, text-to-motion utils/metrics.py
 #pragma once
 
 #include <motionlang/core/numpy_random.hpp>

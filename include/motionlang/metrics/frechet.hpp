@@ -5,8 +5,8 @@
 ///     FID = |m1 - m2|^2 + tr C1 + tr C2 - 2 tr (C1 C2)^(1/2)
 ///     tr (C1 C2)^(1/2) = sum_i sqrt(max(0, lambda_i)),   lambda = eigenvalues of F C2 F^T,   C1 = F^T F
 /// Source  Heusel et al., "GANs trained by a two time-scale update rule ..." (NeurIPS 2017), equation 6; references:
-///         ACTOR src/evaluate/action2motion/fid.py, text-to-motion utils/metrics.py, STMC mtt/metrics.py; specs
-///         actor.md 7.4, evaluation-guo.md 4, stmc-evaluation.md 4
+///         ACTOR src/evaluate/action2motion/fid.py, text-to-motion utils/metrics.py, STMC mtt/metrics.py;
+///         thesis 3.3.1 and 6.3.2; TM2T (ECCV 2022), appendix C
 /// Units   none: that of the features, squared
 /// Differs from the code: it takes a general matrix square root, whose imaginary part it drops, and adds 1e-6 to the
 ///         diagonals if that fails. The symmetric form needs no such repair, also with fewer samples than features;

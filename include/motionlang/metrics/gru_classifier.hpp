@@ -23,8 +23,9 @@ struct GruClassifierConfig {
 };
 
 ///     features = tanh(W1 h),  logits = W2 features,   h: the network's output at the last frame
-/// Source  Guo et al., "Action2Motion" (2020), as ACTOR evaluates with it; spec actor.md 7.2. Keys of the official file
-///         (below "model"): recurrent.weight_ih_l0, ..., linear1, linear2.
+/// Source  Guo et al., "Action2Motion" (2020), as ACTOR evaluates with it; thesis 3.3.1; ACTOR
+///         src/evaluate/action2motion/models.py MotionDiscriminator. Keys of the official file (below "model"):
+///         recurrent.weight_ih_l0, ..., linear1, linear2.
 template <Backend B>
 struct GruClassifier {
   static constexpr Index feature_count = 30;

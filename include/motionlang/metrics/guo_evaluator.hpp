@@ -3,12 +3,11 @@
 /// other.
 ///
 ///     const auto text = evaluator.embed_texts(words.encode<B>(texts).tokens);       // text/glove.hpp
-///     const auto motion = evaluator.embed_motions(normalized);                      // (motions, 512), in the order of
-///     the motions
+///     const auto motion = evaluator.embed_motions(normalized);                      // (motions, 512), in their order
 ///     metric.add(Rows(text.span(), 512), Rows(motion.span(), 512));                 // metrics/matching.hpp
 ///
 /// Source  Guo et al., "Generating diverse and natural 3D human motions from text" (CVPR 2022), section 5.2;
-///         text-to-motion networks/modules.py, networks/evaluator_wrapper.py; spec evaluation-guo.md 2
+///         text-to-motion networks/modules.py, networks/evaluator_wrapper.py; TM2T (ECCV 2022), appendix C
 /// Differs from the wrapper in that rows keep the order of the caller; the wrapper's come out longest motion first.
 #pragma once
 
@@ -34,7 +33,10 @@ struct CoEmbedding {
         norm(hidden),
         linear_3(detail::xavier_linear<B>(hidden, out, rng)) {}
 
-  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const { return linear_3(leaky_relu(norm(linear_0(x)))); }
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
+    return linear_3(leaky_relu(norm(linear_0(x))));
+  }
 };
 
 /// Rows of word vectors with parts of speech behind them, as `GloVe::encode` makes them.
@@ -54,6 +56,7 @@ struct GuoTextEncoder {
 
   /// (texts, out). Throws shape_error 203 for a text without words.
   Tensor<B, 2> operator()(const Sequences<B>& words) const {
+    const ModuleScope scope(*this);
     const Index word = pos_emb.out();
     if (words.width() != word + pos_emb.in())
       raise<shape_error>(204, "GuoTextEncoder: rows of ", words.width(), " numbers, ", word, " and ", pos_emb.in(),
@@ -78,7 +81,10 @@ struct GuoMotionEncoder {
       : encoder(in, hidden, rng), output_net(hidden, out, rng) {}
 
   /// (motions, out). Throws shape_error 203 for a motion without movements.
-  Tensor<B, 2> operator()(const Sequences<B>& movements) const { return output_net(encoder(movements).ends()); }
+  Tensor<B, 2> operator()(const Sequences<B>& movements) const {
+    const ModuleScope scope(*this);
+    return output_net(encoder(movements).ends());
+  }
 };
 
 /// Published sizes.

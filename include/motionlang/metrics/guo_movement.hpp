@@ -24,8 +24,7 @@ Linear<B> xavier_linear(Index in, Index out, Rng auto& rng) {
 }  // namespace detail
 
 /// Two convolutions that halve the length, and a projection: n frames become floor(n / 4) movements.
-/// Source  text-to-motion networks/modules.py MovementConvEncoder; spec evaluation-guo.md 2.1. Dropout comes before the
-///         nonlinearity.
+/// Source  text-to-motion networks/modules.py MovementConvEncoder. Dropout comes before the nonlinearity.
 template <Backend B>
 struct MovementEncoder {
   ConvStack<B> main;
@@ -44,11 +43,12 @@ struct MovementEncoder {
 
   /// Normalised features without contacts.
   Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return out_net(main(x, context));
   }
 };
 
-/// Source  text-to-motion networks/modules.py MovementConvDecoder; spec evaluation-guo.md 3
+/// Source  text-to-motion networks/modules.py MovementConvDecoder
 template <Backend B>
 struct MovementDecoder {
   ConvStack<B> main;
@@ -64,7 +64,10 @@ struct MovementDecoder {
     main.transposed(hidden, out, 4, 2, 1, rng).leaky_relu();
   }
 
-  Sequences<B> operator()(const Sequences<B>& movements) const { return out_net(main(movements)); }
+  Sequences<B> operator()(const Sequences<B>& movements) const {
+    const ModuleScope scope(*this);
+    return out_net(main(movements));
+  }
 };
 
 /// Both, under the names of their checkpoint.
@@ -86,13 +89,14 @@ struct MovementAutoencoder {
     Sequences<B> latents, reconstruction;
   };
   Result operator()(const Sequences<B>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const auto latents = movement_enc(x.with(slice(x.rows, 1, 0, x.width() - 4)), context);
     return {latents, movement_dec(latents)};
   }
 };
 
 ///     rec = mean |x^ - x|,   sparsity = mean |z|,   smooth = mean |z_{t+1} - z_t|
-/// Source  text-to-motion networks/trainers.py DecompTrainerV3; spec evaluation-guo.md 3
+/// Source  text-to-motion networks/trainers.py DecompTrainerV3
 template <Backend B>
 LossTerms<B> movement_losses(const typename MovementAutoencoder<B>::Result& result, const Sequences<B>& x,
                              double lambda_sparsity = 0.001, double lambda_smooth = 0.001) {

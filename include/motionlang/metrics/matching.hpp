@@ -3,13 +3,13 @@
 /// distance", MM-Dist) of Guo et al.
 ///
 ///     MatchingMetric metric;
-///     for (...) metric.add(texts, motions);                         // rows of one batch of 32, paired
-///     metric.r_precision(3), metric.matching_score();
+///     for (const auto& [texts, motions] : batches) metric.add(texts, motions);  // rows of one batch of 32, paired
+///     use(metric.r_precision(3), metric.matching_score());
 ///
 /// For each query of a batch, all answers of the batch are put in order of distance; the right one is a hit at k if it
 /// is among the first k. Hits and distances of the right ones are summed over batches and divided by all queries.
 /// Source  Guo et al. (CVPR 2022), section 5.2; references: text-to-motion final_evaluations.py, TM2T
-///         final_evaluations_m2t.py, utils/metrics.py; spec evaluation-guo.md 4
+///         final_evaluations_m2t.py, utils/metrics.py; TM2T (ECCV 2022), appendix C
 /// Differs from the paper: the 31 distractors are the rest of a shuffled batch, and may have the same caption. In
 ///         motion-to-text TM2T's code ranks texts for each motion, its paper motions for each text: what is queried is
 ///         the first argument

@@ -9,8 +9,8 @@
 /// FID          of unit latents of five crops of each motion against those of the recorded motions (FID+)
 /// transition   mean way of the joints between two frames where a text begins or ends [m]; printed in cm
 /// Two flavours: `as_coded` gives the published tables, `as_written` what the thesis describes. They do not compare.
-/// Source  STMC (Petrovich et al., CVPR workshops 2024), section 4.2; mtt/stmc_metrics.py, mtt/metrics.py,
-///         mtt/motion_representation_local.py; spec stmc-evaluation.md 2 to 5
+/// Source  thesis 6.3.2; STMC (Petrovich et al., CVPR workshops 2024) mtt/stmc_metrics.py, mtt/metrics.py,
+///         mtt/motion_representation_local.py
 /// Differs as coded from the thesis: the crops for FID begin at five fixed frames (47, 117, 67, 103, 9), because the
 /// number
 ///         of features is taken for the length, and are shorter where the motion ends; the reference are whole clips;

@@ -7,8 +7,8 @@
 /// The rank of a query is the number of answers that are closer than the right one. Answers at exactly the same
 /// distance share their places: each has the mean of them.
 ///     R@k  = 100 |{i : r_i < k}| / n   [percent],      MedR = median(r) + 1
-/// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.1; reference: Mathux/TMR src/model/metrics.py and
-///         retrieval.py; spec tmr.md 7
+/// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.1; thesis 5.3.1; reference: Mathux/TMR
+///         src/model/metrics.py and retrieval.py
 /// Differs from the paper: it does not say that ties share their places, which matters where captions are repeated: two
 ///         equal best answers have rank 1/2 each and both count for R@1
 #pragma once
@@ -239,7 +239,7 @@ std::vector<Index> dissimilar_subset(const Rows<E>& sentences, std::span<const s
 // ---- moments: where in a long motion a text happens
 // -------------------------------------------------------------------
 //
-// Source  Petrovich's thesis (2024), section 5.3.6; spec tmr.md 7.6. There is no published code: that windows are cut
+// Source  Petrovich's thesis (2024), section 5.3.6. There is no published code: that windows are cut
 //         off at the ends of the motion and follow each other by `stride` frames is a choice made here.
 
 /// Windows of `width` frames, the k-th with its middle at frame k * stride, cut off at the ends of the motion.

@@ -3,7 +3,7 @@
 /// UESTC, and shows what generated motions are worth as training data.
 ///
 /// Source  Yan, Xiong, Lin: "Spatial temporal graph convolutional networks for skeleton-based action recognition" (AAAI
-///         2018); ACTOR, src/recognition/models/stgcn.py, whose keys are the field names; spec actor.md 7.3
+///         2018); ACTOR, src/recognition/models/stgcn.py, whose keys are the field names
 #pragma once
 
 #include <motionlang/metrics/gru_classifier.hpp>
@@ -40,6 +40,7 @@ struct TemporalConv {
   Index out() const { return weight.size(0); }
 
   Sequences<B> operator()(const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
     const Index kernel = weight.size(2);
     return conv1d(x, reshape<3>(weight, {out(), weight.size(1), kernel}), &bias,
                   {.stride = stride, .padding = kernel / 2});
@@ -75,6 +76,7 @@ struct StGcnBlock {
   /// statistics.
   template <class Self>
   static Sequences<B> run(Self& self, const Sequences<B>& x, const Tensor<B, 3>& edges) {
+    const ModuleScope scope(self);
     const Index joints = edges.size(1), out = self.tcn.out(), rows = x.offsets.rows(), each = rows / joints * out;
     const auto parts = permute(reshape<3>(self.gcn(x).rows, {rows, 3, out}), {1, 0, 2});
     const auto mixed =
@@ -163,11 +165,10 @@ struct StGcn {
  private:
   template <class Self>
   static Recognition<B> run(Self& self, const Sequences<B>& x) {
+    const ModuleScope scope(self);
     auto y = joint_sequences(self, x);
-    for (std::size_t i = 0; i < self.st_gcn_networks.size(); ++i) {
-      const ModuleScope scope("st_gcn_networks.", i);
+    for (std::size_t i = 0; i < self.st_gcn_networks.size(); ++i)
       y = StGcnBlock<B>::run(self.st_gcn_networks[i], y, self.graph.A * self.edge_importance[i]);
-    }
     const Index joints = self.joints();
     const auto features = mean(reshape<3>(mean_rows(y), {joints, x.count(), y.width()}), 0);
     return {features, self.fcn(Sequences<B>(features, Offsets::equal(x.count(), 1))).rows};

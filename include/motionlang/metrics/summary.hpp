@@ -15,13 +15,12 @@ struct MeanInterval {
 };
 
 /// mean +- 1.96 std / sqrt(n), the std of the population: Guo et al., over 20 replications.
-/// Source  text-to-motion final_evaluations.py get_metric_statistics; spec evaluation-guo.md 4. Throws numeric_error
-///         302.
+/// Source  text-to-motion final_evaluations.py get_metric_statistics. Throws numeric_error 302.
 MeanInterval replication_interval(std::span<const double> values);
 
 /// mean +- 1.96 variance, rounded: to 2 places, the mean of an accuracy, in percent, to 1. The name tells which:
 /// whether it contains "accuracy", as in ACTOR's files of results ("accuracy_gen", "fid_gt2").
-/// Source  ACTOR src/evaluate/tables/easy_table.py; spec actor.md 7.1. Throws numeric_error 302.
+/// Source  thesis 3.3.1; ACTOR src/evaluate/tables/easy_table.py format_values. Throws numeric_error 302.
 /// Differs from the paper: it speaks of a 95 % confidence interval, which would need std / sqrt(n) in place of the
 /// variance
 MeanInterval actor_summary(std::string_view metric, std::span<const double> values);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// How alike two motions are to a motion encoder: SINC's TEMOS score.
 ///
-/// Source  SINC (Athanasiou et al., ICCV 2023), section 5.1; sample_eval_latent.py; spec sinc.md 9
+/// Source  thesis B.3.1; SINC (Athanasiou et al., ICCV 2023) sample_eval_latent.py
 #pragma once
 
 #include <motionlang/metrics/rows.hpp>

@@ -47,12 +47,14 @@ struct BatchNorm {
 
   /// (rows, channels)
   Tensor<B, 2> operator()(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
     check(x);
     const auto scale = weight / sqrt(statistics.running_var + eps);
     return x * scale + (bias - statistics.running_mean * scale);
   }
   /// The same by the statistics of these rows, which are remembered. Throws shape_error 205 for fewer than two rows.
   Tensor<B, 2> train(const Tensor<B, 2>& x) {
+    const ModuleScope scope(*this);
     check(x);
     const auto n = static_cast<double>(x.size(0));
     if (n < 2) raise<shape_error>(205, "BatchNorm: ", x.shape(), " has no variance to train with");

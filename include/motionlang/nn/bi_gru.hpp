@@ -55,6 +55,7 @@ struct BiGru {
 
   /// h0 (2, sequences, hidden): of both directions. Throws shape_error 204, 205.
   BiGruStates<B> operator()(const Sequences<B>& x, const Tensor<B, 3>& h0) const {
+    const ModuleScope scope(*this);
     GruLayer<B> a, b;
     a.weight_ih = weight_ih_l0, a.weight_hh = weight_hh_l0, a.bias_ih = bias_ih_l0, a.bias_hh = bias_hh_l0;
     b.weight_ih = weight_ih_l0_reverse, b.weight_hh = weight_hh_l0_reverse;
@@ -67,7 +68,7 @@ struct BiGru {
 };
 
 /// Rows are projected, then read from both ends, from a learned state on.
-/// Source  spec evaluation-guo.md 2.2, 2.3; tm2t.md 5
+/// Source  text-to-motion networks/modules.py TextEncoderBiGRUCo and MotionEncoderBiGRUCo; TM2T networks/modules.py
 template <Backend B>
 struct BiGruEncoder {
   Tensor<B, 3> hidden;  // (2, 1, hidden)
@@ -86,6 +87,7 @@ struct BiGruEncoder {
   }
 
   BiGruStates<B> operator()(const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
     return gru(input_emb(x), broadcast_to<3>(hidden, {2, x.count(), gru.hidden()}));
   }
 };

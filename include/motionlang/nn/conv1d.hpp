@@ -9,6 +9,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct Conv1dOptions {
+  static constexpr bool is_option = true;  // holds no tensors
   Index stride = 1, padding = 0, dilation = 1;
   bool operator==(const Conv1dOptions&) const = default;
 };
@@ -77,6 +78,7 @@ struct Conv1d {
   }
 
   Sequences<B> operator()(const Sequences<B>& x, Activation act = Activation::none) const {
+    const ModuleScope scope(*this);
     return conv1d(x, weight, &bias, options, act);
   }
 };

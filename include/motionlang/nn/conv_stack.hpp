@@ -2,8 +2,8 @@
 /// A stack of convolutions over time with what stands between them, numbered like PyTorch's Sequential.
 ///
 ///     ConvStack<B> main;
-///     main.conv(259, 512, 4, {.stride = 2, .padding = 1}, rng).dropout(0.2).leaky_relu();       // main.0, main.1,
-///     main.2
+///     // main.0, main.1, main.2
+///     main.conv(259, 512, 4, {.stride = 2, .padding = 1}, rng).dropout(0.2).leaky_relu();
 ///
 /// The networks of Guo et al. are such stacks: the movement encoder and decoder of their evaluator (CVPR 2022), TM2T's
 /// tokenizer and discriminator (ECCV 2022). Weights of convolutions begin as xavier_normal, biases as 0.
@@ -39,7 +39,7 @@ Conv1d<B> xavier_conv(Index in, Index out, Index kernel, const Conv1dOptions& o,
 }  // namespace detail
 
 ///     x + W2 * leaky_relu(W1 * x),   W: convolutions of kernel 3 that keep the length
-/// Source  spec tm2t.md 2. No nonlinearity around it.
+/// Source  TM2T networks/modules.py VQEncoderV3. No nonlinearity around it.
 template <Backend B>
 struct ConvResidual {
   Conv1d<B> first, second;
@@ -53,6 +53,7 @@ struct ConvResidual {
         second(detail::xavier_conv<B>(channels, channels, 3, {.padding = 1}, rng)) {}
 
   Sequences<B> operator()(const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
     auto inner = first(x);
     inner.rows = leaky_relu(inner.rows);
     return x.with(x.rows + second(inner).rows);
@@ -126,8 +127,8 @@ class ConvStack {
   }
   template <class Self>
   static Sequences<B> run(Self& self, Sequences<B> x, const Context& context) {
+    const ModuleScope scope(self);
     for (std::size_t i = 0; i < self.layers_.size(); ++i) {
-      const ModuleScope scope("", i);
       auto& layer = self.layers_[i];
       switch (layer.step) {
         case ConvStep::conv:

@@ -57,7 +57,10 @@ struct ConvTranspose1d {
     bias = uniform_init<B, 1>({out}, bound, rng);
   }
 
-  Sequences<B> operator()(const Sequences<B>& x) const { return conv_transpose1d(x, weight, bias, stride, padding); }
+  Sequences<B> operator()(const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
+    return conv_transpose1d(x, weight, bias, stride, padding);
+  }
 };
 
 MOTIONLANG_NAMESPACE_END

@@ -3,11 +3,11 @@
 /// one, or the best of several beams. The model is any function from the beginnings written so far to logits of the
 /// next symbol:
 ///
-///     auto next = [&](const IdSequences& written) { return m.next_logits(written, memory); };      // Tensor<B, 2>
-///     (rows, symbols) const auto words = beam_search(next, {.begin = 0, .end = 1, .pad = 4199});
+///     // Tensor<B, 2> (rows, symbols)
+///     auto next = [&](const IdSequences& written) { return m.next_logits(written, memory); };
+///     const auto words = beam_search(next, {.begin = 0, .end = 1, .pad = 4199});
 ///
-/// Source  TM2T (Guo et al., ECCV 2022), networks/transformer.py sample and sample_batch, networks/translator.py; spec
-///         tm2t.md 4.3, 5.2
+/// Source  TM2T (Guo et al., ECCV 2022), networks/transformer.py sample and sample_batch, networks/translator.py
 #pragma once
 
 #include <algorithm>  // nth_element, max_element
@@ -184,7 +184,7 @@ void order_beams(BeamSearch& found, const BeamOptions& o);
 /// Each beam is continued by the symbols that are most probable after it, and the best of all continuations go on;
 /// until all have ended. Beams that have ended are continued, too, and go on losing score, as published.
 /// next    takes 1 or `beams` beginnings of one length
-/// Source  spec tm2t.md 4.3; the length penalty of Wu et al. (2016) without its constants
+/// Source  TM2T networks/translator.py translate_sentence; the length penalty of Wu et al. (2016) without its constants
 /// Throws  config_error 101 for options that mean nothing
 template <class Next>
 BeamSearch beam_search(Next&& next, const BeamOptions& o) {

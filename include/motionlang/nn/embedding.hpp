@@ -19,7 +19,10 @@ struct Embedding {
       : weight(normal_init<B, 2>({symbols, width}, std, rng)) {}
 
   /// ids -> (ids, width). Throws shape_error 203 for an unknown symbol.
-  Tensor<B, 2> operator()(std::span<const Index> ids) const { return gather(weight, ids); }
+  Tensor<B, 2> operator()(std::span<const Index> ids) const {
+    const ModuleScope scope(*this);
+    return gather(weight, ids);
+  }
 };
 
 /// A row for each label with 1 in its column, (labels, classes). Throws shape_error 203 for a label that is no class.

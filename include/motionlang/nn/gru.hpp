@@ -75,6 +75,7 @@ struct GruLayer {
   /// x: one (rows, in) per time step; h0 (rows, hidden) -> one (rows, hidden) per step. Steps may have fewer rows than
   /// the ones before: the last sequences have ended.
   std::vector<Tensor<B, 2>> operator()(const std::vector<Tensor<B, 2>>& x, const Tensor<B, 2>& h0) const {
+    const ModuleScope scope(*this);
     const Index n = hidden();
     Tensor<B, 2> h = h0;
     std::vector<Tensor<B, 2>> out;
@@ -92,6 +93,7 @@ struct GruLayer {
   /// Each sequence by itself, from its first row to the last or `backwards`; h0 (sequences, hidden). A row of the
   /// result for every row. Throws shape_error 204.
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 2>& h0, bool backwards = false) const {
+    const ModuleScope scope(*this);
     if (h0.shape() != Shape{x.count(), hidden()})
       raise<shape_error>(204, "GruLayer: h0 ", h0.shape(), " for ", counted(hidden(), "unit"), " and ",
                          counted(x.count(), "sequence"));
@@ -132,6 +134,7 @@ struct Gru {
     for (Index i = 0; i < count; ++i) layers.emplace_back(i == 0 ? in : hidden, hidden, rng);
   }
   std::vector<Tensor<B, 2>> operator()(std::vector<Tensor<B, 2>> x) const {
+    const ModuleScope scope(*this);
     for (const auto& layer : layers) {
       if (!x.empty()) x = layer(x, Tensor<B, 2>::zeros({x.front().size(0), layer.hidden()}));
     }
@@ -140,6 +143,7 @@ struct Gru {
   /// Each sequence by itself; a row of the result for every row. h0 (layers, sequences, hidden), null for zeros. Throws
   /// shape_error 204.
   Sequences<B> operator()(const Sequences<B>& x, const Tensor<B, 3>* h0 = nullptr) const {
+    const ModuleScope scope(*this);
     const Index n = x.count(), hidden = layers.empty() ? 0 : layers.front().hidden();
     if (h0 != nullptr && h0->shape() != Shape{std::ssize(layers), n, hidden}) {
       raise<shape_error>(204, "Gru: h0 ", h0->shape(), " for ", layers.size(), " layers of ", hidden, " and ", n,

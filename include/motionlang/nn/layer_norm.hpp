@@ -20,9 +20,13 @@ struct LayerNorm {
   LayerNorm() = default;
   explicit LayerNorm(Index width) : weight(constant_init<B, 1>({width}, 1)), bias(constant_init<B, 1>({width}, 0)) {}
 
-  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const { return layer_norm(x, weight, bias, eps); }
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
+    return layer_norm(x, weight, bias, eps);
+  }
   /// The norm of x + residual.
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Tensor<B, 2>& residual) const {
+    const ModuleScope scope(*this);
     return add_layer_norm(x, residual, weight, bias, eps);
   }
 };

@@ -27,15 +27,18 @@ struct Linear {
   /// x (rows, in) -> dropout(act(x W^T + b)) + residual, (rows, out)
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, Activation act = Activation::none,
                           const Tensor<B, 2>* residual = nullptr, const Dropout& drop = {}) const {
+    const ModuleScope scope(*this);
     return linear(x, weight, &bias, act, residual, drop);
   }
   Sequences<B> operator()(const Sequences<B>& x, Activation act = Activation::none) const {
+    const ModuleScope scope(*this);
     return x.with((*this)(x.rows, act));
   }
   /// Any leading axes: (..., in) -> (..., out)
   template <int R>
   requires(R == 1 || R > 2) Tensor<B, R>
   operator()(const Tensor<B, R>& x, Activation act = Activation::none) const {
+    const ModuleScope scope(*this);
     const Shape s = x.shape();
     Shape to = s;
     to[R - 1] = out();
@@ -56,7 +59,10 @@ struct LinearMap {
   LinearMap(Index in, Index out, Rng auto& rng)
       : weight(uniform_init<B, 2>({out, in}, 1 / std::sqrt(static_cast<double>(in)), rng)) {}
 
-  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const { return linear<B>(x, weight, nullptr); }
+  Tensor<B, 2> operator()(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
+    return linear<B>(x, weight, nullptr);
+  }
 };
 
 MOTIONLANG_NAMESPACE_END

@@ -48,10 +48,14 @@ struct MultiheadAttention {
     return attend(project(x), offsets, context, residual, causal, drop);
   }
   /// Queries, keys and values of each row, (rows, 3 width).
-  Tensor<B, 2> project(const Tensor<B, 2>& x) const { return linear(x, in_proj_weight, &in_proj_bias); }
+  Tensor<B, 2> project(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
+    return linear(x, in_proj_weight, &in_proj_bias);
+  }
   /// `self` behind `project`.
   Tensor<B, 2> attend(Tensor<B, 2> qkv, const Offsets& offsets, const Context& context,
                       const Tensor<B, 2>* residual = nullptr, bool causal = false, double drop = 0) const {
+    const ModuleScope scope(*this);
     const auto read = self_attention(std::move(qkv), offsets,
                                      {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)});
     return out_proj(read, Activation::none, residual, next_dropout(drop, context));
@@ -60,6 +64,7 @@ struct MultiheadAttention {
   /// value.
   Tensor<B, 2> cross(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
                      const Context& context) const {
+    const ModuleScope scope(*this);
     const Index d = x.size(1);
     auto project = [&](const Tensor<B, 2>& t, Index first, Index last) {
       const auto bias = slice(in_proj_bias, 0, first * d, last * d);

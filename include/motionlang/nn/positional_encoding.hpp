@@ -40,6 +40,7 @@ Tensor<B, 2> sinusoidal_positions(Index rows, Index width) {
 template <Backend B>
 class PositionTable {
  public:
+  static constexpr bool is_option = true;  // computed, not saved
   PositionTable() = default;
   PositionTable(Index rows, Index width) : rows_(sinusoidal_positions<B>(rows, width)) {}
   template <Backend C>

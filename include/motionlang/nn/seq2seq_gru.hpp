@@ -3,10 +3,9 @@
 /// them writes motion tokens one after the other.
 ///
 ///     auto state = m.start(words.encode<B>(texts).tokens);
-///     const auto logits = m.step(previous, state).logits;               // (texts, symbols), and so on with what was
-///     chosen
+///     const auto logits = m.step(previous, state).logits;  // (texts, symbols), and so on with what was chosen
 ///
-/// Source  Guo et al. (ECCV 2022), section 3.2; TM2T networks/modules.py Seq2SeqText2MotModel; spec tm2t.md 5
+/// Source  TM2T (Guo et al., ECCV 2022), section 3.3; TM2T networks/modules.py Seq2SeqText2MotModel
 /// Differs from the paper: no positions and no mu network, as published
 #pragma once
 
@@ -20,6 +19,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     a = softmax(W_q h . W_k w / sqrt(width)) W_v w
+/// Source  TM2T eq. 5 (queries, keys, values) and TM2T eq. 6
 /// Words are a padded tensor and nothing is masked: what stands behind a short text has logit 0 and the bias of W_v as
 /// value. A text is attended to a little differently beside longer ones, as published.
 template <Backend B>
@@ -41,16 +41,18 @@ struct WordAttention {
   };
   Memory memory(const Tensor<B, 3>& words) const {
     const auto rows = reshape<2>(words, {words.size(0) * words.size(1), words.size(2)});
+    // keys and values of TM2T eq. 5
     return {reshape<3>(W_k(rows), {words.size(0), words.size(1), W_k.weight.size(0)}), W_v(words)};
   }
   struct Result {
     Tensor<B, 2> weights, attended;  // (texts, words), (texts, width)
   };
   Result operator()(const Tensor<B, 2>& h, const Memory& m) const {
+    const ModuleScope scope(*this);
     const Index n = m.keys.size(0), words = m.keys.size(1), width = m.keys.size(2);
     const auto q = reshape<3>(W_q(h), {n, 1, width});
     const auto scores = matmul(q, m.keys, {.transpose_b = true}) * (1 / std::sqrt(static_cast<double>(width)));
-    const auto weights = softmax(reshape<2>(scores, {n, words}));
+    const auto weights = softmax(reshape<2>(scores, {n, words}));  // TM2T eq. 6
     return {weights, reshape<2>(matmul(reshape<3>(weights, {n, 1, words}), m.values), {n, width})};
   }
 };
@@ -235,8 +237,8 @@ Tensor<B, 2> gumbel_noise(Index rows, Index symbols, Philox& rng) {
 /// The next token is the arg max, and no gradient goes through that choice. Marks of beginning and end are never
 /// written; a sequence ends where the end is the most probable symbol, and goes on until the last one has ended.
 /// noise(step)  (sequences, symbols), see gumbel_noise
-/// Source       Jang, Gu, Poole, "Categorical reparameterization with Gumbel-softmax" (ICLR 2017), section 2.2; spec
-///              tm2t.md 5.1
+/// Source       Jang, Gu, Poole, "Categorical reparameterization with Gumbel-softmax" (ICLR 2017), section 2.2;
+///              TM2T networks/modules.py gumbel_sample
 /// Differs      from TM2T, whose code fails where all sequences end at once: here each is the mark of the beginning
 ///              only
 template <Backend B, class Noise>

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// The transformer from sequence to sequence, as TM2T has it: motion tokens to words, words to motion tokens.
 ///
-///     const auto memory = m.encode(tokens);                                          // IdSequences, word vectors, or
-///     shares of symbols
-///     const auto logits = m.logits(words.without_ends(0, 1), memory);                // (rows, words): what comes next
-///     after each word
+///     // From IdSequences, word vectors, or shares of symbols; then what comes next after each word, (rows, words).
+///     const auto memory = m.encode(tokens);
+///     const auto logits = m.logits(words.without_ends(0, 1), memory);
 ///
-/// Source  Vaswani et al., "Attention is all you need" (NIPS 2017); TM2T networks/transformer.py (TransformerV1 to V3);
-///         spec tm2t.md 4
+/// Source  Vaswani et al., "Attention is all you need" (NIPS 2017); TM2T networks/transformer.py (TransformerV1 to V3)
 /// Differs from nn/transformer_decoder.hpp in the names and number of the projections, and in the eps of the norms
 #pragma once
 
@@ -93,6 +91,7 @@ struct Seq2SeqAttention {
   /// causal: row i reads the memory up to row i.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>& memory, bool causal,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return read(x, memory.with(w_ks(memory.rows)), w_vs(memory.rows), causal, context);
   }
   /// The same with keys and values that are known.
@@ -133,6 +132,7 @@ struct Seq2SeqFeedForward {
         dropout_p(c.dropout) {}
 
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return layer_norm(w_2(w_1(x, Activation::relu), Activation::none, &x, next_dropout(dropout_p, context)));
   }
 };
@@ -151,6 +151,7 @@ struct Seq2SeqEncoderLayer {
 
   /// Rows of x read those of `visible`, which are x itself in use.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>& visible, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return pos_ffn(slf_attn(x, visible, false, context), context);
   }
 };
@@ -170,6 +171,7 @@ struct Seq2SeqDecoderLayer {
   /// Rows of x read those of `visible` before them, which are x itself in use, and all of the memory.
   Tensor<B, 2> operator()(const Sequences<B>& x, const Sequences<B>& visible, const Sequences<B>& memory,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const auto own = slf_attn(x, visible, true, context);
     return pos_ffn(enc_attn(x.with(own), memory, false, context), context);
   }
@@ -216,11 +218,9 @@ struct Seq2SeqEncoder {
 
   /// From embedded rows. Throws shape_error 203 for a sequence longer than the positions.
   Sequences<B> operator()(const Sequences<B>& embedded, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     auto x = detail::seq2seq_input(embedded, position_enc);
-    for (std::size_t i = 0; i < layer_stack.size(); ++i) {
-      const ModuleScope scope("layer_stack.", i);
-      x.rows = layer_stack[i](x, x, context);
-    }
+    for (const auto& layer : layer_stack) x.rows = layer(x, x, context);
     return x;
   }
 };
@@ -239,11 +239,9 @@ struct Seq2SeqDecoder {
   }
 
   Sequences<B> operator()(const Sequences<B>& embedded, const Sequences<B>& memory, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     auto x = detail::seq2seq_input(embedded, position_enc);
-    for (std::size_t i = 0; i < layer_stack.size(); ++i) {
-      const ModuleScope scope("layer_stack.", i);
-      x.rows = layer_stack[i](x, x, memory, context);
-    }
+    for (const auto& layer : layer_stack) x.rows = layer(x, x, memory, context);
     return x;
   }
 };

@@ -3,8 +3,8 @@
 /// more.
 ///
 ///     Seq2SeqWriter writer(m, memory);
-///     const auto found = beam_search(writer, options);          // memory of one source
-///     const auto all = decode_batch(writer, memory.count(), options);
+///     const auto found = beam_search(writer, BeamOptions{.beams = 3});    // memory of one source
+///     const auto all = decode_batch(writer, memory.count(), DecodingOptions{.top_k = 10});
 #pragma once
 
 #include <motionlang/nn/seq2seq_transformer.hpp>

@@ -33,7 +33,7 @@ std::span<const Index> first_group(const Offsets& offsets, std::span<const Index
 template <class F>
 void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads,
                 Index rows, const F& put) {
-  const auto modules = ModulePath::names();  // a copy: this thread goes into modules itself
+  const auto modules = ModulePath::steps();  // a copy: this thread goes into modules itself
   parallel_for(threads, [&](Index thread) {
     const ModulePath::Continued path(modules);
     PoolVector<Index> mine;

@@ -4,7 +4,8 @@
 ///     encoder   learned tokens before the frames, positions, transformer; what becomes of the tokens is the
 ///               distribution
 ///     decoder   positions are the queries, the latent is the memory; all frames are written at once
-/// Source  Petrovich, Black, Varol: ACTOR (ICCV 2021), section 3.1; TEMOS (ECCV 2022), 3.2; TMR (ICCV 2023), 3.1
+/// Source  Petrovich, Black, Varol: ACTOR (thesis 3.2.1), TEMOS (thesis 4.2.2; paper 3.2), TMR (thesis 5.2.2; paper
+///         3.2)
 #pragma once
 
 #include <algorithm>  // find
@@ -87,6 +88,7 @@ namespace detail {
 template <Backend B>
 Sequences<B> layer_of_readers(const TransformerEncoderLayer<B>& layer, const Sequences<B>& readers,
                               const Sequences<B>& x, const Context& context) {
+  const ModuleScope scope(layer);
   if (layer.norm_first || layer.causal) raise<config_error>(101, "encoder: layers have to be post-norm, not causal");
   const auto read = layer.self_attn.cross(readers.rows, readers.offsets, x, context);
   const auto y = layer.norm1(dropout(read, layer.dropout_p, context), readers.rows);
@@ -101,6 +103,7 @@ Sequences<B> layer_of_readers(const TransformerEncoderLayer<B>& layer, const Seq
 template <Backend B>
 Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences<B>& sequence, Index n,
                            double dropout_p, const Context& context = {}) {
+  const ModuleScope scope(encoder);
   for (Index s = 0; s < sequence.count(); ++s) {
     if (n > sequence.offsets.length(s))
       raise<shape_error>(207, "encode_tokens: ", n, " of ", sequence.offsets.length(s), " rows of sequence ", s);
@@ -108,7 +111,6 @@ Sequences<B> encode_tokens(const TransformerEncoder<B>& encoder, const Sequences
   auto encode = [&](Sequences<B> x) {
     x.rows = dropout(x.rows, dropout_p, context);
     for (std::size_t i = 0; i < encoder.layers.size(); ++i) {
-      const ModuleScope scope("layers.", i);
       if (i + 1 == encoder.layers.size())
         return detail::layer_of_readers(encoder.layers[i], first_rows(x, n), x, context).rows;
       x.rows = run_layer(encoder.layers[i], x.rows, x.offsets, context);
@@ -163,7 +165,7 @@ Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B
   }
   auto each = queries(Offsets(std::span<const Index>(distinct)));
   {
-    const ModuleScope scope("layers.", 0);
+    const ModuleScope scope(decoder);
     each.rows = layers.front().attend_self(each.rows, each.offsets);
   }
   auto decode = [&](std::span<const Index> which) {
@@ -172,7 +174,7 @@ Sequences<B> decode_lengths(const TransformerDecoder<B>& decoder, const Linear<B
     auto [rows, offsets] = detail::some_sequences(each, kinds);
     const auto read = detail::some_sequences(memory, which);
     for (std::size_t i = 0; i < layers.size(); ++i) {
-      const ModuleScope scope("layers.", i);
+      const ModuleScope scope(decoder);
       rows = i == 0 ? layers[i].behind_self(rows, offsets, read) : run_layer(layers[i], rows, offsets, read, context);
     }
     return final_layer(rows);
@@ -202,11 +204,13 @@ struct SequenceDecoder {
 
   /// One or several rows of memory for each sequence; `lengths` says how many frames each gets.
   Sequences<B> operator()(const Sequences<B>& memory, const Offsets& lengths, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     auto queries = [&](const Offsets& of) { return position_queries(positions.rows(), of); };
     return decode_lengths(seqTransDecoder, final_layer, queries, memory, lengths, dropout_p, context);
   }
   /// z (sequences, width)
   Sequences<B> operator()(const Tensor<B, 2>& z, const Offsets& lengths, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return (*this)(Sequences<B>(z, Offsets::equal(z.size(0), 1)), lengths, context);
   }
 };

@@ -21,6 +21,7 @@ struct TimestepEmbedding {
 
   /// t: one step per sequence -> (sequences, width)
   Tensor<B, 2> operator()(const Tensor<B, 2>& table, std::span<const Index> t) const {
+    const ModuleScope scope(*this);
     return out(in(gather(table, t), Activation::silu));
   }
 };

@@ -80,21 +80,25 @@ struct TransformerDecoderLayer {
 
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return behind_self(attend_self(x, offsets, context), offsets, memory, context);
   }
   /// The layer without its first third, whose result is x.
   Tensor<B, 2> behind_self(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
                            const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const auto z = attend_memory(x, offsets, memory, context);
     return norm3(feed_forward(linear1, linear2, activation, z, z, dropout_p, context));
   }
   /// The first third of the layer, LN1(x + SA(x)).
   Tensor<B, 2> attend_self(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return norm1(self_attn.self(x, offsets, context, &x, false, dropout_p));
   }
   /// The second third, LN2(x + CA(x, memory)).
   Tensor<B, 2> attend_memory(const Tensor<B, 2>& x, const Offsets& offsets, const Sequences<B>& memory,
                              const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const bool single = memory.offsets == Offsets::equal(offsets.count(), 1);
     const auto read = single ? detail::attend_one_row(multihead_attn, memory.rows, offsets, context)
                              : multihead_attn.cross(x, offsets, memory, context);
@@ -114,15 +118,14 @@ struct TransformerDecoder {
   }
   /// x: queries; memory: as many sequences, else shape_error 207.
   Sequences<B> operator()(const Sequences<B>& x, const Sequences<B>& memory, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     if (memory.count() != x.count())
       raise<shape_error>(207, "TransformerDecoder: ", memory.count(), " memories for ", x.count(), " sequences");
     return x.with(detail::in_groups<B>(x.offsets, x.offsets, x.width(), context, [&](std::span<const Index> which) {
       auto some = detail::some_sequences(x, which);
       const auto read = detail::some_sequences(memory, which);
-      for (std::size_t i = 0; i < layers.size(); ++i) {
-        const ModuleScope scope("layers.", i);
+      for (std::size_t i = 0; i < layers.size(); ++i)
         some.rows = run_layer(layers[i], some.rows, some.offsets, read, context);
-      }
       return some.rows;
     }));
   }

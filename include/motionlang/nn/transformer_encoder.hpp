@@ -62,13 +62,18 @@ struct TransformerEncoderLayer {
 
   /// x (rows, width) -> (rows, width)
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return behind_project(x, project(x), offsets, context);
   }
   /// Queries, keys and values of each row, (rows, 3 width).
-  Tensor<B, 2> project(const Tensor<B, 2>& x) const { return self_attn.project(norm_first ? norm1(x) : x); }
+  Tensor<B, 2> project(const Tensor<B, 2>& x) const {
+    const ModuleScope scope(*this);
+    return self_attn.project(norm_first ? norm1(x) : x);
+  }
   /// The layer behind `project`.
   Tensor<B, 2> behind_project(const Tensor<B, 2>& x, Tensor<B, 2> qkv, const Offsets& offsets,
                               const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const auto attended = self_attn.attend(std::move(qkv), offsets, context, &x, causal, dropout_p);
     if (norm_first) return feed(norm2(attended), attended, context);
     const auto y = norm1(attended);
@@ -94,11 +99,10 @@ struct TransformerEncoder {
   }
 
   Sequences<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return x.with(detail::in_groups(x, x.offsets, context, [&](Sequences<B> some) {
-      for (std::size_t i = 0; i < layers.size(); ++i) {
-        const ModuleScope scope("layers.", i);
+      for (std::size_t i = 0; i < layers.size(); ++i)
         some.rows = run_layer(layers[i], some.rows, some.offsets, context);
-      }
       return some.rows;
     }));
   }
@@ -106,6 +110,7 @@ struct TransformerEncoder {
   /// < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail is computed once.
   /// No dropout. Throws shape_error 204 for other numbers of heads or tails.
   Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
+    const ModuleScope scope(*this);
     const Offsets repeated = repeat_lengths(tails.offsets, uses);
     if (heads.count() != repeated.count())
       raise<shape_error>(204, "with_tails: ", heads.count(), " heads for ", repeated.count(), " uses of ",
@@ -115,11 +120,7 @@ struct TransformerEncoder {
     const Offsets offsets{std::span<const Index>(lengths)};
     const PoolVector<Index> tail_of = sequence_of_row(uses);
     const auto distinct = concat(0, heads.rows, tails.rows);
-    const auto project = [&] {
-      const ModuleScope scope("layers.", 0);
-      return layers.front().project(distinct);
-    };
-    const auto projected = layers.empty() ? distinct : project();
+    const auto projected = layers.empty() ? distinct : layers.front().project(distinct);
     const auto encode = [&](std::span<const Index> which) {
       PoolVector<Index> pick;
       for (Index j : which) {
@@ -129,16 +130,15 @@ struct TransformerEncoder {
       }
       const Offsets some = detail::some_sequences(offsets, which);
       auto rows = gather(distinct, pick);
-      for (std::size_t i = 0; i < layers.size(); ++i) {
-        const ModuleScope scope("layers.", i);
+      for (std::size_t i = 0; i < layers.size(); ++i)
         rows = i == 0 ? layers[i].behind_project(rows, gather(projected, pick), some) : layers[i](rows, some);
-      }
       return rows;
     };
     return {detail::in_groups<B>(offsets, offsets, heads.width(), {}, encode), offsets};
   }
   /// (batch, time, width), all of one length.
   Tensor<B, 3> operator()(const Tensor<B, 3>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return reshape<3>((*this)(from_equal(x), context).rows, {x.size(0), x.size(1), x.size(2)});
   }
 };

@@ -42,12 +42,14 @@ struct VectorQuantizer {
 
   Index size() const { return embedding.weight.size(0); }
 
-  /// The nearest codes of (rows, width). |z|^2 is the same for all codes and left out. Throws shape_error 201.
+  /// The nearest codes of (rows, width): TM2T eq. 1. |z|^2 is the same for all codes and left out. Throws
+  /// shape_error 201.
   std::vector<Index> codes(const Tensor<B, 2>& z) const {
     const auto e = stop_gradient(embedding.weight);
     return arg_max(matmul(stop_gradient(z), e, {.transpose_b = true}) * 2.0 - sum(square(e), 1));
   }
   Quantized<B> operator()(const Tensor<B, 2>& z) const {
+    const ModuleScope scope(*this);
     Quantized<B> out;
     out.codes = codes(z);
     out.rows = embedding(out.codes);

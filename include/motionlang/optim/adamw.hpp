@@ -6,6 +6,7 @@
 #include <cmath>    // pow, sqrt
 #include <map>      // state by parameter
 #include <numeric>  // their sum
+#include <set>      // paths
 #include <span>     // values of a gradient
 #include <utility>  // move
 
@@ -20,6 +21,7 @@ struct AdamWConfig {
   double beta1 = 0.9, beta2 = 0.999;
   double eps = 1e-8;
   double weight_decay = 0.01;
+  bool allow_constants = false;  // parameters that are no variables stay as they are; else they are an error
 };
 
 namespace detail {
@@ -57,8 +59,8 @@ inline double clip_scale(double norm, double max_norm) { return std::min(1.0, ma
 /// Decoupled weight decay (Loshchilov and Hutter 2019, algorithm 2) with PyTorch's order of operations:
 ///     p = p (1 - lr wd);   m = b1 m + (1 - b1) g;   v = b2 v + (1 - b2) g^2
 ///     p = p - lr / (1 - b1^k) m / (sqrt(v / (1 - b2^k)) + eps)
-/// All parameters decay, biases and norms too. Parameters that the loss does not reach stay as they are.
-/// With weight_decay = 0 this is Adam.
+/// All parameters decay, biases and norms too. Parameters that the loss does not reach stay as they are. With
+/// weight_decay = 0 this is Adam. Tensors of modules with `trainable = false` are no parameters.
 template <AutodiffBackend A>
 class AdamW {
  public:
@@ -72,11 +74,14 @@ class AdamW {
   AdamWConfig config;
 
   /// One update; gradients are multiplied by `scale` first (clip_scale). The model keeps its variables. Throws
-  /// shape_error 204 if restored moments are those of another model.
+  /// config_error 102 for a parameter that is no variable (unless config.allow_constants) and for two parameters of one
+  /// path, before anything has changed, shape_error 204 if restored moments are those of another model.
   template <Module M>
   void step(M& model, const Gradients<A>& gradients, double scale = 1) {
+    const auto tensors = tensors_of(model);
+    check(tensors);
     ++steps_;
-    for (const auto& t : tensors_of(model)) update(t, gradients, scale);
+    for (const auto& t : tensors) update(t, gradients, scale);
   }
 
   /// Updates made so far, and the moments by path: what a checkpoint has to keep.
@@ -88,6 +93,19 @@ class AdamW {
   }
 
  private:
+  void check(const std::vector<ModuleTensor<A>>& tensors) const {
+    std::set<std::string_view> paths;
+    for (const auto& t : tensors) {
+      if (!paths.insert(t.path).second) raise<config_error>(102, "AdamW: two parameters are '", t.path, "'");
+      const auto& node = t.data->node;
+      if (config.allow_constants || !t.trainable || t.shape().rank() != t.rank) continue;  // the last: none is there
+      if (node == nullptr || !node->variable) {
+        raise<config_error>(102, "AdamW: parameter '", t.path, "' is ",
+                            node == nullptr ? "a constant" : "the result of an operation",
+                            ", not a variable: it would not be trained");
+      }
+    }
+  }
   void update(const ModuleTensor<A>& t, const Gradients<A>& gradients, double scale) {
     const auto* g = gradients.find(*t.data);
     if (g == nullptr) return;

@@ -2,7 +2,7 @@
 /// A MotionIndex as one file, whose vectors are used where they lie in it.
 ///
 ///     MotionIndex index = read_motion_index("moves.index");
-///     index.add(...), index.remove_if(...);
+///     index.add(clip);
 ///     write_motion_index("moves.index", index);                     // the old one stays whole until the new one is
 ///
 /// Layout   safetensors (any reader of it can have the vectors), with
@@ -27,9 +27,6 @@ using IndexExtras = std::map<std::string, std::vector<std::byte>>;
 namespace detail {
 
 inline constexpr const char *index_format = "motionlang.index", *index_version = "1";
-
-/// Of the bytes and the sizes of all tensors, by name.
-std::string index_checksum(std::span<const TensorView> tensors);
 
 }  // namespace detail
 

@@ -2,28 +2,13 @@
 // Bodies of motion_index_file.hpp.
 #pragma once
 
-#include <algorithm>  // sort
-
 #include <motionlang/file/detail/bytes.hpp>
-#include <motionlang/file/detail/content_hash.hpp>
 #include <motionlang/file/json.hpp>
 #include <motionlang/search/motion_index_file.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
-
-MOTIONLANG_BODY std::string index_checksum(std::span<const TensorView> tensors) {
-  std::vector<const TensorView*> sorted;
-  for (const TensorView& t : tensors) sorted.push_back(&t);
-  std::sort(sorted.begin(), sorted.end(), [](const TensorView* a, const TensorView* b) { return a->name < b->name; });
-  std::uint64_t hash = 1;
-  for (const TensorView* t : sorted) {
-    const std::string about = concat_text(t->name, " ", t->dtype, " ", t->shape);
-    hash = content_hash(t->bytes, content_hash(std::as_bytes(std::span(about)), hash));
-  }
-  return hexadecimal(hash);
-}
 
 inline nlohmann::ordered_json index_about(const MotionIndex& index) {
   const IndexModel& m = index.model();
@@ -110,7 +95,7 @@ MOTIONLANG_BODY MotionIndex MotionIndexFile::read(const SafetensorsFile& file) {
   if (about_file("version") != detail::index_version)
     raise<io_error>(404, file.name(), ": version ", about_file("version"), " of an index, known is ",
                     detail::index_version);
-  if (const std::string found = detail::index_checksum(file.tensors()); found != about_file("checksum"))
+  if (const std::string found = tensors_checksum(file.tensors()); found != about_file("checksum"))
     raise<io_error>(403, file.name(), ": damaged: its checksum is ", found, ", it was written with ",
                     about_file("checksum"));
 
@@ -154,9 +139,9 @@ MOTIONLANG_BODY std::vector<std::byte> motion_index_bytes(const MotionIndex& ind
                                   tensor_view<std::int64_t>("moment_frames", {std::ssize(index.moments()), 3}, frames),
                                   {"about", DType::U8, {std::ssize(about)}, std::as_bytes(std::span(about))}};
   for (const auto& [name, bytes] : extras) tensors.push_back({name, DType::U8, {std::ssize(bytes)}, bytes});
-  return safetensors_bytes(tensors, {{"format", detail::index_format},
-                                     {"version", detail::index_version},
-                                     {"checksum", detail::index_checksum(tensors)}});
+  return safetensors_bytes(
+      tensors,
+      {{"format", detail::index_format}, {"version", detail::index_version}, {"checksum", tensors_checksum(tensors)}});
 }
 
 MOTIONLANG_BODY void write_motion_index(const FilePath& path, const MotionIndex& index, const IndexExtras& extras) {

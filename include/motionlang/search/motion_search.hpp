@@ -2,7 +2,7 @@
 /// Clips, moments and captions of a MotionIndex that are nearest to a vector: of a text, of a motion.
 ///
 ///     const MotionSearch search(index);
-///     for (const MotionHit& hit : search.moments(vector_of("a person waves"), 10)) ...
+///     for (const MotionHit& hit : search.moments(vector_of("a person waves"), 10)) use(hit);
 #pragma once
 
 #include <motionlang/search/motion_index.hpp>

@@ -7,8 +7,8 @@
 ///     write_motion_index("moves.index", index, graphs);
 ///     const MotionIndexFile file = MotionIndexFile::open("moves.index");
 ///     const MotionSearch search = open_motion_search(file);              // with the graphs that the file has
-///     graphs = motion_graphs(more, 100'000, {}, &file);                  // these again, with the vectors that were
-///     added
+///     // These again, with the vectors that were added.
+///     graphs = motion_graphs(more, 100'000, {}, &file);
 ///
 /// The graph holds numbers of vectors, not the vectors: these are read where the index file has them.
 ///

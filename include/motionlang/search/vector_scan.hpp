@@ -2,7 +2,7 @@
 /// Exact search: every vector of the gallery is compared with every query.
 ///
 ///     const VectorScan gallery(rows, 256);                  // rows of length 1, not copied
-///     for (const Neighbour& n : gallery.search(query, 10)[0]) ...
+///     for (const Neighbour& n : gallery.search(query, 10)[0]) use(n);
 ///
 /// Many queries are a matrix product whose scores are looked at while they lie in a cache; few are read past the
 /// gallery once. These fast scores (float sums in the kernel's order, rows or both sides rounded to bfloat16) only say

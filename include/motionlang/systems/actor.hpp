@@ -8,7 +8,7 @@
 ///     const auto line = interpolate_actions(actor, 3, 7, 5, 60, rng);
 ///
 /// Source  Petrovich, Black, Varol: "Action-conditioned 3D human motion synthesis with transformer VAE" (ICCV 2021);
-///         spec actor.md
+///         thesis, chapter 3
 #pragma once
 
 #include <motionlang/features/actor_points.hpp>
@@ -28,7 +28,8 @@ enum class ActorDecoderKind { transformer, gru, fully_connected, autoregressive 
 
 /// Published sizes; 13 classes for NTU-13, 40 for UESTC.
 struct ActorConfig {
-  Index njoints = 25, nfeats = 6;  // rows of a frame, and numbers of each: a translation is a row
+  static constexpr bool is_option = true;  // holds no tensors
+  Index njoints = 25, nfeats = 6;          // rows of a frame, and numbers of each: a translation is a row
   Index num_classes = 12;
   Index latent_dim = 256, ff_size = 1024, num_layers = 8, num_heads = 4;
   double dropout = 0.1;

@@ -5,11 +5,10 @@
 ///     const std::string text = join_labels(labels, Conjunction::same_time);            // text/joined_labels.hpp
 ///     const Sequences<B> states = distilbert(tokenize(tokenizer, std::vector{text})).tokens;      // text/bert.hpp
 ///     const auto motions = text_to_motion(sinc, states, Offsets{90}, Philox{.seed = 7});
-///     const auto motion = sinc_motion(normalizer, motions[0][0]);       // rotations and translation, 30 frames per
-///     second
+///     const auto motion = sinc_motion(normalizer, motions[0][0]);  // rotations and translation, 30 frames per second
 ///
 /// Source  Athanasiou, Petrovich, Black, Varol: "SINC: Spatial composition of 3D human motions for simultaneous action
-///         generation" (ICCV 2023); spec sinc.md
+///         generation" (ICCV 2023); thesis, annex B
 #pragma once
 
 #include <motionlang/compose/sinc_composition.hpp>
@@ -22,6 +21,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes. (The published configuration says six heads under a name that nobody reads; there are four.)
 struct SincConfig {
+  static constexpr bool is_option = true;  // holds no tensors
   Index nfeats = 135, text_dim = 768;
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
   double dropout = 0.1;
@@ -114,12 +114,13 @@ struct Sinc {
 /// per second.
 template <Backend B>
 SmplVelpMotion<typename B::scalar> sinc_motion(const Normalizer<B>& normalizer, const Tensor<B, 2>& features) {
-  return smplvelp_inverse(normalizer.denormalize(features).span());
+  const auto rows = normalizer.denormalize(features);
+  return smplvelp_inverse(rows.span());
 }
 
 /// The baseline that composes two motions, each generated from one label, by the body parts of the labels (published as
 /// "gpt").
-/// Source  SINC, section 3.2; spec sinc.md 8
+/// Source  thesis B.2.1 and B.3.2; SINC sinc/model/sinc.py text_to_motion_forward
 template <Backend B>
 SmplVelpMotion<typename B::scalar> sinc_composed(const Normalizer<B>& normalizer, const Tensor<B, 2>& first,
                                                  SincParts first_parts, const Tensor<B, 2>& second,

@@ -2,178 +2,138 @@
 /// STMC: spatio-temporal motion collage. A timeline of texts on several tracks in, one motion out.
 ///
 /// Source  Petrovich, Litany, Iqbal, Black, Varol, Peng, Rempe: "Multi-track timeline control for text-driven 3D human
-///         motion generation" (2024). Works at test time with any denoiser of explicit poses; no training.
+///         motion generation" (2024). Works at test time with any denoiser of explicit poses; no training
+/// Bodies  motionlang::instantiated has those of Stmc<EigenBackend<float>>. A unit that is compiled with
+///         MOTIONLANG_INSTANTIATED and uses another Stmc also includes <motionlang/systems/stmc.ipp>; the compiler says
+///         so
 #pragma once
 
-#include <algorithm>  // fill_n
-#include <string>     // texts
-#include <vector>     // lengths
+#include <optional>  // what the caller leaves to the model
 
-#include <motionlang/compose/collage.hpp>
-#include <motionlang/core/rows_together.hpp>
-#include <motionlang/systems/detail/stmc_class.hpp>
+#include <motionlang/compose/plan_options.hpp>
+#include <motionlang/compose/timeline.hpp>
+#include <motionlang/diffusion/mdm_smpl.hpp>
+#include <motionlang/diffusion/sampler.hpp>
+#include <motionlang/features/layout.hpp>
+#include <motionlang/features/normalizer.hpp>
+#include <motionlang/kinematics/motion.hpp>
+#include <motionlang/text/caption_encoder.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+struct BatchPlan;
+
 namespace detail {
 
-/// The texts of a plan, each once; "" is the first one.
-struct DifferentTexts {
-  std::vector<std::string> texts{""};
-  std::vector<Index> which;  // of every interval
-
-  explicit DifferentTexts(const BatchPlan& plan);
-};
-
-/// Frames of all crops, in batch order.
-std::vector<Index> crop_lengths(const BatchPlan& plan);
-
-/// SMPL RIFKE features as a motion that starts facing pi.
-Motion published_motion(std::span<const double> features, double fps);
+/// Complete where the bodies of Stmc are.
+template <class T>
+struct StmcBodies;
+/// Whether motionlang::instantiated has the bodies.
+template <class T>
+inline constexpr bool is_compiled_stmc = false;
 
 }  // namespace detail
 
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate(std::span<const Timeline> timelines, const Philox& rng,
-                                                  const StmcOptions& options) const {
-  return generate_from(
-      timelines, [&](Index draw, const Shape& shape) { return noise(rng, draw, shape); }, options);
-}
+struct StmcOptions {
+  Index overlap = 10;                // frames around a cut, in total
+  std::optional<double> guidance{};  // weight of classifier-free guidance, 1: none; the model's own unless given
+  std::optional<Index> steps{};      // of sampling, 0: all of the process; the model's own unless given
+  std::optional<SamplingOptions> sampling{};  // the model's own unless given
+  Gaps gaps = Gaps::fill;
+  HiddenTexts hidden = HiddenTexts::refuse;
+  Index rows_at_once = usual_rows_at_once;  // frames through the denoiser together; 0: all. Changes the memory only
+  Progress progress{};                      // called after every step; may cancel
+};
 
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-Tensor<B, 2> Stmc<B, D, E>::generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options) const {
-  return generate(std::span(&timeline, 1), rng, options).front();
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-PlanOptions Stmc<B, D, E>::plan_options(const StmcOptions& options) const {
-  const bool hard_cuts = options.mode != StmcMode::stmc;
-  return {.overlap = options.overlap,
-          .extend = !hard_cuts,
-          .transition_crops = !hard_cuts,
-          .gaps = options.gaps,
-          .hidden = options.hidden,
-          .longest_crop = denoiser.traits().longest()};
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise>
-std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
-                                                       const StmcOptions& options) const {
-  return generate_from(
-      timelines, noise, options,
-      [](const auto& collage, const auto& whole, const Tensor<B, 2>& x, Index t) { return whole(collage, x, t); });
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise, class Estimate>
-std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
-                                                       const StmcOptions& options, Estimate&& estimate) const {
-  return generate_from(plan_timelines(timelines, plan_options(options)), noise, options, estimate);
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise, class Estimate>
-std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
-                                                       Estimate&& estimate) const {
-  const bool hard_cuts = options.mode != StmcMode::stmc;
-  const DenoiserTraits traits = denoiser.traits();
-  BatchPlan together;  // what is stitched at the end where every text is sampled alone
-  const auto [text, null] = encode(plan);
-  if (hard_cuts) {
-    together = std::move(plan);
-    plan = independent_plan(together, traits.uses_lengths ? 0 : traits.crop_frames);
-  }
-  const Collage<B, D> collage(denoiser, std::move(plan), layout, text, null, options.guidance.value_or(guidance),
-                              options.rows_at_once);
-  const BatchPlan& wanted = hard_cuts ? together : collage.plan();
-  const auto sequences = static_cast<Index>(collage.plan().timelines.size());
-  const Shape shape{sequences, collage.stride(), layout.size};
-  auto rows = [&](Index draw) {
-    const Tensor<B, 3> z = noise(draw, shape);
-    if (z.shape() != shape) raise<shape_error>(204, "Stmc: noise ", z.shape(), " where ", shape, " is needed");
-    return reshape<2>(z, {sequences * collage.stride(), layout.size});
-  };
-  const GaussianDiffusion kept = process(options.steps);
-  const auto whole = [&](const Collage<B, D>& c, const Tensor<B, 2>& x, Index t) {
-    return clean_motion(c, kept, traits.prediction, x, t);
-  };
-  auto x0 = sample_clean_motions<B>(
-      kept, [&](const Tensor<B, 2>& x, Index t) { return estimate(collage, whole, x, t); }, rows,
-      options.sampling.value_or(sampling), options.progress);
-  Index stride = collage.stride();
-  if (hard_cuts) {
-    x0 = stitch_independent(wanted, x0, stride);
-    stride = wanted.frames;
-    if (options.mode == StmcMode::sinc_lerp) x0 = interpolate_transitions(wanted, layout, x0, stride);
-  }
-  std::vector<Tensor<B, 2>> out;
-  for (std::size_t m = 0; m < wanted.timelines.size(); ++m) {
-    const Index first = static_cast<Index>(m) * stride;
-    out.push_back(motion_normalizer.denormalize(slice(x0, 0, first, first + wanted.timelines[m].frames)));
-  }
-  return out;
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-Tensor<B, 3> Stmc<B, D, E>::noise(const Philox& rng, Index draw, const Shape& shape) const {
-  return sequence_noise<B>(rng, draw, shape);
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-GaussianDiffusion Stmc<B, D, E>::process(std::optional<Index> wanted) const {
-  return with_steps(diffusion, wanted.value_or(steps));
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-auto Stmc<B, D, E>::encode(const BatchPlan& plan) const -> PlanTexts {
-  const detail::DifferentTexts different(plan);
-  const detail::RowsTogether beside_any_others(detail::RowsTogether::few);
-  auto features = text_encoder.template encode<B>(std::span<const std::string>(different.texts));
-  features.tokens.rows = text_normalizer.normalize(features.tokens.rows);
-  if (denoiser.traits().empty_text_is_null) {
-    std::vector<typename B::scalar> keep(static_cast<std::size_t>(features.tokens.rows.size(0)), 1);
-    std::fill_n(keep.begin(), features.tokens.offsets.length(0), typename B::scalar{0});
-    features.tokens.rows = features.tokens.rows * Tensor<B, 2>::from(keep, {std::ssize(keep), 1});
-  }
-  return {gather(features, different.which), gather(features, std::vector<Index>{0})};
-}
-
-template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-Tensor<B, 2> Stmc<B, D, E>::stitch_independent(const BatchPlan& plan, const Tensor<B, 2>& x0, Index stride) const {
-  const std::vector<Index> lengths = detail::crop_lengths(plan);
-  const auto all = reshape<3>(x0, {static_cast<Index>(lengths.size()), stride, layout.size});
-  const auto clips = from_padded(all, std::span<const Index>(lengths));
-  return Stitcher<B>(plan, layout, clips.offsets, plan.frames)(clips.rows);
-}
-
+/// Clean motions, normalised, one below the other.
 template <Backend B>
-Motion stmc_motion(const Tensor<B, 2>& features, double fps) {
-  const std::vector<double> values(features.span().begin(), features.span().end());
-  return detail::published_motion(values, fps);
-}
+struct CleanMotions {
+  Tensor<B, 2> rows{};  // (motions * stride, features); those behind the end of a motion mean nothing
+  Index stride = 0;     // rows of every motion
+};
 
-/// The same model over another backend, with copies of all numbers.
-template <Backend To, Backend From, template <class> class D, template <class> class E>
-Stmc<To, D<To>, E<To>> convert_stmc(const Stmc<From, D<From>, E<From>>& m) {
-  return {.denoiser = convert<To>(m.denoiser),
-          .text_encoder = convert<To>(m.text_encoder),
-          .motion_normalizer = convert<To>(m.motion_normalizer),
-          .text_normalizer = convert<To>(m.text_normalizer),
-          .diffusion = m.diffusion,
-          .layout = m.layout,
-          .guidance = m.guidance,
-          .sampling = m.sampling,
-          .steps = m.steps,
-          .fps = m.fps};
-}
+/// The denoiser and encoder may be any models of `Denoiser<B>` and `TextEncoder<B>`.
+///
+///     auto stmc = load_stmc<EigenBackend<float>>("model.safetensors");
+///     auto timeline = parse_timeline("walk forward # 0 # 6 # legs\nraise both arms # 2 # 5 # left arm # right arm\n");
+///     Tensor<B, 2> motion = stmc.generate(timeline, Philox{.seed = 7});      // (frames, features)
+template <Backend B, Denoiser<B> D = MdmSmplDenoiser<B>, TextEncoder<B> E = CaptionEncoder<B>>
+struct Stmc {
+  static_assert(
+      detail::is_compiled_stmc<Stmc> || requires { sizeof(detail::StmcBodies<Stmc>); },
+      "motionlang: for this backend, denoiser or encoder include <motionlang/systems/stmc.ipp>");
 
-/// Weights packed for inference. The model must not be changed afterwards.
-template <Backend B, class D, class E>
-void prepare(Stmc<B, D, E>& stmc) {
-  prepare(stmc.denoiser);
-  if constexpr (Module<E>) prepare(stmc.text_encoder);
-}
+  D denoiser;
+  E text_encoder;
+  Normalizer<B> motion_normalizer, text_normalizer;
+  GaussianDiffusion diffusion{CosineSchedule{.steps = 100}};
+  FeatureLayout layout = smplrifke_layout();
+  double guidance = 2.5;       // what the model should be sampled with, where the caller does not say
+  SamplingOptions sampling{};  // the same
+  Index steps = 0;             // the same; 0: all of the process
+  double fps = 20;             // of its motions
+
+  /// A text encoder without fields has its weights in files of its own.
+  static constexpr auto fields() {
+    if constexpr (Module<E>)
+      return motionlang::fields("denoiser", &Stmc::denoiser, "text_encoder", &Stmc::text_encoder, "motion_normalizer",
+                                &Stmc::motion_normalizer, "text_normalizer", &Stmc::text_normalizer);
+    else
+      return motionlang::fields("denoiser", &Stmc::denoiser, "motion_normalizer", &Stmc::motion_normalizer,
+                                "text_normalizer", &Stmc::text_normalizer);
+  }
+
+  /// One motion per timeline, (frames, features), not normalised. All are sampled together; the noise of each depends
+  /// only on the generator and its place in the list. Throws timeline_error 504 ... 508, config_error, `cancelled`.
+  std::vector<Tensor<B, 2>> generate(std::span<const Timeline> timelines, const Philox& rng,
+                                     const StmcOptions& options = {}) const;
+  Tensor<B, 2> generate(const Timeline& timeline, const Philox& rng, const StmcOptions& options = {}) const;
+
+  /// The same with the caller's noise: noise(draw, shape) for draw 0 (initial), 1, 2, ... (steps) is a tensor
+  /// (sequences, frames, features) as `shape` says.
+  template <class Noise>
+  std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
+                                          const StmcOptions& options = {}) const;
+
+  /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape
+  /// (rows of the collage, features); whole(collage, x, t) is what a plain run takes.
+  template <class Noise, class Estimate>
+  std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
+                                          const StmcOptions& options, Estimate&& estimate) const;
+  /// The same from a plan made with `plan_options`, by other rules for texts that want a part at the same time, say.
+  template <class Noise, class Estimate>
+  std::vector<Tensor<B, 2>> generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
+                                          Estimate&& estimate) const;
+
+  /// The same motions as they are sampled: still normalised.
+  template <class Noise, class Estimate>
+  CleanMotions<B> sample(BatchPlan plan, Noise&& noise, const StmcOptions& options, Estimate&& estimate) const;
+  /// Each of them by itself, not normalised: (frames of its timeline in the plan, features).
+  std::vector<Tensor<B, 2>> separate(const CleanMotions<B>& clean, const BatchPlan& plan) const;
+
+  /// How timelines are planned for this model.
+  PlanOptions plan_options(const StmcOptions& options) const;
+
+  /// Standard normal numbers of every sequence from its own stream: a timeline alone and in a batch sees the same
+  /// noise.
+  Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
+
+  /// The process with so many steps evenly kept, all when 0; the model's own number unless given. Throws config_error
+  /// 105.
+  GaussianDiffusion process(std::optional<Index> wanted) const;
+
+ private:
+  /// Features of the text of every interval, and of "". Each text goes through the encoder once.
+  struct PlanTexts {
+    TextFeatures<B> text, null;
+  };
+  PlanTexts encode(const BatchPlan& plan) const;
+};
+
+/// Generated features (frames, 205) as a motion of the 24-joint skeleton, Y up, metres. Bone lengths are the
+/// skeleton's: the rotations are used, not the predicted positions. Published generation starts facing pi.
+template <Backend B>
+Motion stmc_motion(const Tensor<B, 2>& features, double fps = 20);
 
 MOTIONLANG_NAMESPACE_END
 

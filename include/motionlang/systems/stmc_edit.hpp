@@ -5,9 +5,9 @@
 ///     auto motion = generate_recorded(stmc, timelines, Philox{.seed = 7}, {.steps = 10}, record);
 ///     timelines[0].intervals[2].text = "run";
 ///     StmcReuse reuse;
-///     motion = regenerate(stmc, record, timelines, {}, &reuse);           // the bits of generate(timelines, ...)
-///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);  // other motion than that, but only near
-///     the edit
+///     // The bits of generate(timelines, ...); then another motion than that, but only near the edit.
+///     motion = regenerate(stmc, record, timelines, {}, &reuse);
+///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);
 ///
 /// What the mathematics allows (compose/edits.hpp): an edit goes one crop further with every step. Texts that follow
 /// each other with an overlap are one chain of crops, so after as many steps as the chain has crops beside the edit
@@ -19,7 +19,8 @@
 #pragma once
 
 #include <motionlang/compose/edits.hpp>
-#include <motionlang/systems/stmc.hpp>
+#include <motionlang/systems/stmc.ipp>
+#include <motionlang/systems/stmc_reuse.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -37,15 +38,6 @@ struct StmcRecord {
 struct RegenerateOptions {
   std::optional<Index> within{};  // frames; approximation: what is further from the edit stays as it was
   Progress progress{};
-};
-
-/// What a run took over.
-struct StmcReuse {
-  Index frames = 0, kept = 0;      // of the result; those that have the numbers of before
-  Index work = 0, whole_work = 0;  // rows through the network in all steps; in a run that takes nothing over
-  Index steps = 0;                 // of the run
-  Index everywhere = 0;  // the step (from 1) after which no frame of an edited timeline is that of before; 0: none is
-  bool exact = true;     // the result is that of a run that takes nothing over, bit for bit
 };
 
 namespace detail {
@@ -114,13 +106,10 @@ void require_own_results(const Collage<B, D>& collage) {
 }  // namespace detail
 
 /// The motions of stmc.generate(timelines, rng, options), and a record of the run. Throws as it does, config_error 102
-/// for another mode than StmcMode::stmc (in the SINC modes every text is sampled alone) and where crops depend on each
-/// other (BatchMates).
+/// where crops depend on each other (BatchMates).
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_recorded(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                             const Philox& rng, const StmcOptions& options, StmcRecord<B>& record) {
-  if (options.mode != StmcMode::stmc)
-    raise<config_error>(102, "generate_recorded: only StmcMode::stmc can be recorded");
   StmcRecord<B> made{.timelines = {timelines.begin(), timelines.end()}, .rng = rng, .options = options};
   made.options.progress = {};
   const auto note = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {

@@ -2,12 +2,14 @@
 /// STMC around a motion that is there already: frames or body parts of it are kept, texts make the rest.
 ///
 ///     KeptMotion<B> clip{features};                            // (frames, 205), not normalised
-///     clip.parts = {{{0, 20}}, {{100, 120}}};                  // its first and last second: what is between is made
-///     clip.parts = {{{0, 120}, BodyParts{}.with(legs)}};       // or its way and its steps: texts move the rest of the
-///     body auto motions = generate_around(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, std::span(&clip, 1));
+///     // Its first and last second: what is between is made. Or its way and steps: texts move the rest.
+///     clip.parts = {{{0, 20}}, {{100, 120}}};
+///     clip.parts = {{{0, 120}, BodyParts{}.with(BodyPart::legs)}};
+///     const std::span<const KeptMotion<B>> kept(&clip, 1);     // one for each timeline
+///     auto motions = generate_around(stmc, std::span(&timeline, 1), Philox{.seed = 7}, {}, kept);
 ///
 /// Rule    after every step the clean estimate is overwritten where something is kept; x_t stays as it is
-/// Source  MDM (Tevet et al. 2023), section 3 "Editing", sample/edit.py; spec diffusion.md 6.4
+/// Source  MDM (Tevet et al. 2023), section 3 "Editing", MDM sample/edit.py
 /// Note    features tell the way over the ground by its velocity: frames that are kept at the end move as they did,
 ///         from wherever the frames before them have led. Models that do not look at what is kept jump where it begins
 ///         and ends: `without_jump` (kinematics/blend.hpp), as in the program
@@ -15,14 +17,14 @@
 
 #include <cmath>  // isfinite
 
-#include <motionlang/systems/stmc.hpp>
+#include <motionlang/systems/stmc.ipp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Frames and body parts that are kept. The way over the ground belongs to the legs.
+/// Frames and body parts that are kept. The way over the ground belongs to the part with the path: the legs of a human.
 struct KeptPart {
   IndexRange frames;
-  BodyParts parts = BodyParts::all();
+  BodyParts parts = BodyParts::every();
 };
 
 /// What is kept of a motion; nothing without parts. Frame 0 is that of the timeline.
@@ -95,14 +97,11 @@ class KeptRows {
 
 /// As stmc.generate, with one motion to keep for each timeline. What is kept comes back as it was, except for the
 /// rounding of the normalisation. Throws as generate does; config_error 101 for frames that a motion or its timeline
-/// does not have, 102 for another number of motions and for other modes than StmcMode::stmc, shape_error 205 for other
-/// features, numeric_error 301.
+/// does not have, 102 for another number of motions, shape_error 205 for other features, numeric_error 301.
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Tensor<B, 2>> generate_around(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
                                           const Philox& rng, const StmcOptions& options,
                                           std::span<const KeptMotion<B>> kept) {
-  if (options.mode != StmcMode::stmc)
-    raise<config_error>(102, "generate_around: only StmcMode::stmc can keep a motion");
   std::optional<detail::KeptRows<B>> rows;
   const auto estimate = [&](const Collage<B, D>& collage, const auto& whole, const Tensor<B, 2>& x, Index t) {
     if (!rows) rows.emplace(kept, collage.plan(), collage.stride(), stmc.layout, stmc.motion_normalizer);

@@ -5,12 +5,12 @@
 ///     const std::vector<std::string> actions{"walk", "turn left", "sit"};
 ///     const Sequences<B> states = distilbert(tokenize(tokenizer, actions)).tokens;    // text/bert.hpp
 ///     const auto parts = actions_to_motion(teach, states, Offsets{60, 40, 90}, Philox{.seed = 7});
-///     const auto motion = teach_motion(normalizer, parts, teach_window);      // rotations and translation, 30 frames
-///     per second
+///     // Rotations and translation, 30 frames per second.
+///     const auto motion = teach_motion(normalizer, parts, teach_window);
 ///
 /// A single action is text_to_motion(teach, states, lengths, rng).
-/// Source  Athanasiou, Petrovich, Black, Varol: "TEACH: Temporal action composition for 3D humans" (3DV 2022); spec
-///         teach.md
+/// Source  Athanasiou, Petrovich, Black, Varol: "TEACH: Temporal action composition for 3D humans" (3DV 2022);
+///         thesis, annex A
 #pragma once
 
 #include <motionlang/compose/teach_join.hpp>
@@ -23,6 +23,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes. (The published configuration says six heads under a name that nobody reads; there are four.)
 struct TeachConfig {
+  static constexpr bool is_option = true;  // holds no tensors
   Index nfeats = 135, text_dim = 768;
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
   double dropout = 0.1;
@@ -102,7 +103,7 @@ struct Teach {
 
   /// Both actions of a training step, for teach_losses. The second text sees the end of the first motion as it was
   /// decoded from the first text, and gradients pass through it; `teacher_forcing`: as it is in the data.
-  /// Source  spec teach.md 3
+  /// Source  thesis A.2.3; TEACH teach/model/teach.py allsplit_step
   TeachBranches<B> branches(const TeachPairs<B>& pairs, const TeachNoise<B>& noise, const Context& context = {},
                             bool teacher_forcing = false) const {
     auto branch = [&](LatentGaussian<B> g, const Tensor<B, 2>& eps, double fact, const Sequences<B>& motion) {
@@ -129,7 +130,7 @@ struct Teach {
   /// lengths  frames of the parts, each with the gap of `window` frames before it; the gaps are rows of 0
   /// eps      (texts, latent), standard normal
   /// Throws   shape_error 204, 207; config_error 101 for a part of fewer than two frames behind its gap
-  /// Source   spec teach.md 5.1
+  /// Source   thesis A.2.3, A.3.4; TEACH teach/model/teach.py forward_seq
   Sequences<B> generate(const Sequences<B>& texts, const Offsets& lengths, const Tensor<B, 2>& eps,
                         Index window = 0) const {
     if (lengths.count() != texts.count() || eps.size(0) != texts.count())
@@ -170,7 +171,8 @@ Sequences<B> actions_to_motion(const Teach<B>& model, const Sequences<B>& texts,
 template <Backend B>
 SmplVelpMotion<typename B::scalar> teach_motion(const Normalizer<B>& normalizer, const Sequences<B>& parts,
                                                 Index window = 0, Alignment alignment = Alignment::full) {
-  auto motion = smplvelp_inverse(normalizer.denormalize(parts.rows).span());
+  const auto features = normalizer.denormalize(parts.rows);
+  auto motion = smplvelp_inverse(features.span());
   PoolVector<Index> lengths;
   for (Index i = 0; i < parts.count(); ++i) lengths.push_back(parts.offsets.length(i));
   join_parts(motion, std::span<const Index>(lengths), window, alignment);

@@ -6,7 +6,7 @@
 ///     const auto joints = temos_joints(normalizer, motions[0][0]);
 ///
 /// Source  Petrovich, Black, Varol: "TEMOS: Generating diverse human motions from textual descriptions" (ECCV 2022);
-///         spec temos.md
+///         thesis, chapter 4
 #pragma once
 
 #include <motionlang/features/normalizer.hpp>
@@ -22,7 +22,8 @@ enum class TemosNetwork { transformer, gru, none };  // none: no motion encoder 
 
 /// Published sizes.
 struct TemosConfig {
-  Index nfeats = 64;  // 135 for SMPL
+  static constexpr bool is_option = true;  // holds no tensors
+  Index nfeats = 64;                       // 135 for SMPL
   Index text_dim = 768;
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
   double dropout = 0.1;
@@ -96,12 +97,14 @@ struct Temos {
 /// per second.
 template <Backend B>
 std::vector<Vec3<typename B::scalar>> temos_joints(const Normalizer<B>& normalizer, const Tensor<B, 2>& features) {
-  return rifke_joints(temos_rifke(), normalizer.denormalize(features).span());
+  const auto rows = normalizer.denormalize(features);
+  return rifke_joints(temos_rifke(), rows.span());
 }
 /// The same of an SMPL model, (frames, 135): rotations of 22 joints and translation, metres, Z up.
 template <Backend B>
 SmplVelpMotion<typename B::scalar> temos_smpl(const Normalizer<B>& normalizer, const Tensor<B, 2>& features) {
-  return smplvelp_inverse(normalizer.denormalize(features).span());
+  const auto rows = normalizer.denormalize(features);
+  return smplvelp_inverse(rows.span());
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -2,12 +2,11 @@
 /// TM2T: motions to texts and texts to motions, both by way of motion tokens. Assembly; the parts are in
 /// vae/motion_tokenizer.hpp, nn/seq2seq_transformer.hpp, nn/seq2seq_gru.hpp and nn/decoding.hpp.
 ///
-///     for (const auto& text : tm2t.describe(features, glove)) ...                    // "a person walk forward"
-///     const auto motions = tm2t.generate(glove.encode<B>(texts), rng);               // features, four frames for each
-///     token
+///     for (const auto& text : tm2t.describe(features, glove)) use(text);             // "a person walk forward"
+///     const auto motions = tm2t.generate(glove.encode<B>(texts), rng);               // features, four frames a token
 ///
 /// Source  Guo, Zuo, Wang, Cheng, "TM2T: stochastic and tokenized modeling for the reciprocal generation of 3D human
-///         motions and texts" (ECCV 2022); spec tm2t.md
+///         motions and texts" (ECCV 2022), section 3
 #pragma once
 
 #include <motionlang/datasets/tm2t_data.hpp>
@@ -199,8 +198,10 @@ struct Tm2t {
 /// of the description, whose gradient reaches the recurrent model by a Gumbel sample; the model from motion to text is
 /// not to be changed by it.
 ///     text: word vectors; described: ids of the words with their marks
-/// Source  TM2T, section 3.4; spec tm2t.md 5.1. As published a step of its own after that of the tokens, each with
-///         gradients clipped at norm 0.5, not the sum of the paper
+/// Source   TM2T, section 3.3: the second sum of TM2T eq. 7; TM2T networks/trainers.py Seq2SeqT2MJointTrainer
+///          forward_cycle
+/// Differs  from TM2T eq. 7, which adds both sums: as published, this is a step of its own after that of the tokens
+///          (the first sum, `next_symbol_loss`), each with gradients clipped at norm 0.5
 template <AutodiffBackend A>
 Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTransformer<A>& m2t,
                                     const Sequences<A>& text, const IdSequences& described,
@@ -209,6 +210,7 @@ Tensor<A, 0> inverse_alignment_loss(const Seq2SeqGru<A>& t2m, const Seq2SeqTrans
   const auto sample =
       gumbel_sample(t2m, text, options, [&](Index) { return gumbel_noise<A>(text.count(), symbols, rng); });
   const auto memory = m2t.encode_shares(sample.rows(), context);
+  // the second sum of TM2T eq. 7
   return next_symbol_loss(m2t.logits(described.without_ends(0, 1), memory, context), described);
 }
 

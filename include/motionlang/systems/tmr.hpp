@@ -7,7 +7,8 @@
 ///     const auto score = tmr_score(similarity);                       // in [0, 1], for people
 ///
 /// Source  Petrovich, Black, Varol: "TMR: Text-to-motion retrieval using contrastive 3D human motion synthesis" (ICCV
-///         2023); spec tmr.md. It holds TEMOS as well, in the form of TMR's repository: losses without contrastive term
+///         2023); thesis, chapter 5. It holds TEMOS as well, in the form of TMR's repository: losses without
+///         contrastive term
 #pragma once
 
 #include <motionlang/features/guoh3d.hpp>
@@ -19,6 +20,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// Published sizes (16,130,823 parameters).
 struct TmrConfig {
+  static constexpr bool is_option = true;  // holds no tensors
   Index motion_nfeats = 263, text_nfeats = 768;
   Index latent_dim = 256, ff_size = 1024, num_layers = 6, num_heads = 4;
   double dropout = 0.1;
@@ -90,7 +92,8 @@ Tensor<B, 2> tmr_score(const Tensor<B, 2>& similarity) {
 /// Normalised features of one motion, (frames, 263), to 22 joints: metres, Z up, 20 frames per second.
 template <Backend B>
 std::vector<Vec3<typename B::scalar>> tmr_joints(const Normalizer<B>& normalizer, const Tensor<B, 2>& features) {
-  auto joints = guoh3d_joints(normalizer.denormalize(features).span());
+  const auto rows = normalizer.denormalize(features);
+  auto joints = guoh3d_joints(rows.span());
   for (auto& p : joints) p = {p.x, -p.z, p.y};
   return joints;
 }

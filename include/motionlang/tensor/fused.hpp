@@ -26,6 +26,7 @@ inline void check_dropout(const Dropout& d) {
 /// x times the mask of core/dropout.hpp; positions are row-major. Throws config_error 101 unless 0 <= p < 1.
 template <Backend B, int R>
 Tensor<B, R> dropout(const Tensor<B, R>& x, const Dropout& d) {
+  detail::require_tensor("dropout", x);
   detail::check_dropout(d);
   if (d.p == 0) return x;
   if constexpr (requires { B::dropout(x.data(), d); }) {
@@ -40,6 +41,7 @@ Tensor<B, R> dropout(const Tensor<B, R>& x, const Dropout& d) {
 /// Applies a nonlinearity element by element (core/activation.hpp has the formulas).
 template <Backend B, int R>
 Tensor<B, R> activate(const Tensor<B, R>& x, Activation act) {
+  detail::require_tensor("activate", x);
   if constexpr (requires { B::activate(x.data(), act); }) {
     return Tensor<B, R>(B::activate(x.data(), act));
   } else {
@@ -80,6 +82,9 @@ void check_linear(const Tensor<B, 2>& x, const Tensor<B, 2>& weight, const Tenso
     raise<shape_error>(204, "linear: residual ", residual->shape(), " for input ", x.shape(), " and weight ",
                        weight.shape());
   }
+  require_tensor("linear", x);
+  require_tensor("linear", weight);
+  if (bias != nullptr) require_tensor("linear", *bias);
 }
 
 }  // namespace detail
@@ -114,6 +119,7 @@ Tensor<B, 2> layer_norm(const Tensor<B, 2>& x, const Tensor<B, 1>& weight, const
     raise<shape_error>(204, "layer_norm: weight ", weight.shape(), " and bias ", bias.shape(), " for input ",
                        x.shape());
   }
+  detail::require_tensor("layer_norm", x);
   if constexpr (requires { B::layer_norm(x.data(), weight.data(), bias.data(), eps); }) {
     return Tensor<B, 2>(B::layer_norm(x.data(), weight.data(), bias.data(), eps));
   } else {
@@ -132,6 +138,7 @@ Tensor<B, 2> add_layer_norm(const Tensor<B, 2>& x, const Tensor<B, 2>& residual,
       raise<shape_error>(204, "add_layer_norm: input ", x.shape(), ", residual ", residual.shape(), ", weight ",
                          weight.shape());
     }
+    detail::require_tensor("add_layer_norm", x);
     return Tensor<B, 2>(B::add_layer_norm(x.data(), residual.data(), weight.data(), bias.data(), eps));
   } else {
     return layer_norm(x + residual, weight, bias, eps);
@@ -177,6 +184,8 @@ void check_attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tensor<
       raise<shape_error>(207, "attention: sequence ", s, " has no keys");
     if (k_offsets.length(s) > 65536) raise<shape_error>(207, "attention: sequence ", s, " has more than 65536 keys");
   }
+  require_tensor("attention", q);
+  require_tensor("attention", k);
   if (relative_scores == nullptr) return;
   const Index farthest = std::max(q_offsets.longest(), k_offsets.longest()) - 1;
   if (relative_scores->size(0) != options.heads || relative_scores->size(1) % 2 != 1 ||
@@ -268,6 +277,7 @@ Tensor<B, 2> attention(const Tensor<B, 2>& q, const Tensor<B, 2>& k, const Tenso
 template <Backend B>
 Tensor<B, 2> self_attention(const Tensor<B, 2>& qkv, const Offsets& offsets, const AttentionOptions& options) {
   if (qkv.size(1) % 3 != 0) raise<shape_error>(204, "self_attention: ", qkv.shape(), " is not three parts wide");
+  detail::require_tensor("self_attention", qkv);
   const Index d = qkv.size(1) / 3;
   if constexpr (requires { B::self_attention(qkv.data(), offsets, options); }) {
     if (options.heads < 1 || d % options.heads != 0) {

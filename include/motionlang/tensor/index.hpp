@@ -52,6 +52,7 @@ template <int New, Backend B, int R>
 requires(New >= R) Tensor<B, New> broadcast_to(const Tensor<B, R>& a, const Shape& s) {
   if (broadcast_shapes(a.shape(), s, "broadcast_to") != s)
     raise<shape_error>(202, "broadcast_to: ", a.shape(), " does not become ", s);
+  detail::require_tensor("broadcast_to", a);
   return Tensor<B, New>(B::broadcast(a.data(), s));
 }
 
@@ -78,6 +79,7 @@ Tensor<B, R> concat(std::span<const Tensor<B, R>> list, int axis) {
     if (t.shape().without(axis) != list.front().shape().without(axis)) {
       raise<shape_error>(204, "concat along axis ", axis, ": shapes ", list.front().shape(), " and ", t.shape());
     }
+    detail::require_tensor("concat", t);
     data.push_back(t.data());
   }
   return Tensor<B, R>(B::concat(std::span<const typename B::tensor>(data), axis));
@@ -85,11 +87,13 @@ Tensor<B, R> concat(std::span<const Tensor<B, R>> list, int axis) {
 template <Backend B, int R, class... T>
 Tensor<B, R> concat(int axis, const Tensor<B, R>& first, const T&... more) {
   axis = normalize_axis(axis, R, "concat");
+  detail::require_tensor("concat", first);
   const Shape rest = first.shape().without(axis);
   auto check = [&](const Tensor<B, R>& t) {
     if (t.shape().without(axis) != rest) {
       raise<shape_error>(204, "concat along axis ", axis, ": shapes ", first.shape(), " and ", t.shape());
     }
+    detail::require_tensor("concat", t);
   };
   (check(more), ...);
   const std::array<typename B::tensor, 1 + sizeof...(T)> data{first.data(), more.data()...};
@@ -103,12 +107,14 @@ void check_rows(const char* op, std::span<const Index> rows, Index n);
 /// out[i] = a[rows[i]]: picks along the first axis; rows may repeat. Throws shape_error 203.
 template <Backend B, int R>
 requires(R > 0) Tensor<B, R> gather(const Tensor<B, R>& a, std::span<const Index> rows) {
+  detail::require_tensor("gather", a);
   detail::check_rows("gather", rows, a.size(0));
   return Tensor<B, R>(B::gather(a.data(), rows));
 }
 /// out[rows[i]] += a[i] into n rows of zeros. The adjoint of gather. Throws shape_error 203, 204.
 template <Backend B, int R>
 requires(R > 0) Tensor<B, R> scatter_add(const Tensor<B, R>& a, std::span<const Index> rows, Index n) {
+  detail::require_tensor("scatter_add", a);
   if (static_cast<Index>(rows.size()) != a.size(0)) {
     raise<shape_error>(204, "scatter_add: ", Index(rows.size()), " rows for shape ", a.shape());
   }

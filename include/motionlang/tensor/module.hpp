@@ -2,7 +2,8 @@
 /// What every module can do because it lists its fields: visit tensors, count parameters, move to another backend.
 #pragma once
 
-#include <utility>  // move
+#include <type_traits>  // options
+#include <utility>      // exchange, move
 
 #include <motionlang/core/fields.hpp>
 #include <motionlang/tensor/tensor.hpp>
@@ -18,6 +19,17 @@ inline constexpr bool is_trainable = [] {
     return true;
 }();
 
+/// Whether a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and what says so
+/// itself (`static constexpr bool is_option = true`, or a specialisation of this variable): sizes, computed tables.
+/// Other types need fields() of their own. Without them their tensors would be passed over, hence a compile error.
+template <class T>
+inline constexpr bool is_option = [] {
+  if constexpr (requires { T::is_option; })
+    return static_cast<bool>(T::is_option);
+  else
+    return std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string>;
+}();
+
 /// A tensor of a module, whatever its rank: its path, and its data to read or replace. (In a const module it is const.)
 template <Backend B, class Data = typename B::tensor>
 struct ModuleTensor {
@@ -25,6 +37,7 @@ struct ModuleTensor {
   int rank = 0;
   void* tensor = nullptr;  // Tensor<B, rank>
   Data* data = nullptr;
+  bool trainable = true;  // is_trainable of the module that lists it
 
   Shape shape() const { return B::shape(*data); }
   /// The numbers, row-major.
@@ -37,6 +50,15 @@ namespace detail {
 /// for each.
 template <class T>
 struct TensorsBelow {
+  static_assert(is_option<T>,
+                "motionlang: fields() of a module lists a member whose type has no fields(). Write `static constexpr "
+                "auto fields()` in that type (core/fields.hpp), or `static constexpr bool is_option = true` if it has "
+                "nothing to save or train");
+  using backend = void;
+  static constexpr unsigned ranks = 0;
+};
+template <>
+struct TensorsBelow<NoFields> {
   using backend = void;
   static constexpr unsigned ranks = 0;
 };
@@ -66,7 +88,10 @@ class TensorLister {
  public:
   template <Module M>
   void list(M& module) {
+    check_names<M>();
+    const bool outer = std::exchange(trainable_, is_trainable<M>);
     list_fields(M::fields(), module);
+    trainable_ = outer;
   }
   std::vector<ModuleTensor<B>> tensors;
 
@@ -100,9 +125,12 @@ class TensorLister {
     path_ += name;
     return length;
   }
-  void add(int rank, void* tensor, typename B::tensor& data) { tensors.push_back({path_, rank, tensor, &data}); }
+  void add(int rank, void* tensor, typename B::tensor& data) {
+    tensors.push_back({path_, rank, tensor, &data, trainable_});
+  }
 
   std::string path_;
+  bool trainable_ = true;
 };
 
 /// f(path, tensor) with the tensor's rank as a type again.
@@ -132,7 +160,8 @@ template <Module M>
 auto tensors_of(const M& module) {
   using B = module_backend<M>;
   std::vector<ModuleTensor<B, const typename B::tensor>> out;
-  for (auto& t : tensors_of(const_cast<M&>(module))) out.push_back({std::move(t.path), t.rank, t.tensor, t.data});
+  for (auto& t : tensors_of(const_cast<M&>(module)))
+    out.push_back({std::move(t.path), t.rank, t.tensor, t.data, t.trainable});
   return out;
 }
 

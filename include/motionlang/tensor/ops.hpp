@@ -16,6 +16,8 @@ inline constexpr int larger(int a, int b) { return a > b ? a : b; }
 template <class B, int P, int Q, class F>
 auto binary(const char* name, Tensor<B, P>&& a, Tensor<B, Q>&& b, F f) {
   if (a.shape() != b.shape()) broadcast_shapes(a.shape(), b.shape(), name);
+  require_tensor(name, a);
+  require_tensor(name, b);
   return Tensor<B, larger(P, Q)>(f(std::move(a).data(), std::move(b).data()));
 }
 
@@ -91,30 +93,37 @@ Tensor<B, R> operator-(Tensor<B, R> a) {
 
 template <Backend B, int R>
 Tensor<B, R> exp(Tensor<B, R> a) {
+  detail::require_tensor("exp", a);
   return Tensor<B, R>(B::exp(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> log(Tensor<B, R> a) {
+  detail::require_tensor("log", a);
   return Tensor<B, R>(B::log(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> sqrt(Tensor<B, R> a) {
+  detail::require_tensor("sqrt", a);
   return Tensor<B, R>(B::sqrt(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> tanh(Tensor<B, R> a) {
+  detail::require_tensor("tanh", a);
   return Tensor<B, R>(B::tanh(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> erf(Tensor<B, R> a) {
+  detail::require_tensor("erf", a);
   return Tensor<B, R>(B::erf(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> sin(Tensor<B, R> a) {
+  detail::require_tensor("sin", a);
   return Tensor<B, R>(B::sin(std::move(a).data()));
 }
 template <Backend B, int R>
 Tensor<B, R> cos(Tensor<B, R> a) {
+  detail::require_tensor("cos", a);
   return Tensor<B, R>(B::cos(std::move(a).data()));
 }
 template <Backend B, int R>
@@ -133,6 +142,7 @@ template <Backend B, int R>
 Tensor<B, R> where_less(const Tensor<B, R>& a, const Tensor<B, R>& b, const Tensor<B, R>& x, const Tensor<B, R>& y) {
   broadcast_shapes(broadcast_shapes(a.shape(), b.shape(), "where_less"),
                    broadcast_shapes(x.shape(), y.shape(), "where_less"), "where_less");
+  for (const auto* t : {&a, &b, &x, &y}) detail::require_tensor("where_less", *t);
   return Tensor<B, R>(B::where_less(a.data(), b.data(), x.data(), y.data()));
 }
 

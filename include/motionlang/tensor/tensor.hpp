@@ -5,12 +5,14 @@
 /// compile error; wrong sizes are a `shape_error` from the operation, thrown before any backend runs.
 #pragma once
 
+#include <array>        // places
 #include <concepts>     // tensors that can be written
 #include <type_traits>  // is_arithmetic
 #include <vector>       // values
 
 #include <motionlang/core/buffer_pool.hpp>
 #include <motionlang/core/concepts.hpp>
+#include <motionlang/core/lifetime.hpp>
 #include <motionlang/core/rng.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -43,7 +45,8 @@ class Tensor {
   using scalar = typename B::scalar;
   static constexpr int rank = Rank;
 
-  /// No tensor yet: its shape is (0) whatever the rank, it has no numbers, and operations refuse it.
+  /// No tensor yet: its shape is (0) whatever the rank, it has no numbers, and operations refuse it. A tensor that was
+  /// moved from is the same.
   Tensor() = default;
   /// Wraps a backend's tensor. Throws shape_error 206 if its rank is another.
   explicit Tensor(typename B::tensor data) : data_(std::move(data)) {
@@ -79,17 +82,23 @@ class Tensor {
                    [&](scalar* to) { rng.normal(std::span<scalar>(to, static_cast<std::size_t>(shape.count()))); });
   }
 
-  const typename B::tensor& data() const& { return data_; }
+  const typename B::tensor& data() const& MOTIONLANG_LIFETIMEBOUND { return data_; }
   typename B::tensor data() && { return std::move(data_); }
   /// For code that replaces the value in place (optimisers, loaders).
-  typename B::tensor& mutable_data() { return data_; }
+  typename B::tensor& mutable_data() MOTIONLANG_LIFETIMEBOUND { return data_; }
 
   Shape shape() const { return B::shape(data_); }
   Index size(int axis) const { return shape()[normalize_axis(axis, Rank, "Tensor::size")]; }
   Index count() const { return shape().count(); }
+  /// Whether there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
+  bool defined() const {
+    if constexpr (Rank == 1 && requires(const typename B::tensor& t) { t.defined(); }) return data_.defined();
+    return shape().rank() == Rank;
+  }
 
   /// The numbers, row-major; valid as long as this tensor lives and is not assigned to.
-  std::span<const scalar> span() const { return B::to_span(data_); }
+  std::span<const scalar> span() const& MOTIONLANG_LIFETIMEBOUND { return B::to_span(data_); }
+  std::span<const scalar> span() const&& = delete;  // values of a temporary end with it: name it, or to_vector()
   std::vector<scalar> to_vector() const {
     const auto s = span();
     return {s.begin(), s.end()};
@@ -98,6 +107,23 @@ class Tensor {
   scalar item() const {
     if (count() != 1) raise<shape_error>(205, "Tensor::item: shape ", shape(), " has ", count(), " elements");
     return span()[0];
+  }
+  /// The value at an index for each axis: t.at(0, 2). For many values take span(). Throws shape_error 203 for an index
+  /// outside its axis, 206 if there is no tensor.
+  template <std::integral... I>
+  requires(sizeof...(I) == Rank) scalar at(I... index)
+  const {
+    const Shape sizes = shape();
+    if (!defined()) raise<shape_error>(206, "Tensor::at: no tensor yet, or moved from; rank ", Rank, " expected");
+    const std::array<Index, static_cast<std::size_t>(Rank)> place{static_cast<Index>(index)...};
+    Index number = 0;
+    for (int axis = 0; axis < Rank; ++axis) {
+      const Index i = place[static_cast<std::size_t>(axis)];
+      if (i < 0 || i >= sizes[axis])
+        raise<shape_error>(203, "Tensor::at: index ", i, " of axis ", axis, " of shape ", sizes);
+      number = number * sizes[axis] + i;
+    }
+    return span()[static_cast<std::size_t>(number)];
   }
 
  private:
@@ -115,10 +141,10 @@ class Tensor {
 
 namespace detail {
 
-/// For operations whose result would not show it. Throws shape_error 206 for a tensor without numbers.
+/// Throws shape_error 206 for a tensor that is not made yet, or was moved from.
 template <Backend B, int R>
 void require_tensor(std::string_view op, const Tensor<B, R>& t) {
-  if (t.shape().rank() != R) raise<shape_error>(206, op, ": no tensor yet, rank ", R, " expected");
+  if (!t.defined()) raise<shape_error>(206, op, ": no tensor yet, or moved from; rank ", R, " expected");
 }
 
 }  // namespace detail

@@ -2,8 +2,9 @@
 /// The BERT family: DistilBERT, BERT (MiniLM) and MPNet. One network; the members differ in the names of their tensors,
 /// in whether there are token types, and in how positions count.
 ///
-///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);   //
-///     weights/text_network_file.hpp const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
+///     // weights/text_network_file.hpp
+///     const DistilBert<B> network = load_text_network<DistilBert<B>>(config, weights);
+///     const Sequences<B> states = network(tokenize(tokenizer, texts)).tokens;
 ///
 /// Batches are packed: padding is never computed, and a text has the same numbers alone and among others (except the
 /// last digits in bf16x3). Loading a file packs the weights for the kernels; a network that was made otherwise is made
@@ -63,7 +64,7 @@ struct MpnetKeys {
 /// The bucket of a relative position r = key - query, of 32: 0 ... 15 for keys up to the query, 16 ... 31 for later
 /// ones; up to a
 /// distance of 8 every distance has its own. Source  MPNet (Song et al. 2020), after T5 (Raffel et al. 2020), section
-/// 2.1; the borders 8 * 16^(i / 8) as whole numbers (spec text-encoders.md, section 4).
+/// 2.1; the borders 8 * 16^(i / 8) as whole numbers (huggingface/transformers, modeling_mpnet.py).
 constexpr Index mpnet_bucket(Index r) {
   constexpr Index borders[] = {12, 16, 23, 32, 46, 64, 91};
   const Index distance = r < 0 ? -r : r, later = r > 0 ? 16 : 0;
@@ -111,6 +112,7 @@ struct BertLayer {
 
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets, const Tensor<B, 2>* relative_scores,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return reading(x, offsets, x, offsets, relative_scores, context);
   }
   /// `rows` attend to x, which need not contain them.
@@ -124,8 +126,8 @@ struct BertLayer {
   }
 };
 
-/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); spec text-encoders.md, sections 2 to 4.
-///         Without pooler and heads.
+/// Source  Sanh et al. (2019), Devlin et al. (2019), Song et al. (2020); huggingface/transformers,
+///         modeling_distilbert.py, modeling_bert.py and modeling_mpnet.py. Without pooler and heads.
 template <Backend B, class Keys>
 struct BertNetwork {
   Embedding<B> words, positions;
@@ -164,6 +166,7 @@ struct BertNetwork {
   /// The states of the last layer, one row for every id. Throws config_error 101 for a text that is too long,
   /// shape_error 203 for an unknown id.
   TextFeatures<B> operator()(const TokenBatch& batch, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const Offsets offsets = token_offsets(batch);
     check_length(offsets.longest());
     auto x = dropout(embedded(batch.ids, position_ids(batch)), dropout_p, context);

@@ -5,7 +5,8 @@
 ///     const BertTokenizer bert(read_vocabulary("vocab.txt"));
 ///     bert.encode("a person walks.");   // [CLS] a person walks . [SEP]
 ///
-/// Source   Devlin et al. (2019), the published tokenizer; spec text-encoders.md 7 and 8
+/// Source   Devlin et al. (2019), google-research/bert tokenization.py; MPNet's: huggingface/transformers,
+///          tokenization_mpnet.py
 /// Differs  the tables are those of Unicode 15, in the fast tokenizers of Unicode 8: newer punctuation and newer
 ///          combining marks are known here
 #pragma once

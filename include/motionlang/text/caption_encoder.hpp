@@ -53,6 +53,7 @@ struct CaptionEncoder {
 
   /// (texts, out)
   Tensor<B, 2> operator()(std::span<const std::string> texts, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     std::vector<Index> ids, lengths, first;
     for (const std::string& t : texts) {
       const auto pieces = tokenizer.encode(t, positions.rows().size(0));

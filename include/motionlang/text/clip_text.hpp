@@ -48,13 +48,14 @@ struct ClipBlock {
   }
 
   Tensor<B, 2> operator()(const Tensor<B, 2>& x, const Offsets& offsets) const {
+    const ModuleScope scope(*this);
     const auto y = attn.self(ln_1(x), offsets, {}, &x, /*causal=*/true);
     return c_proj(c_fc(ln_2(y), activation), Activation::none, &y);
   }
 };
 
-/// Source  Radford et al. (2021), section 2.4; parameter names of OpenAI's state dict; spec text-encoders.md, section
-///         5.
+/// Source  Radford et al. (2021), section 2.4; parameter names of OpenAI's state dict; openai/CLIP
+///         clip/model.py.
 template <Backend B>
 struct ClipText {
   Embedding<B> token_embedding;
@@ -85,6 +86,7 @@ struct ClipText {
   /// largest id. A row depends on the ids before it only. Throws config_error 101 for a text longer than the context,
   /// shape_error 203 for an unknown id.
   TextFeatures<B> operator()(const TokenBatch& batch) const {
+    const ModuleScope scope(*this);
     const Offsets offsets = token_offsets(batch);
     if (offsets.longest() > longest())
       raise<config_error>(101, "CLIP: a text of ", offsets.longest(), " pieces for a context of ", longest(),

@@ -6,7 +6,7 @@
 ///     clip.encode("a person walks");                     // 49406 320 2533 8192 49407
 ///     tokenize(clip, texts).padded(clip.pad_id(), 77);   // what the published network takes
 ///
-/// Source   Radford et al. (2021), simple_tokenizer.py; Sennrich et al. (2016); spec text-encoders.md 9
+/// Source   Radford et al. (2021), openai/CLIP clip/simple_tokenizer.py; Sennrich et al. (2016)
 /// Differs  mojibake is not repaired (text_repair.hpp)
 #pragma once
 
@@ -22,7 +22,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// What happens to a text before its words are looked for.
 enum class ClipCleaning {
   original,     // OpenAI's: repair_text, HTML entities twice, white space, lower case with final sigma
-  hugging_face  // NFC, white space, lower case without context; spec 9.2
+  hugging_face  // NFC, white space, lower case without context, as its tokenizer.json says
 };
 
 struct ClipTokenizerOptions {

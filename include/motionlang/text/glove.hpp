@@ -6,7 +6,7 @@
 ///
 /// A row is the vector of a word and, behind it, a one among the 15 tags. Texts are lists of word/tag, the second field
 /// of the caption files of HumanML3D. A caption without tags is read by approximation, see `caption_tokens`.
-/// Source  Guo et al. (CVPR 2022), word_vectorizer.py; spec text-encoders.md, section 6
+/// Source  Guo et al. (CVPR 2022), TM2T utils/word_vectorizer.py WordVectorizerV2
 #pragma once
 
 #include <optional>       // rows of words

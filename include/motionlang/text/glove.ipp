@@ -39,8 +39,8 @@ MOTIONLANG_BODY std::optional<SpeechTag> motion_tag(std::string_view word) {
 MOTIONLANG_BODY GloVe::GloVe(const std::vector<std::string>& words, std::vector<float> vectors, Index width)
     : vectors_(std::move(vectors)), width_(width) {
   if (width < 1 || vectors_.size() != words.size() * static_cast<std::size_t>(width))
-    raise<shape_error>(205, "GloVe: ", counted(vectors_.size(), "number"), " for ",
-                       counted(words.size(), "word"), " of ", width);
+    raise<shape_error>(205, "GloVe: ", counted(vectors_.size(), "number"), " for ", counted(words.size(), "word"),
+                       " of ", width);
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (!row_.emplace(words[i], i).second) raise<config_error>(103, "GloVe: the word '", words[i], "' is duplicated");
   }

@@ -6,7 +6,7 @@
 /// `while_` and `during` put the second verb into its -ing form, for which a tagger of parts of speech is needed: a
 /// callable sentence -> words with their tags. Without one the words stay as they are.
 ///
-/// Source   SINC (Athanasiou et al., ICCV 2023), rule_based_concat, gerund_augment; spec sinc.md 4
+/// Source   thesis B.2.2; SINC sinc/model/sinc.py rule_based_concat, gerund_augment
 /// Differs  the paper's evaluation says "while", its code "and ... at the same time"
 #pragma once
 

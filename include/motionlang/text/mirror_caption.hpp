@@ -6,7 +6,7 @@
 ///
 /// Whole words, capitals kept, all at once. "left" as a verb is exchanged, too: words do not tell.
 ///
-/// Source   spec humanml3d-features.md 8; HumanML3D ships finished texts, no program
+/// Source   Guo et al. (CVPR 2022): HumanML3D ships finished texts of mirrored clips, no program that makes them
 /// Differs  from the texts of the published KIT annotations, which exchange inside of words: "upright" is "upleft"
 ///          there
 #pragma once

@@ -2,7 +2,8 @@
 /// What the CLIP tokenizer does to a text before it looks for words: the deterministic steps of ftfy's repair, and HTML
 /// entities.
 ///
-/// Source   spec text-encoders.md 9.1; ftfy (Speer 2019); html.unescape of Python, the rules of HTML5
+/// Source   openai/CLIP clip/simple_tokenizer.py basic_clean; ftfy 6.3.1 (Speer 2019); Python's html.unescape, HTML5's
+///          rules
 /// Differs  from ftfy: text that was decoded in the wrong encoding ("mojibake") stays as it is; the steps are repeated
 ///          at most 100 times
 #pragma once

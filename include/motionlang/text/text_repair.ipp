@@ -205,7 +205,7 @@ inline std::size_t escape_end(std::u32string_view text, std::size_t at) {
   return letter ? end + 1 : at;
 }
 
-/// Steps 3 to 11 of spec 9.1, once.
+/// The steps of ftfy's fix_text that follow the HTML entities, once.
 inline std::u32string repaired_once(std::u32string_view text) {
   std::u32string plain;
   for (const char32_t c : text) {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// A tokenizer and a network make a text encoder.
 ///
-///     const TokenizedEncoder clip(ClipTokenizer(...), load_clip_text<B>(weights), {.pooling = Pooling::end});
 ///     // MDM, STMC
-///     const TokenizedEncoder tokens(BertTokenizer(...), load_text_network<DistilBert<B>>(config, weights));
-///     // TEMOS, TMR const TokenizedEncoder sentences(BertTokenizer(...), load_text_network<Mpnet<B>>(config, weights),
+///     const TokenizedEncoder clip(clip_tokenizer, load_clip_text<B>(weights), {.pooling = Pooling::end});
+///     // TEMOS, TMR
+///     const TokenizedEncoder tokens(bert_tokenizer, load_text_network<DistilBert<B>>(config, weights));
+///     const TokenizedEncoder sentences(bert_tokenizer, load_text_network<Mpnet<B>>(config, weights),
 ///                                      {.pooling = Pooling::mean, .normalize = true});
 #pragma once
 

@@ -22,6 +22,7 @@ struct WordPieceIds;
 /// Pieces that continue a word begin with "##". The first three ids are fixed.
 class WordPiece {
  public:
+  static constexpr bool is_option = true;  // holds no tensors
   static constexpr Index begin_id = 0, end_id = 1, unknown_id = 2;
 
   WordPiece() = default;

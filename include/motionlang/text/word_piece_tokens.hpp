@@ -31,6 +31,7 @@ struct WordPieceTokens {
 
   /// A row for every piece, with those of begin and end.
   TextFeatures<B> operator()(std::span<const std::string> texts) const {
+    const ModuleScope scope(*this);
     const TokenBatch batch = tokenize(tokenizer, texts);
     return {{embedding(batch.ids), Offsets(std::span<const Index>(batch.lengths))}};
   }

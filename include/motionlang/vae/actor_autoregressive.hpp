@@ -33,6 +33,7 @@ struct SeparateAttention {
   }
   Tensor<B, 2> operator()(const Sequences<B>& query, const Sequences<B>& memory, const Context& context,
                           bool causal = false) const {
+    const ModuleScope scope(*this);
     return output_layer(attention(q_layer(query.rows), k_layer(memory.rows), v_layer(memory.rows), query.offsets,
                                   memory.offsets,
                                   {.heads = heads, .causal = causal, .dropout = next_dropout(dropout_p, context)}));
@@ -40,7 +41,7 @@ struct SeparateAttention {
 };
 
 ///     a = LN_x(h);  h1 = h + SA(a);  v = h1 + CA(LN_dec(h1), memory);  h = v + W2 relu(W1 LN_ff(v))
-/// Source  spec actor.md 2.8, "autotrans"
+/// Source  thesis 3.3.2, table 3.4 a; ACTOR src/models/architectures/autotrans.py Decoder_AUTOTRANS
 template <Backend B>
 struct ActorAutoregressiveLayer {
   SeparateAttention<B> trg_trg_att, src_trg_att;
@@ -69,6 +70,7 @@ struct ActorAutoregressiveLayer {
     for (LayerNorm<B>* norm : {&feed_forward_norm, &x_layer_norm, &dec_layer_norm}) norm->eps = 1e-6;
   }
   Sequences<B> operator()(const Sequences<B>& x, const Sequences<B>& memory, const Context& context) const {
+    const ModuleScope scope(*this);
     auto drop = [&](const Tensor<B, 2>& t) { return dropout(t, dropout_p, context); };
     const auto a = x.with(x_layer_norm(x.rows));
     const auto h = x.rows + drop(trg_trg_att(a, a, context, true));
@@ -111,6 +113,7 @@ struct ActorAutoregressiveDecoder {
 
   /// The motions as the decoder writes them: every frame from those that it wrote before, the memory as a whole.
   Sequences<B> operator()(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths) const {
+    const ModuleScope scope(*this);
     Sequences<B> x(Tensor<B, 2>::zeros({lengths.rows(), output_layer.size(0)}), lengths);
     for (Index t = 0; t < lengths.longest(); ++t) {
       PoolVector<Index> now;  // frame t of each motion that has one: it depends on the frames before it only

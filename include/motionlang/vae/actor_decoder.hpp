@@ -7,7 +7,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// How action and time enter the decoder; all but the first are ablations (thesis table 3.4 c; spec actor.md 2.8).
+/// How action and time enter the decoder; all but the first are ablations (thesis 3.3.2, table 3.4 c).
 enum class ActorConditioning {
   action_bias,    // memory z + b_y, queries are sinusoidal positions
   concat_bias,    // memory of two rows, z and b_y
@@ -15,7 +15,7 @@ enum class ActorConditioning {
   time_encoding,  // as action_bias, but every number of query t is t / (length - 1)
 };
 
-/// Source  ACTOR (Petrovich, Black, Varol, ICCV 2021), section 3.2; spec actor.md 2.6
+/// Source  thesis 3.2.1, "Decoder"; ACTOR (ICCV 2021) src/models/architectures/transformer.py Decoder_TRANSFORMER
 template <Backend B>
 struct ActorDecoder {
   std::optional<Tensor<B, 2>> actionBiases;  // (classes, width)
@@ -61,6 +61,7 @@ struct ActorDecoder {
     return {broadcast_to<2>(relative_time<B>(lengths), {lengths.rows(), width}), lengths};
   }
   Sequences<B> operator()(const Sequences<B>& memory, const Offsets& lengths, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return decode_lengths(
         seqTransDecoder, finallayer, [&](const Offsets& of) { return queries(of); }, memory, lengths, dropout_p,
         context);
@@ -68,6 +69,7 @@ struct ActorDecoder {
   /// Throws shape_error 203, 204.
   Sequences<B> operator()(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths,
                           const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return (*this)(memory(z, labels), lengths, context);
   }
 };

@@ -9,7 +9,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     [muQuery[y], sigmaQuery[y], W frames] + positions -> encoder -> rows 0 and 1 are mu and logvar
-/// Source  ACTOR (Petrovich, Black, Varol, ICCV 2021), section 3.1; spec actor.md 2.4
+/// Source  thesis 3.2.1, "Encoder"; ACTOR (ICCV 2021) src/models/architectures/transformer.py Encoder_TRANSFORMER
 template <Backend B>
 struct ActorEncoder {
   Tensor<B, 2> muQuery, sigmaQuery;  // (classes, width)
@@ -42,12 +42,13 @@ struct ActorEncoder {
   }
   LatentGaussian<B> operator()(const Sequences<B>& x, std::span<const Index> labels,
                                const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return gaussian_of_tokens(encode_tokens(seqTransEncoder, sequence(x, labels), 2, dropout_p, context));
   }
 };
 
 ///     W frames + positions -> encoder -> mean over the frames -> mu and logvar by a linear layer each
-/// Source  ACTOR, thesis table 3.4 b; spec actor.md 2.8, "average_encoder"
+/// Source  thesis 3.3.2, table 3.4 b; ACTOR src/models/architectures/transformer.py, ablation "average_encoder"
 /// The mean counts padding, as published: frames of zeros up to the longest motion of the batch, which attend to the
 /// real ones. So here a short motion does depend on what is encoded with it.
 template <Backend B>
@@ -77,6 +78,7 @@ struct ActorAverageEncoder {
   /// padded_frames  of the batch, if it is padded beyond its longest motion: padding counts. Throws shape_error 203 for
   ///                more than there are positions
   LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}, Index padded_frames = 0) const {
+    const ModuleScope scope(*this);
     auto dropped = [&](const Sequences<B>& s) { return s.with(dropout(s.rows, dropout_p, context)); };
     const Index longest = std::max(padded_frames, x.offsets.longest());
     auto frames = dropped(sequence(x)), padding = dropped(padding_of(x.offsets, longest));

@@ -8,7 +8,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     h = gelu(W2 gelu(W1 [all numbers of the motion, one-hot y]));   mu and logvar from h
-/// Numbers are ordered by feature, then frame. Source  spec actor.md 2.8
+/// Numbers are ordered by feature, then frame. Source  thesis 3.3.2, table 3.4; ACTOR src/models/architectures
 template <Backend B>
 struct ActorFullyConnectedEncoder {
   Linear<B> first, second, mu, var;
@@ -24,6 +24,7 @@ struct ActorFullyConnectedEncoder {
 
   /// Throws shape_error 207 unless all motions have the frames that the network was made for.
   LatentGaussian<B> operator()(const Sequences<B>& x, std::span<const Index> labels, Index classes) const {
+    const ModuleScope scope(*this);
     const Index n = x.count(), frames = (first.in() - classes) / std::max<Index>(x.width(), 1);
     if (!(x.offsets == Offsets::equal(n, frames)))
       raise<shape_error>(207, "ActorFullyConnectedEncoder: motions of another length than ", frames, " frames");
@@ -52,6 +53,7 @@ struct ActorFullyConnectedDecoder {
   /// Throws shape_error 207 unless all lengths are that of the network.
   Sequences<B> operator()(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths,
                           Index nfeats) const {
+    const ModuleScope scope(*this);
     const Index n = z.size(0), frames = third.out() / nfeats;
     if (!(lengths == Offsets::equal(n, frames)))
       raise<shape_error>(207, "ActorFullyConnectedDecoder: motions of another length than ", frames, " frames");

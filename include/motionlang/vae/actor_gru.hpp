@@ -21,7 +21,7 @@ Tensor<B, 2> action_and_time(std::span<const Index> labels, Index classes, const
 }  // namespace detail
 
 ///     h = GRU(W [frame, one-hot y, time]);   mu and logvar from the last frame's h
-/// Source  spec actor.md 2.8
+/// Source  thesis 3.3.2, table 3.4; ACTOR src/models/architectures/gru.py
 template <Backend B>
 struct ActorGruEncoder {
   Linear<B> feats_embedding;
@@ -46,6 +46,7 @@ struct ActorGruEncoder {
 
   /// Throws shape_error 203 for a label that is no class or a motion without frames.
   LatentGaussian<B> operator()(const Sequences<B>& x, std::span<const Index> labels) const {
+    const ModuleScope scope(*this);
     const Index classes = feats_embedding.in() - x.width() - (concatenate_time ? 1 : 0);
     const auto side = detail::action_and_time<B>(labels, classes, x.offsets, concatenate_time);
     const auto last = last_row(gru(feats_embedding(x.with(concat(1, x.rows, side)))));
@@ -54,7 +55,7 @@ struct ActorGruEncoder {
 };
 
 ///     frame t = V h_t,   h = GRU(W [z, one-hot y, time])
-/// Source  spec actor.md 2.8
+/// Source  thesis 3.3.2, table 3.4; ACTOR src/models/architectures/gru.py
 template <Backend B>
 struct ActorGruDecoder {
   Linear<B> feats_embedding;
@@ -77,6 +78,7 @@ struct ActorGruDecoder {
         concatenate_time(time) {}
 
   Sequences<B> operator()(const Tensor<B, 2>& z, std::span<const Index> labels, const Offsets& lengths) const {
+    const ModuleScope scope(*this);
     const Index classes = feats_embedding.in() - z.size(1) - (concatenate_time ? 1 : 0);
     const auto side = detail::action_and_time<B>(labels, classes, lengths, concatenate_time);
     return final_layer(gru(feats_embedding(Sequences<B>(concat(1, repeat_for_rows(z, lengths), side), lengths))));

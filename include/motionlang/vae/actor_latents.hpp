@@ -23,8 +23,8 @@ struct ActorSampling {
   }
 };
 
-/// Latents in the order sample, action: noise (noise_rows, latent) -> (samples actions, latent). Source  spec actor.md
-/// 9
+/// Latents in the order sample, action: noise (noise_rows, latent) -> (samples actions, latent).
+/// Source  ACTOR src/models/modeltype/cae.py generate
 /// Throws  config_error 101 for options that mean nothing, shape_error 204 for another number of rows
 template <Backend B>
 Tensor<B, 2> actor_latents(const Tensor<B, 2>& noise, Index actions, const ActorSampling& o = {}) {

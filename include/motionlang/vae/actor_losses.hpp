@@ -26,7 +26,7 @@ struct ActorLossPoints {
 ///     kl            KL(N(mu, exp(logvar)) || N(0, 1)), SUMMED over batch and coordinates: its weight grows with the
 ///                   batch
 ///     vel, velxyz   mean square of the steps from frame to frame
-/// Terms whose weight is not 0. Source  ACTOR, src/models/tools/losses.py; spec actor.md 6.1
+/// Terms whose weight is not 0. Source  thesis 3.2.2; ACTOR src/models/tools/losses.py
 /// Throws  config_error 102 if a term needs points and there are none
 template <Backend B>
 LossTerms<B> actor_losses(const LatentGaussian<B>& latent, const Sequences<B>& x, const Sequences<B>& written,

@@ -5,8 +5,7 @@
 ///     const Sequences<B> motion = tokenizer.motions(tokens);         // normalised features
 ///
 /// Source  Guo et al., "TM2T: stochastic and tokenized modeling for the reciprocal generation of 3D human motions and
-///         texts" (ECCV 2022), section 3.1; networks/modules.py, networks/trainers.py (VQTokenizerTrainerV3); spec
-///         tm2t.md 1, 2
+///         texts" (ECCV 2022), section 3.1; networks/modules.py, networks/trainers.py (VQTokenizerTrainerV3)
 #pragma once
 
 #include <motionlang/loss/adversarial.hpp>
@@ -40,7 +39,10 @@ struct VqEncoder {
       in = out;
     }
   }
-  Sequences<B> operator()(const Sequences<B>& x) const { return main(x); }
+  Sequences<B> operator()(const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
+    return main(x);
+  }
 };
 
 /// Residual blocks, then for each further number of channels twice the length and a convolution; a last one at the end.
@@ -62,7 +64,10 @@ struct VqDecoder {
       main.repeat(2).conv(channels[i], channels[i + 1], 3, same, rng).leaky_relu();
     main.conv(channels.back(), channels.back(), 3, same, rng);
   }
-  Sequences<B> operator()(const Sequences<B>& z) const { return main(z); }
+  Sequences<B> operator()(const Sequences<B>& z) const {
+    const ModuleScope scope(*this);
+    return main(z);
+  }
 };
 
 /// Tells real motions from decoded ones, four frames at a time; not in the paper.
@@ -89,7 +94,10 @@ struct VqDiscriminator {
     Sequences<B> features;
     Tensor<B, 2> logits;  // (rows, 1)
   };
-  Result operator()(const Sequences<B>& x) const { return judged(main(x)); }
+  Result operator()(const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
+    return judged(main(x));
+  }
   /// By the statistics of these motions, which are remembered.
   Result train(const Sequences<B>& x) { return judged(main.train(x)); }
 
@@ -145,7 +153,9 @@ struct MotionTokenizer {
     Quantized<B> quantized;
     Sequences<B> reconstruction;
   };
+  /// TM2T eq. 2: the decoder of the nearest codes of the encoder's latents.
   Result operator()(const Sequences<B>& x) const {
+    const ModuleScope scope(*this);
     const auto z = encode(x);
     auto quantized = quantizer(z.rows);
     auto reconstruction = vq_decoder(z.with(quantized.straight_through));
@@ -154,6 +164,8 @@ struct MotionTokenizer {
 };
 
 ///     mean |x^ - x| + quantisation [- lambda mean D(x^)]
+/// Source   TM2T eq. 3: the first term here, the other two in `Quantized::loss`; networks/trainers.py backward_G
+/// Differs  from TM2T eq. 3, which has sums and no discriminator: here means, as published
 /// With a discriminator (published: from epoch 10 on) its norms go by the statistics of the decoded motions; it takes
 /// its own step before, with `hinge_discriminator_loss` times lambda.
 template <Backend B>

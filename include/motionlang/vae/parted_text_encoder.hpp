@@ -11,7 +11,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Learned tokens, projection and transformer, under the names of the published state dicts (the systems spell the
 /// third token differently). Unlike TEMOS' encoder it has no positions over the whole sequence: parts that need some
 /// get their own (`placed`).
-/// Source  specs teach.md 2.1, sinc.md 2.1
+/// Source  thesis A.2.2, B.3.3; TEACH teach/model/textencoder/text_hist.py, SINC sinc/model/textencoder/text_space.py
 template <Backend B, class Keys>
 struct PartedTextEncoder {
   Tensor<B, 1> mu_token, logvar_token, separation_token;  // (width)

@@ -6,7 +6,9 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Published weights: divergences weigh 32 times as much as in TEMOS. Source  spec sinc.md 3
+/// Published weights: divergences weigh 32 times as much as in TEMOS.
+/// Source   SINC sinc/model/losses/compute_sinc.py, with the weights of its released options
+/// Differs  from thesis eq. B.1, where every term has weight 1: here divergences weigh 32e-5, the latents' term 1e-5
 inline TemosLossOptions sinc_loss_options() { return {.kl = 32e-5, .feats = "rfeats"}; }
 
 /// texts    how many latents the text of each motion has; if one each, these are temos_losses
@@ -17,8 +19,8 @@ inline TemosLossOptions sinc_loss_options() { return {.kl = 32e-5, .feats = "rfe
 ///                               texts of one)
 /// and recons_rfeats2rfeats, recons_text2rfeats, kl_motion as ever.
 /// separate_latents   the names that end in _multi, also where every motion of the batch has one text
-/// Source  spec sinc.md 3; a motion with fewer texts than another has empty latents, which count as 0 in the mean, as
-///         published
+/// Source  thesis B.2.2, thesis eq. B.1; SINC sinc/model/losses/compute_sinc.py. A motion with fewer texts than another
+///         has empty latents, which count as 0 in the mean, as published
 template <Backend B>
 LossTerms<B> sinc_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion, const Offsets& texts,
                          bool separate_latents, const TemosLossOptions& options = sinc_loss_options()) {

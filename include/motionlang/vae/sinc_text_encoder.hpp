@@ -46,7 +46,8 @@ struct SincTextKeys {
 ///     single             [mu, logvar, text]                               no positions: the language model has its own
 ///     separate_texts     [mu, logvar, text 0, separation, text 1, ...]
 ///     separate_latents   [mu, logvar, text + positions]                   for each text on its own
-/// Source  SINC (Athanasiou, Petrovich, Black, Varol, ICCV 2023), section 3.3; spec sinc.md 2.1
+/// Source  SINC (Athanasiou, Petrovich, Black, Varol, ICCV 2023): thesis B.2.2 (one text) and B.3.3 (separate texts);
+///         SINC sinc/model/textencoder/text_space.py
 template <Backend B>
 struct SincTextEncoder {
   PartedTextEncoder<B, SincTextKeys> text;
@@ -104,6 +105,7 @@ struct SincTextEncoder {
   /// several texts in mode single.
   LatentGaussian<B> operator()(const SincTexts<B>& texts, SincMode mode, bool legacy_mask = true,
                                const Context& context = {}) const {
+    const ModuleScope scope(*this);
     const Offsets of_motion = texts.per_motion();
     if (mode == SincMode::separate_texts) return text.encode(joined(texts, legacy_mask), context);
     if (mode == SincMode::single && of_motion.longest() > 1)

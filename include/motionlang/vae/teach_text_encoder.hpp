@@ -20,7 +20,7 @@ struct TeachPast {
 
 ///     [mu, logvar, past, z, separation, text] -> encoder -> mu, logvar          past = encoder(W p + positions)
 /// Past and text have positions of their own; the tokens and z have none.
-/// Source   TEACH (Athanasiou, Petrovich, Black, Varol, 3DV 2022), section 3.2; spec teach.md 2.1
+/// Source   thesis A.2.2, "Past-conditioned Text Encoder"; TEACH (3DV 2022) teach/model/textencoder/text_hist.py
 /// Differs  from the paper, as published: the past goes through the transformer of the text. That which the paper has
 ///          for it stands in the checkpoints and is never called
 template <Backend B>
@@ -56,6 +56,7 @@ struct TeachTextEncoder {
   /// states: the last states of the language model, with those of [CLS] and [SEP].
   LatentGaussian<B> operator()(const Sequences<B>& states, const TeachPast<B>& past = {},
                                const Context& context = {}) const {
+    const ModuleScope scope(*this);
     auto sequence = repeat_sequence(text.beginning(), states.count());
     if (past.frames) sequence = concat_tokens(sequence, encode_past(*past.frames, context));
     if (past.z) sequence = concat_tokens(sequence, Sequences<B>(*past.z, Offsets::equal(past.z->size(0), 1)));

@@ -57,7 +57,8 @@ LossTerms<B> teach_velocity_losses(const TextMotionBranches<B>& branches, const 
 
 /// The terms of temos_losses (and velocities, if they have a weight) for the first action, whose names end in _0, and
 /// the second, _1.
-/// Source  spec teach.md 3
+/// Source  thesis A.2.3: thesis eq. A.1 (recons_*) and thesis eq. A.2 (kl_text, kl_motion), with the other terms of
+///         TEMOS; TEACH teach/model/losses/compute_teach.py
 template <Backend B>
 LossTerms<B> teach_losses(const TeachBranches<B>& branches, const TeachPairs<B>& pairs,
                           const TeachLossOptions& options = {}) {
@@ -66,7 +67,7 @@ LossTerms<B> teach_losses(const TeachBranches<B>& branches, const TeachPairs<B>&
     out.append(temos_losses(action, motion, options.each), suffix);
     if (options.velocity != 0) out.append(teach_velocity_losses(action, motion, options.velocity), suffix);
   };
-  add(branches.first, pairs.first_motion, "_0");
+  add(branches.first, pairs.first_motion, "_0");  // the first terms of thesis eq. A.1 and thesis eq. A.2
   auto second = branches.second;
   auto motion = pairs.second_motion;
   if (!options.loss_on_transition) {
@@ -78,7 +79,7 @@ LossTerms<B> teach_losses(const TeachBranches<B>& branches, const TeachPairs<B>&
     if (second.motion) cut(second.motion->frames);
     motion = last_rows(motion, action);
   }
-  add(second, motion, "_1");
+  add(second, motion, "_1");  // their second terms
   return out;
 }
 

@@ -17,7 +17,8 @@ struct TemosTextKeys {
 };
 
 ///     rows = W x (texts: W max(x, 0));   [mu token, logvar token, rows] + positions -> encoder -> mu, logvar
-/// Source  TEMOS (Petrovich, Black, Varol, ECCV 2022), section 3.2; spec temos.md 2.2, 2.3
+/// Source  TEMOS (Petrovich, Black, Varol, ECCV 2022), section 3.2; thesis 4.2.2; TEMOS
+///         temos/model/motionencoder/actor.py, temos/model/textencoder/distilbert_actor.py
 template <Backend B, class Keys>
 struct TemosEncoder {
   std::optional<Tensor<B, 1>> mu_token, logvar_token;  // of the variational encoder, (width)
@@ -56,6 +57,7 @@ struct TemosEncoder {
     return token_sequence(repeat_sequence(tokens(), x.count()), embed(x), positions.rows());
   }
   LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return gaussian_of_tokens(encode_tokens(seqTransEncoder, sequence(x), emb_token ? 1 : 2, dropout_p, context));
   }
 

@@ -8,7 +8,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     h = GRU(W x);   mu and logvar from the last frame's h
-/// Source  spec temos.md 10
+/// Source  thesis 4.3.3, table 4.3; TEMOS temos/model/motionencoder/gru.py
 template <Backend B>
 struct TemosGruEncoder {
   Linear<B> skel_embedding;
@@ -35,6 +35,7 @@ struct TemosGruEncoder {
   }
   /// Throws shape_error 203 for a sequence without frames.
   LatentGaussian<B> operator()(const Sequences<B>& x, const Context& = {}) const {
+    const ModuleScope scope(*this);
     const auto last = last_row(gru(skel_embedding(x)));
     if (final) return {(*final)(last), {}};
     return {(*mu)(last), (*logvar)(last)};
@@ -42,7 +43,7 @@ struct TemosGruEncoder {
 };
 
 ///     h = GRU(W [z, t / (length - 1)]);   frame t = V h_t
-/// Source   spec temos.md 10
+/// Source   thesis 4.3.3, table 4.3; TEMOS temos/model/motiondecoder/gru.py
 /// Differs  for a single frame: its time is 0, where the published code divides by 0
 template <Backend B>
 struct TemosGruDecoder {
@@ -62,6 +63,7 @@ struct TemosGruDecoder {
 
   /// z (sequences, width)
   Sequences<B> operator()(const Tensor<B, 2>& z, const Offsets& lengths, const Context& = {}) const {
+    const ModuleScope scope(*this);
     const auto rows = concat(1, repeat_for_rows(z, lengths), relative_time<B>(lengths));
     return final_layer(gru(emb_layer(Sequences<B>(rows, lengths))));
   }

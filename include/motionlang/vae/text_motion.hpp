@@ -73,7 +73,7 @@ struct TemosLossOptions {
   Index padded_frames = 0;  // of that batch, if it is padded beyond its longest motion
 };
 
-/// recons_F2F, recons_text2F: those that there are frames for.
+/// recons_F2F, recons_text2F: those that there are frames for. Their sum is thesis eq. 4.1 = TEMOS eq. 1.
 template <Backend B>
 LossTerms<B> reconstruction_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                                    const TemosLossOptions& options) {
@@ -94,14 +94,15 @@ LossTerms<B> reconstruction_losses(const TextMotionBranches<B>& branches, const 
 ///     1))
 ///     latent_manifold               smooth_l1(z_T, z_M)
 /// Those terms that model and options have; the names are the published ones.
-/// Source  TEMOS, section 3.3; spec temos.md 6.1
+/// Source  TEMOS, section 3.3; thesis 4.2.3: the sum of thesis eq. 4.1, thesis eq. 4.2 and thesis eq. 4.3, weighted;
+///         TEMOS temos/model/losses/compute.py
 template <Backend B>
 LossTerms<B> temos_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                           const TemosLossOptions& options = {}) {
   auto out = reconstruction_losses(branches, motion, options);
   const auto& [text, other] = branches;
   const auto& t = text.distribution;
-  if (!t.deterministic()) {
+  if (!t.deterministic()) {  // the four terms of thesis eq. 4.2 = TEMOS eq. 2
     if (other && options.cross_modal_kl) {
       const auto& m = other->distribution;
       out.add("kl_text2motion", options.kl, kl_divergence(t.mu, t.logvar, m.mu, m.logvar));
@@ -113,7 +114,7 @@ LossTerms<B> temos_losses(const TextMotionBranches<B>& branches, const Sequences
         out.add("kl_motion", options.kl, kl_to_standard_normal(other->distribution.mu, other->distribution.logvar));
     }
   }
-  if (other && (options.embedding || t.deterministic()))
+  if (other && (options.embedding || t.deterministic()))  // thesis eq. 4.3 = TEMOS eq. 3
     out.add("latent_manifold", options.latent, smooth_l1(text.z, other->z));
   return out;
 }
@@ -135,7 +136,7 @@ struct TmrLossOptions {
 /// sentences    (batch, width), rows of length 1: which texts say the same. Null: nothing is filtered
 /// temperature  a learned one of InfoNCE, which takes the place of that of the options. Null: theirs
 /// Throws config_error 101 for contrastive where there is no motion encoder.
-/// Source     TMR, section 3.2; spec tmr.md 6.1
+/// Source     TMR, section 3.2; thesis 5.2.2; TMR src/model/tmr.py compute_loss
 template <Backend B>
 LossTerms<B> tmr_losses(const TextMotionBranches<B>& branches, const Sequences<B>& motion,
                         const Tensor<B, 2>* sentences = nullptr, const TmrLossOptions& options = {},

@@ -7,7 +7,8 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 ///     [tokens, W x] + positions -> encoder -> mu, logvar
-/// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.1; spec tmr.md 2.1
+/// Source   TMR (Petrovich, Black, Varol, ICCV 2023), section 3.2; thesis 5.2.2; TMR src/model/actor.py
+///          ACTORStyleEncoder
 /// Differs  from TEMOS: both tokens are one parameter, and texts pass no ReLU
 template <Backend B>
 struct TmrEncoder {
@@ -35,6 +36,7 @@ struct TmrEncoder {
     return token_sequence(repeat_sequence(tokens, x.count()), projection(x), positions.rows());
   }
   LatentGaussian<B> operator()(const Sequences<B>& x, const Context& context = {}) const {
+    const ModuleScope scope(*this);
     return gaussian_of_tokens(encode_tokens(seqTransEncoder, sequence(x), tokens.size(0), dropout_p, context));
   }
 };

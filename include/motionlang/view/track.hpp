@@ -13,7 +13,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct Track {
   std::string text;
   double start = 0, end = 0;         // seconds
-  std::vector<std::string> parts{};  // names as in body_part_names; empty: the whole body
+  std::vector<std::string> parts{};  // names of body parts; empty: the whole body
 };
 
 namespace detail {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /// ACTOR and the classifiers that judge it from their published checkpoints: sizes come from the shapes of the tensors.
 ///
-///     const auto actor = load_actor<B>(open_weights(run.weights), run);     // run = find_run("exps/humanact12"); or
-///     weights/vae_run.hpp const auto gru =
-///     load_gru_classifier<B>(open_weights("models/actionrecognition/humanact12_gru.tar")); const auto stgcn =
-///     load_stgcn<B>(open_weights("models/actionrecognition/uestc_rot6d_stgcn.tar"));
+///     const RunFolder run = find_run("exps/humanact12");  // or load_actor_run, weights/vae_run.hpp
+///     const auto actor = load_actor<B>(open_weights(run.weights), run);
+///     const auto gru = load_gru_classifier<B>(open_weights("models/actionrecognition/humanact12_gru.tar"));
+///     const auto stgcn = load_stgcn<B>(open_weights("models/actionrecognition/uestc_rot6d_stgcn.tar"));
 ///
 /// Options  opt.yaml of the run says what shapes do not: pose_rep, activation, num_heads, ablation, num_frames,
 ///          max_len, sampling, sampling_step, jointstype. Without it the published values: 6D rotations, GELU, 4 heads,
@@ -13,7 +13,8 @@
 /// Throws   io_error 404 for variants that are not known, 406, 407 if names or shapes do not match; config_error 102
 ///          where options and tensors differ, 101, 103, 107 for options that mean nothing; numeric_error 301 for NaN
 ///          or infinity
-/// Source   spec actor.md 2.8, 3.1, 3.2, 6.3, 7.2, 7.3
+/// Source   ACTOR src/models/architectures, src/evaluate/action2motion/models.py, src/recognition/models/stgcn.py:
+///          names of the modules
 #pragma once
 
 #include <motionlang/features/frame_sampling.hpp>
@@ -33,7 +34,7 @@ StGcnConfig stgcn_config(const TensorSet& file);
 
 /// Frames of the longest motions that a run learned from: num_frames. Where that is -1 (whole clips) or -2 (windows of
 /// any length) it is max_len, and where this is -1 as well what the table of positions has room for, beside two tokens.
-/// Spec actor.md 6.3
+/// Source  ACTOR src/datasets/dataset.py _get_item_data_index
 Index actor_longest(const RunFolder& run, const TensorSet& weights, const ActorConfig& config);
 
 /// How a run chose frames of a clip: sampling and sampling_step.

@@ -2,8 +2,9 @@
 /// A published diffusion model as a model folder of ours: one file of weights with the statistics, its sizes, its
 /// licence.
 ///
-///     pack_diffusion_run<B>(find_run("mdm/humanml_trans_enc_512"), "mdm", {.license = "MIT", .provenance =
-///     "github.com/..."}); const auto stmc = load_diffusion_run<B>("mdm");
+///     pack_diffusion_run<B>(find_run("mdm/humanml_trans_enc_512"), "mdm",
+///                           {.license = "MIT", .provenance = "github.com/..."});
+///     const auto stmc = load_diffusion_run<B>("mdm");
 #pragma once
 
 #include <motionlang/weights/diffusion_run.hpp>

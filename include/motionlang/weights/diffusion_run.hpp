@@ -2,21 +2,21 @@
 /// The published diffusion models from the folders in which their repositories leave them: STMC's MDM-SMPL, MDM,
 /// MotionDiffuse. And from model folders of ours that were made of them (weights/diffusion_folder.hpp).
 ///
-///     const auto stmc = load_diffusion_run<B>("models/mdm-smpl_clip_smplrifke_humanml3d", {.text_encoder =
-///     "ViT-B-32.pt"});
+///     const auto stmc = load_diffusion_run<B>("models/mdm-smpl_clip_smplrifke_humanml3d",
+///                                             {.text_encoder = "ViT-B-32.pt"});
 ///     const auto features = stmc.generate(timeline, Philox{.seed = 7});        // (frames, stmc.layout.size)
 ///
 /// Sizes       from the shapes of the tensors; where options state them, too, both have to agree. Number of heads,
 ///             steps, schedule and representation from the options, else as published
 /// Statistics  from the checkpoint (STMC), mean and std beside it (MDM: those of HumanML3D, which are not in its
 ///             folder)
-/// Source      spec mdm.md 2.1, 2.2, 3.5, 3.6, 4.4; stmc.md 6
+/// Source      STMC src/model/mdm_smpl.py, MDM model/mdm.py, MotionDiffuse text2motion/models/transformer.py
 /// Throws      io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407
 ///             for tensors; config_error 102 where options and tensors differ, 101, 103, 107
 #pragma once
 
 #include <motionlang/diffusion/any_denoiser.hpp>
-#include <motionlang/systems/stmc.hpp>
+#include <motionlang/systems/stmc.ipp>
 #include <motionlang/weights/detail/run_reader.hpp>
 #include <motionlang/weights/text_encoder_folder.hpp>
 

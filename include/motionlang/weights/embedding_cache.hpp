@@ -13,7 +13,7 @@
 /// Atomicity  every file is replaced as a whole, the index last, and none before all of them are made. Files of two
 ///            caches (a reader came in between, or the disk is full) are refused where their numbers of rows or texts
 ///            differ, and only there
-/// Source     spec text-encoders.md, section 11
+/// Source     the folders token_embeddings and sent_embeddings of TMR, text_embeddings of STMC
 #pragma once
 
 #include <optional>       // slices that may be missing

@@ -4,7 +4,7 @@
 ///     stem_data.npy    (words, 300)
 ///     stem_words.pkl   list of words
 ///     stem_idx.pkl     word -> row
-/// Source  spec text-encoders.md, section 6
+/// Source  Guo et al. (CVPR 2022), TM2T utils/word_vectorizer.py WordVectorizerV2
 #pragma once
 
 #include <motionlang/file/file_path.hpp>

@@ -3,7 +3,7 @@
 ///
 ///     const auto evaluator = load_guo_evaluator<B>(open_weights("text_mot_match/model/finest.tar", {.path = ""}));
 ///
-/// Source  Guo et al. (CVPR 2022), networks/evaluator_wrapper.py; spec evaluation-guo.md 2
+/// Source  Guo et al. (CVPR 2022), text-to-motion networks/evaluator_wrapper.py
 #pragma once
 
 #include <motionlang/metrics/guo_evaluator.hpp>

@@ -2,13 +2,14 @@
 /// MDM's models of actions (HumanAct12, UESTC), and of HumanAct12 without its actions (--unconstrained), from the
 /// folders in which their repository leaves them.
 ///
-///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));      // args.json,
-///     model000750000.pt const auto motions = run.model.generate(actions, Philox{.seed = 7});
+///     // args.json, model000750000.pt
+///     const auto run = load_mdm_action_run<B>(find_run("save/humanact12/my_model"));
+///     const auto motions = run.model.generate(actions, Philox{.seed = 7});
 ///
 /// Differs   from models of texts: motions are rotations in 6D and the way of the root, not normalised, of 60 frames; a
 ///           model that was trained without empty actions (cond_mask_prob 0, as the published command has it) is not
 ///           guided
-/// Source    spec mdm.md 3, 3.1, 3.5
+/// Source    MDM model/mdm.py; its training program writes args.json and model*.pt
 /// Throws    as weights/diffusion_run.hpp
 #pragma once
 

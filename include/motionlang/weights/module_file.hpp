@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
-/// Parameters of modules in files of weights: paths of fields are the names of tensors. Any TensorSet will do:
-/// SafetensorsFile, WeightFile.
+/// Parameters of modules in files of weights: paths of fields are the names of tensors.
+///
+///     save_module("model.safetensors", model);
+///     load_module(model, "model.safetensors");                          // into a model of the same sizes
+///     load_module(model, open_weights("logs/last.ckpt"), "denoiser.");   // any TensorSet (weights/weight_file.hpp)
 #pragma once
 
 #include <algorithm>  // find_if
@@ -8,6 +11,8 @@
 #include <cmath>      // isfinite
 #include <cstdint>    // bit patterns
 #include <limits>     // infinity
+#include <map>        // metadata
+#include <optional>   // the type of the module's numbers
 #include <set>        // names
 
 #include <motionlang/core/buffer_pool.hpp>
@@ -308,6 +313,23 @@ void load_module(M& module, const TensorSet& file, const std::string& prefix = "
   const KeyReport report = load_module_partly(module, file, prefix, use);
   if (report.missing.empty() && report.unexpected.empty()) return;
   detail::raise_key_mismatch(file.name(), report);
+}
+/// The same from a safetensors file, as save_module writes it.
+template <Module M>
+void load_module(M& module, const FilePath& path, LoadFor use = LoadFor::any_use) {
+  load_module(module, SafetensorsFile::open(path), "", use);
+}
+
+/// Writes all tensors of a module into a safetensors file, without its sizes and options: the caller makes the module,
+/// load_module fills it. `dtype` is that of the module's numbers unless given. Throws io_error 401, and what
+/// TensorStore::add throws.
+template <Module M>
+void save_module(const FilePath& path, const M& module, std::optional<DType> dtype = {},
+                 const std::map<std::string, std::string>& metadata = {{"format", "pt"}}) {
+  constexpr bool is_double = std::is_same_v<typename module_backend<M>::scalar, double>;
+  TensorStore store;
+  store.add_module(module, "", dtype.value_or(is_double ? DType::F64 : DType::F32));
+  write_safetensors(path, store.views(), metadata);
 }
 
 MOTIONLANG_NAMESPACE_END

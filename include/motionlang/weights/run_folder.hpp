@@ -21,7 +21,7 @@
 ///                whoever trained it
 /// Statistics     mean and std (TEMOS: jfeats_mean, rfeats_mean ...), .pt or .npy, in the folder itself or in stats,
 ///                *_stats or meta
-/// Source         spec weights.md 9; actor.md 3.2, temos.md 3.2, tmr.md 3.2, mdm.md 2.2, 3.5, 4.4, tm2t.md 6
+/// Source         what the training programs of these repositories write (EQUATIONS.md lists the repositories)
 #pragma once
 
 #include <algorithm>   // any_of
@@ -61,6 +61,12 @@ std::vector<FileValue> options_of_config(const RunFolder& run);
 /// Looks at a folder. What is missing stays empty: it is an error of whoever needs it.
 /// Throws  io_error 401 if it cannot be listed, and what read_options throws
 RunFolder find_run(const FilePath& path);
+
+/// A model is a file, or a folder with one *.safetensors file in it, besides checkpoint.safetensors. Throws io_error
+/// 401.
+std::filesystem::path stmc_model_file(const std::filesystem::path& path);
+/// Where the model of a training is: train-tmr and its like put it into a folder `model` in theirs.
+std::filesystem::path found_model_folder(const FilePath& path);
 
 MOTIONLANG_NAMESPACE_END
 

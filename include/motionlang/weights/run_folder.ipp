@@ -195,4 +195,22 @@ MOTIONLANG_BODY RunFolder find_run(const FilePath& path) {
   return run;
 }
 
+MOTIONLANG_BODY std::filesystem::path found_model_folder(const FilePath& path) {
+  const std::filesystem::path folder = path.string(), inside = folder / "model";
+  return !std::filesystem::exists(folder / "config.json") && std::filesystem::exists(inside / "config.json") ? inside
+                                                                                                             : folder;
+}
+
+MOTIONLANG_BODY std::filesystem::path stmc_model_file(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) return path;
+  std::vector<std::filesystem::path> found;
+  for (const auto& entry : std::filesystem::directory_iterator(path)) {
+    if (entry.path().extension() == ".safetensors" && entry.path().filename() != "checkpoint.safetensors")
+      found.push_back(entry.path());
+  }
+  if (found.size() != 1)
+    raise<io_error>(401, path.string(), ": ", found.size(), " .safetensors files where one is expected");
+  return found.front();
+}
+
 MOTIONLANG_NAMESPACE_END

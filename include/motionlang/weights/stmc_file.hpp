@@ -7,7 +7,7 @@
 #pragma once
 
 #include <motionlang/core/standard_library.hpp>  // numbers in the metadata
-#include <motionlang/systems/stmc.hpp>
+#include <motionlang/systems/stmc.ipp>
 #include <motionlang/weights/module_file.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN

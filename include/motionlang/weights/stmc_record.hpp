@@ -2,7 +2,8 @@
 /// The record of an STMC run in one safetensors file, for edits in another process.
 ///
 /// Metadata   record = "stmc", format = "1", model (a checksum of the weights), precision (core/precision.hpp), the
-///            generator and the options of the run
+///            generator and the options of the run; for another body than the human one body/parts, the names joined by
+///            " # ", and body/path
 /// Tensors    x0/000, x0/001, ... (timelines * rows, features), normalised; timeline/0, ... (texts, 3): first frame,
 ///            end, body parts as bits; their texts are metadata text/0/0, ...
 #pragma once

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <motionlang/core/precision.hpp>
+#include <motionlang/core/text_lines.hpp>
 #include <motionlang/weights/stmc_record.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -20,12 +21,25 @@ MOTIONLANG_BODY std::string numbered_name(const char* what, std::size_t i) {
   return concat_text(what, '/', digits.size() < 3 ? std::string(3 - digits.size(), '0') : "", digits);
 }
 
-inline Timeline record_timeline(const SafetensorsFile& file, std::size_t m, Index rows) {
+/// The body of a record's timelines.
+inline BodyPartition record_body(const SafetensorsFile& file) {
+  const auto parts = file.metadata().find("body/parts");
+  if (parts == file.metadata().end()) return {};
+  BodyPartNames names{.names = {}, .path = metadata_text(file.metadata(), "body/path", "")};
+  for (std::string_view rest = parts->second; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('#'), rest.size());
+    names.names.emplace_back(trim(rest.substr(0, end)));
+    rest.remove_prefix(std::min(rest.size(), end + 1));
+  }
+  return BodyPartition(names);
+}
+
+inline Timeline record_timeline(const SafetensorsFile& file, const BodyPartition& body, std::size_t m, Index rows) {
   const TensorView& view = file.tensor(numbered_name("timeline", m));
   if (view.shape.rank() != 2 || view.shape[1] != 3)
     raise<io_error>(407, file.name(), ": tensor '", view.name, "' is ", view.shape, ", not (texts, 3)");
   const auto numbers = values_of<double>(view);
-  Timeline out;
+  Timeline out{{}, body};
   for (std::size_t i = 0; 3 * i < numbers.size(); ++i) {
     const auto number = [&](std::size_t column, Index largest) {
       const double x = numbers[3 * i + column];
@@ -37,7 +51,7 @@ inline Timeline record_timeline(const SafetensorsFile& file, std::size_t m, Inde
     if (text == file.metadata().end())
       raise<config_error>(107, file.name(), ": metadata 'text/", m, "/", i, "' is missing");
     out.intervals.push_back(
-        {text->second, number(0, rows), number(1, rows), {static_cast<unsigned>(number(2, BodyParts::all().bits))}});
+        {text->second, number(0, rows), number(1, rows), {static_cast<unsigned>(number(2, body.all().bits))}});
   }
   return out;
 }
@@ -66,6 +80,11 @@ MOTIONLANG_BODY Metadata record_metadata(const RecordAbout& run, const std::stri
       {"clip", sampling.clip ? "1" : "0"},
       {"gaps", o.gaps == Gaps::fill ? "fill" : "refuse"},
       {"hidden", o.hidden == HiddenTexts::refuse ? "refuse" : "ignore"}};
+  if (!run.timelines.empty() && run.timelines.front().body != BodyPartition()) {
+    const BodyPartition& body = run.timelines.front().body;  // that of all, because it is the layout's
+    metadata.emplace("body/parts", join_text(body.names(), " # "));
+    metadata.emplace("body/path", body.name(body.path()));
+  }
   for (std::size_t m = 0; m < run.timelines.size(); ++m) {
     std::vector<double> rows;
     for (const Interval& i : run.timelines[m].intervals) {
@@ -105,8 +124,9 @@ MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const std::
                  .hidden = word("hidden") == "ignore" ? HiddenTexts::ignore : HiddenTexts::refuse};
   if (word("noise_scale") == "posterior_std") out.options.sampling->noise_scale = NoiseScale::posterior_std;
   const Index timelines = metadata_size(m, "timelines", latest_time, name);
+  const BodyPartition body = record_body(file);
   for (Index i = 0; i < timelines; ++i) {
-    out.timelines.push_back(record_timeline(file, static_cast<std::size_t>(i), out.rows));
+    out.timelines.push_back(record_timeline(file, body, static_cast<std::size_t>(i), out.rows));
   }
   return out;
 }

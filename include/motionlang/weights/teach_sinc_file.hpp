@@ -8,7 +8,7 @@
 ///          which the code passes over
 /// Ignored  tables of positions, DistilBERT (textencoder.text_model.*), sums of losses, metrics, SINC's eval_model.*
 /// Throws   as weights/text_motion_file.hpp
-/// Source   spec teach.md 2.4, sinc.md 2.4
+/// Source   TEACH teach/model/teach.py, SINC sinc/model/sinc.py: names of the modules; tensors of their checkpoints
 #pragma once
 
 #include <motionlang/systems/sinc.hpp>

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 /// Text encoders from the folders and files in which they are published, whatever network is in them.
 ///
-///     const auto clip = load_text_encoder<B>("clip-vit-base-patch32", clip_sentences());       // Hugging Face: a
-///     folder
-///     const auto same = load_text_encoder<B>("ViT-B-32.pt", clip_sentences());                 // OpenAI: vocabulary
-///     beside it
-///     const auto words = load_text_encoder<B>("distilbert-base-uncased");                      // the states of all
-///     words
+///     // Hugging Face: a folder. OpenAI: a file, the vocabulary beside it.
+///     const auto clip = load_text_encoder<B>("clip-vit-base-patch32", clip_sentences());
+///     const auto same = load_text_encoder<B>("ViT-B-32.pt", clip_sentences());
+///     // The states of all words.
+///     const auto words = load_text_encoder<B>("distilbert-base-uncased");
 ///
 /// Hugging Face  config.json with model_type clip, clip_text_model, distilbert, bert or mpnet; weights
 ///               (weights/run_folder.hpp); a tokenizer.json, vocab.txt, or vocab.json with merges.txt

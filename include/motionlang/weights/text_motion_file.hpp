@@ -2,8 +2,7 @@
 /// TEMOS and TMR from their published checkpoints: sizes come from the shapes of the tensors.
 ///
 ///     const auto tmr = load_tmr<B>(open_weights(folder), find_run(folder));   // last_weights/*.pt, or a .ckpt
-///     const auto temos = load_temos<B>(open_weights("last.ckpt"));            // with statistics and texts:
-///     weights/vae_run.hpp
+///     const auto temos = load_temos<B>(open_weights("last.ckpt"));            // with statistics: weights/vae_run.hpp
 ///
 /// Heads    do not show in shapes: from the options of the run, else 4, which is what both papers' models have. TEMOS'
 ///          options ask for 6 under a misspelled name, which its code passes over
@@ -11,7 +10,7 @@
 /// Throws   io_error 406, 407 if names or shapes do not match; numeric_error 301 for NaN and infinity;
 ///          config_error 101 if the heads do not divide the width, 102 where options and tensors differ, or the file is
 ///          too small for a network of its sizes
-/// Source   spec temos.md 2, 3.1; tmr.md 3
+/// Source   TEMOS temos/model/temos.py, TMR src/model/temos.py and src/model/tmr.py: names of the modules
 #pragma once
 
 #include <motionlang/systems/temos.hpp>

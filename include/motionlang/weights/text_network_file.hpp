@@ -2,8 +2,9 @@
 /// Text networks from the files of Hugging Face and OpenAI.
 ///
 ///     const auto document = read_json("distilbert/config.json");
-///     const auto network = load_text_network<DistilBert<B>>(JsonView(document, "config.json"),
-///     open_weights("model.safetensors")); const auto clip = load_clip_text<B>(open_weights("ViT-B-32.pt"));
+///     const JsonView config(document, "config.json");
+///     const auto network = load_text_network<DistilBert<B>>(config, open_weights("model.safetensors"));
+///     const auto clip = load_clip_text<B>(open_weights("ViT-B-32.pt"));
 ///
 /// Prefix   what stands before the name of the word embedding ("embeddings.word_embeddings.weight",
 ///          "token_embedding.weight") stands before all names of the network: "distilbert.", "bert.",
@@ -19,7 +20,8 @@
 ///          whenever they are used
 /// Throws   config_error 103 for another model_type, activation or position_embedding_type, 101 for impossible sizes,
 ///          102 for sizes far above those of the file; io_error 406, 407 if names or shapes do not match
-/// Source   spec text-encoders.md, sections 2 to 5
+/// Source   huggingface/transformers, modeling_distilbert.py, modeling_bert.py, modeling_mpnet.py, modeling_clip.py;
+///          openai/CLIP clip/model.py
 #pragma once
 
 #include <deque>  // stacked tensors

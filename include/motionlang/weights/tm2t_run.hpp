@@ -4,7 +4,7 @@
 ///     const auto run = load_tm2t_run<B>(find_run("checkpoints/t2m/T2M_Seq2Seq_NML1_Ear_SME0_N"));
 ///     const auto motions = run.model.generate(run.words.encode<B>(texts), Philox{.seed = 7});        // features
 ///     const auto other = load_tm2t_describer<B>(find_run("checkpoints/t2m/M2T_EL4_DL4_NH8_PS"));
-///     const auto texts = other.model.describe(features, other.words);
+///     const auto described = other.model.describe(features, other.words);
 ///
 /// Three places: the folder of the recurrent model or of the transformer (opt.txt, model/finest.tar); the one of the
 /// motion tokenizer, beside it (its checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one
@@ -13,7 +13,7 @@
 /// Sizes    from the shapes of the tensors; early or late attention, too, which the options have to agree with. The
 ///          number of heads from the options, 8 unless they say it
 /// Differs  from the published program: `model` has what is in the folder and the tokenizer; the rest of it is empty
-/// Source   spec tm2t.md 1, 2, 4.1, 5, 6
+/// Source   TM2T networks/modules.py, networks/transformer.py, and the files that its training programs write
 /// Throws   io_error 401 for what is missing, saying where it was looked for; 404 for another model; 406, 407 for
 ///          tensors; config_error 102 where the parts do not fit each other
 #pragma once

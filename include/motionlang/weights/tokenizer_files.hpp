@@ -2,7 +2,7 @@
 /// Vocabularies of tokenizers as plain text: vocab.txt of BERT, merges.txt, bpe_simple_vocab_16e6.txt(.gz) of CLIP. The
 /// JSON files are another header, weights/tokenizer_json.hpp.
 ///
-/// Source  spec text-encoders.md 7, 9, 10
+/// Source  google-research/bert tokenization.py, openai/CLIP clip/simple_tokenizer.py, which read these files
 #pragma once
 
 #include <motionlang/file/file_path.hpp>

@@ -5,7 +5,7 @@
 ///
 ///     const AnyTokenizer tokenizer = read_tokenizer("all-mpnet-base-v2");   // a folder
 ///
-/// Source  spec text-encoders.md 9.2, 10
+/// Source  huggingface/tokenizers, what it writes to tokenizer.json
 #pragma once
 
 #include <map>      // tokens

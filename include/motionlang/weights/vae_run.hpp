@@ -11,7 +11,7 @@
 /// TEMOS, TEACH, SINC  with DistilBERT inside of the checkpoint; tokenizer and statistics are in no run folder. Their
 /// folders look alike:
 ///          `lightning_system` tells them apart by their tensors
-/// Source   spec actor.md 3, 8; temos.md 3, 4.4; teach.md 1, 2.4; sinc.md 1, 2.4
+/// Source   what the training programs of ACTOR, TEMOS, TEACH and SINC write
 /// Throws   io_error 401 for a file that is missing, naming it; 404 for variants that are not supported; 406, 407 for
 ///          tensors; config_error 101, 102 where options and tensors differ, 103, 107
 #pragma once

@@ -5,7 +5,7 @@
 ///
 ///     const WeightFile file = open_weights("logs/last.ckpt");
 ///     load_module(model, file, "denoiser.");
-///     if (const FileValue* epoch = file.value("epoch")) ...
+///     if (const FileValue* epoch = file.value("epoch")) use(*epoch);
 ///
 /// Nothing in a file is executed: objects of classes that are not known are skipped, and listed; numbers and texts in
 /// their fields are read as values. Tensors that lie in order in the file are views of it, without a copy.
@@ -14,7 +14,7 @@
 ///          was written with compress=, or gzip) is unpacked in memory: to at most twice the size of the file and 30
 ///          MiB, into which the copies of arrays in another order have to fit, too; what gives more is refused with
 ///          io_error 405, and what is packed with bzip2, xz, lzma, lz4 or zstd with 404: unpack it first
-/// Source   spec weights.md
+/// Source   the readers of the formats: safetensors.hpp, torch_file.hpp, pickle_arrays.hpp, npz.hpp
 #pragma once
 
 #include <motionlang/file/file_value.hpp>

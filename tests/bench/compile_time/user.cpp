@@ -12,6 +12,6 @@ int main() {
   const auto timeline = ml::parse_timeline(
       "walk forward # 0.0 # 6.0 # legs\n"
       "raise both arms # 2.0 # 5.0 # left arm # right arm\n");
-  const ml::Tensor<B, 2> features = stmc.generate(timeline, ml::Philox{.seed = 7});
-  std::printf("%zu frames\n", ml::stmc_motion(features).local.size());
+  const ml::Motion motion = ml::generate_motion(stmc, timeline, {.seed = 7});
+  std::printf("%zu frames\n", motion.local.size());
 }

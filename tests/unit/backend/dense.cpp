@@ -1,6 +1,7 @@
 // Dense storage: who shares memory with whom.
 #include <doctest/doctest.h>
 
+#include <motionlang/backend/dense.hpp>
 #include <motionlang/backend/dense_ops.hpp>
 
 namespace ml = motionlang;

@@ -4,13 +4,14 @@
 #include <motionlang/c/motionlang_c.h>
 #include <motionlang/compose/cut_texts.hpp>
 #include <motionlang/formats/bvh.hpp>
-#include <motionlang/formats/glb_writer.hpp>
+#include <motionlang/formats/motion_file.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
 #include <motionlang/stmc.hpp>
 
 #include "../../support/rigs.hpp"
+#include "../../support/synthetic_motion.hpp"
 #include "../../support/temporary_folder.hpp"
 
 namespace ml = motionlang;
@@ -204,4 +205,165 @@ TEST_CASE("what is wrong has an id and a message") {
   CHECK(motionlang_set_threads(2) == 0);
   motionlang_free_model(nullptr);
   motionlang_free_motion(nullptr);
+}
+
+namespace {
+
+struct Several {
+  motionlang_motions* motions = nullptr;
+  Several() = default;
+  Several(const Several&) = delete;
+  Several& operator=(const Several&) = delete;
+  ~Several() { motionlang_free_motions(motions); }
+};
+
+}  // namespace
+
+TEST_CASE("several timelines become several motions") {
+  motionlang_options options = motionlang_default_options();
+  options.seed = 5, options.steps = 3;
+  Several two;
+  REQUIRE(motionlang_generate_motions(model(), "walk # 0 # 1\n\nsit down # 0 # 2\n", &options, &two.motions) == 0);
+  CHECK(motionlang_motions_count(two.motions) == 2);
+  Made first;
+  REQUIRE(motionlang_generate(model(), "walk # 0 # 1\n", &options, &first.motion) == 0);
+  const motionlang_motion* same = motionlang_motions_at(two.motions, 0);
+  CHECK(motionlang_frames(same) == 20);
+  CHECK(motionlang_frames(motionlang_motions_at(two.motions, 1)) == 40);
+  std::vector<float> a(60), b(60);
+  CHECK(motionlang_root(same, a.data(), 60) == 0);
+  CHECK(motionlang_root(first.motion, b.data(), 60) == 0);
+  CHECK(a == b);
+  CHECK(motionlang_generate_motions(model(), "walk # 2 # 1\n", &options, &two.motions) == 504);
+}
+
+TEST_CASE("every format is read and written, from files and from memory") {
+  const TemporaryFolder folder;
+  const ml::Motion walk = synthetic::walk({.frames = 20});
+  const std::string bvh = (folder / "walk.bvh").string();
+  ml::write_bvh(bvh, walk);
+  Made read;
+  REQUIRE(motionlang_read_motion(bvh.c_str(), &read.motion) == 0);
+  CHECK(std::string(motionlang_motion_name(read.motion)) == "walk");
+  for (const char* kind : {".bvh", ".glb", ".npz", ".npy", ".html", ".svg", ".png"}) {
+    CAPTURE(kind);
+    const std::string file = (folder / (std::string("a") + kind)).string();
+    CHECK(motionlang_write_motion(read.motion, file.c_str()) == 0);
+    motionlang_bytes* bytes = nullptr;
+    REQUIRE(motionlang_motion_bytes(read.motion, kind, &bytes) == 0);
+    const std::string contents = ml::read_file(file);
+    CHECK(std::string_view(static_cast<const char*>(motionlang_bytes_data(bytes)),
+                           static_cast<std::size_t>(motionlang_bytes_size(bytes))) == contents);
+    motionlang_free_bytes(bytes);
+    if (!ml::is_motion_file(file)) continue;
+    Several from_file, from_memory;
+    REQUIRE(motionlang_read_motions(file.c_str(), nullptr, &from_file.motions) == 0);
+    REQUIRE(motionlang_parse_motions(contents.data(), std::ssize(contents), file.c_str(), nullptr,
+                                     &from_memory.motions) == 0);
+    CHECK(motionlang_frames(motionlang_motions_at(from_memory.motions, 0)) == 20);
+    CHECK(motionlang_motions_count(from_file.motions) == 1);
+    CHECK(motionlang_frames(motionlang_motions_at(from_file.motions, 0)) == 20);
+    CHECK(std::string(motionlang_motions_notes(from_file.motions)).empty());
+  }
+  const motionlang_motion* both[] = {read.motion, read.motion};
+  const std::string glb = (folder / "both.glb").string();
+  CHECK(motionlang_write_motions(both, 2, glb.c_str()) == 0);
+  Several again;
+  motionlang_read_options options = motionlang_default_read_options();
+  options.fps = 10;
+  REQUIRE(motionlang_read_motions(glb.c_str(), &options, &again.motions) == 0);
+  CHECK(motionlang_motions_count(again.motions) == 2);
+  CHECK(motionlang_fps(motionlang_motions_at(again.motions, 1)) == 10);
+  CHECK(motionlang_motions_at(again.motions, 2) == nullptr);
+
+  options.up = 'x';
+  CHECK(motionlang_read_motions(glb.c_str(), &options, &again.motions) == 103);
+  CHECK(motionlang_read_motions(nullptr, nullptr, &again.motions) == 101);
+  CHECK(motionlang_parse_motions(nullptr, 3, "a.bvh", nullptr, &again.motions) == 101);
+  CHECK(motionlang_parse_motions("x", -1, "a.bvh", nullptr, &again.motions) == 101);
+  CHECK(motionlang_write_motions(both, 2, "a.bvh") == 103);
+  CHECK(motionlang_write_motions(nullptr, 2, "a.glb") == 101);
+  CHECK(motionlang_write_motions(both, -1, "a.glb") == 101);
+  motionlang_bytes* none = nullptr;
+  CHECK(motionlang_motion_bytes(read.motion, ".fbx", &none) == 103);
+  CHECK(motionlang_bytes_data(nullptr) == nullptr);
+  CHECK(motionlang_bytes_size(nullptr) == 0);
+  CHECK(motionlang_motions_count(nullptr) == 0);
+  CHECK(std::string(motionlang_motions_notes(nullptr)).empty());
+  CHECK(std::string(motionlang_motion_name(nullptr)).empty());
+  motionlang_free_motions(nullptr);
+  motionlang_free_bytes(nullptr);
+}
+
+TEST_CASE("an index is made, updated and searched by words and by a motion") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "clips");
+  ml::write_bvh(folder / "clips/walk.bvh", synthetic::walk({.frames = 80}));
+  ml::write_bvh(folder / "clips/jump.bvh", synthetic::jump());
+  const std::string clips = (folder / "clips").string(), file = (folder / "moves.index").string();
+  struct Calls {
+    int64_t count = 0, total = 0;
+    int32_t go_on = 1;
+  } calls;
+  motionlang_index_options options = motionlang_default_index_options();
+  CHECK(motionlang_update_index(file.c_str(), clips.c_str(), &options, nullptr) == 101);  // no model
+  CHECK(told("model of a new index is NULL"));
+  options.model = MOTIONLANG_BUNDLED_TMR, options.license = "CC0", options.user = &calls;
+  options.progress = [](void* user, int64_t, int64_t total) -> int32_t {
+    auto& c = *static_cast<Calls*>(user);
+    ++c.count, c.total = total;
+    return c.go_on;
+  };
+  motionlang_index_report report{};
+  REQUIRE(motionlang_update_index(file.c_str(), clips.c_str(), &options, &report) == 0);
+  CHECK(report.clips == 2);
+  CHECK(report.added == 2);
+  CHECK(calls.count == 1);
+  CHECK(calls.total == 2);
+  REQUIRE(motionlang_update_index(file.c_str(), clips.c_str(), nullptr, &report) == 0);
+  CHECK(report.unchanged == 2);
+  CHECK(report.added == 0);
+  options.again = 1, calls.go_on = 0;
+  CHECK(motionlang_update_index(file.c_str(), clips.c_str(), &options, &report) == MOTIONLANG_CANCELLED);
+  CHECK(report.clips == 2);
+
+  motionlang_index* index = nullptr;
+  REQUIRE(motionlang_open_index(file.c_str(), nullptr, nullptr, &index) == 0);
+  CHECK(motionlang_index_clips(index) == 2);
+  motionlang_hits* hits = nullptr;
+  REQUIRE(motionlang_search_text(index, "a person walks forward", nullptr, &hits) == 0);
+  REQUIRE(motionlang_hits_count(hits) == 2);
+  motionlang_hit best{}, second{};
+  CHECK(motionlang_hits_at(hits, 0, &best) == 0);
+  CHECK(motionlang_hits_at(hits, 1, &second) == 0);
+  CHECK(std::string(best.path).ends_with("walk.bvh"));
+  CHECK(std::string(best.license) == "CC0");
+  CHECK(std::string(best.caption).empty());
+  CHECK(std::string(best.name).empty());
+  CHECK(best.score > second.score);
+  CHECK(best.end == doctest::Approx(4));
+  CHECK(motionlang_hits_at(hits, 2, &best) == 203);
+  motionlang_free_hits(hits);
+
+  Made jump;
+  REQUIRE(motionlang_read_motion((folder / "clips/jump.bvh").string().c_str(), &jump.motion) == 0);
+  motionlang_search_options how = motionlang_default_search_options();
+  how.top = 3, how.what = MOTIONLANG_SEARCH_MOMENTS;
+  REQUIRE(motionlang_search_motion(index, jump.motion, &how, &hits) == 0);
+  CHECK(motionlang_hits_count(hits) == 3);
+  motionlang_free_hits(hits);
+  how.what = 7;
+  CHECK(motionlang_search_text(index, "x", &how, &hits) == 103);
+  CHECK(motionlang_search_text(index, nullptr, nullptr, &hits) == 101);
+  CHECK(motionlang_search_text(nullptr, "x", nullptr, &hits) == 101);
+  CHECK(hits == nullptr);
+  motionlang_free_index(index);
+
+  CHECK(motionlang_open_index("/nowhere/moves.index", nullptr, nullptr, &index) == 401);
+  CHECK(motionlang_open_index(file.c_str(), "/nowhere", nullptr, &index) == 401);
+  CHECK(index == nullptr);
+  CHECK(motionlang_index_clips(nullptr) == 0);
+  CHECK(motionlang_hits_count(nullptr) == 0);
+  motionlang_free_index(nullptr);
+  motionlang_free_hits(nullptr);
 }

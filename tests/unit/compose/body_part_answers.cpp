@@ -3,6 +3,7 @@
 
 #include <sstream>  // prints sets of parts
 
+#include <motionlang/compose/body_part_answers.hpp>
 #include <motionlang/datasets/body_part_table.hpp>
 #include <motionlang/file/json_members.hpp>
 

@@ -1,4 +1,5 @@
 // Cutting timelines, who owns which part, overlap around cuts, frames and seconds.
+#include <motionlang/compose/intervals.hpp>
 #include <motionlang/compose/overlap.hpp>
 #include <motionlang/compose/sinc_assignment.hpp>
 #include <motionlang/core/python_random.hpp>

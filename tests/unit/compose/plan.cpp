@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <motionlang/compose/plan.hpp>
+#include <motionlang/compose/plan_options.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/core/numpy_random.hpp>
 #include <motionlang/core/python_random.hpp>
@@ -17,7 +18,7 @@ namespace {
 
 const ml::Timeline worked_example{{{"A", 0, 60, ml::BodyParts{}.with(legs)},
                                    {"B", 60, 100, ml::BodyParts{}.with(legs).with(spine)},
-                                   {"C", 30, 80, ml::BodyParts{}.with(right_arm)}}};  // spec: stmc.md 3.9
+                                   {"C", 30, 80, ml::BodyParts{}.with(right_arm)}}};  // checked by hand
 
 std::vector<ml::Slice> of_part(const std::vector<ml::Slice>& slices, ml::BodyPart part) {
   std::vector<ml::Slice> out;

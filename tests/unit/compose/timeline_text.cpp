@@ -28,7 +28,7 @@ std::string refusal(std::string_view text, const ml::TimelineTextOptions& option
   }
 }
 
-constexpr std::string_view example =  // spec: stmc.md 1
+constexpr std::string_view example =  // in the form of STMC's demo files
     "stroll along a wall # 0.0 # 5.5 # legs\n"
     "crouch quickly # 5.5 # 8.0 # legs # spine\n"
     "scratch the chin # 2.25 # 6.5 # right arm # head\n"
@@ -183,7 +183,7 @@ TEST_CASE("baselines of timelines of every size") {
   };
   CHECK(one("a # 1 # 2 # legs") == "a # 0.0 # 1.0 # legs\n\n");
   CHECK(one("a # 0 # 6 # legs\nb # 6 # 12 # head") == "a and then b # 0.0 # 9.8 # head # legs\n\n");
-  // spec: stmc.md 5, "T0 and then T1 while T2", parts = union
+  // STMC mtt/create_baselines.py: "T0 and then T1 while T2", parts = union
   CHECK(one("a # 0 # 1 # legs\nb # 1 # 2 # head\nc # 0 # 2 # spine\nd # 0 # 3 # left arm\ne # 1 # 2 # legs") ==
         "a and then b while c # 0.0 # 3.0 # head # left arm # legs # spine\n\n");
   CHECK(ml::one_text({}).intervals.empty());

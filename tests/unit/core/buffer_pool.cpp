@@ -5,6 +5,7 @@
 #include <thread>
 
 #include <motionlang/core/buffer_pool.hpp>
+#include <motionlang/core/text_lines.hpp>
 
 namespace ml = motionlang;
 using ml::BufferPool, ml::detail::BufferHandle;

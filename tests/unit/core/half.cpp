@@ -8,7 +8,7 @@
 
 namespace ml = motionlang;
 
-TEST_CASE("known pairs") {  // spec: weights.md 10.8
+TEST_CASE("known pairs") {  // IEEE 754 binary16
   CHECK(ml::half_to_float(0x3C00) == 1.0f);
   CHECK(ml::half_to_float(0x7BFF) == 65504.0f);
   CHECK(ml::half_to_float(0x0001) == 5.960464477539063e-08f);

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/core/lane.hpp>
+#include <motionlang/core/scalar_math.hpp>
 
 #include <cmath>
 #include <limits>

@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
+#include <motionlang/core/mt19937.hpp>
 #include <motionlang/core/numpy_random.hpp>
 #include <motionlang/core/python_random.hpp>
+#include <motionlang/core/sort.hpp>
 #include <motionlang/core/torch_random.hpp>
 
 namespace ml = motionlang;
@@ -131,7 +133,7 @@ TEST_CASE("PyTorch: the low 32 bits of the seed count") {
   TorchRandom(6).normal(std::span<float>(c));
   CHECK(a == b);
   CHECK(a != c);
-  std::vector<float> known(3 * 16);  // temos.md 7: seed 0 starts with these
+  std::vector<float> known(3 * 16);  // torch.manual_seed(0) starts with these
   TorchRandom(0).normal(std::span<float>(known));
   CHECK(known[0] == doctest::Approx(-1.12584).epsilon(1e-5));
   CHECK(known[1] == doctest::Approx(-1.15236).epsilon(1e-5));

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include <motionlang/core/activation.hpp>
 #include <motionlang/core/shape.hpp>
 
 namespace ml = motionlang;

@@ -8,6 +8,7 @@
 #include <motionlang/core/detail/decimal.hpp>
 #include <motionlang/core/rng.hpp>
 #include <motionlang/core/standard_library.hpp>
+#include <motionlang/datasets/described_motions.hpp>
 
 #include "../../support/check_error.hpp"
 

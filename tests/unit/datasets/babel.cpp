@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/datasets/babel.hpp>
+#include <motionlang/datasets/babel_segment.hpp>
 #include <motionlang/datasets/kit_recordings.hpp>
 
 #include "../../support/check_error.hpp"

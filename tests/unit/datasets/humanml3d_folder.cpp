@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include <motionlang/datasets/humanml3d_folder.hpp>
+#include <motionlang/datasets/humanml3d_texts.hpp>
 #include <motionlang/features/statistics.hpp>
 #include <motionlang/file/id_list.hpp>
 #include <motionlang/file/npy.hpp>

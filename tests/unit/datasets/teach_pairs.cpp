@@ -9,7 +9,7 @@ using Pairs = std::vector<ml::ActionPair>;
 
 namespace {
 
-/// The example of spec teach.md 4.2, not in order.
+/// An annotated sequence as BABEL has them, not in order.
 const Segments example{{0, 30, "t-pose"},         {135, 195, "turn left"},      {27, 42, "transition"},
                        {39, 150, "walk forward"}, {60, 120, "wave right hand"}, {186, 225, "transition"},
                        {210, 270, "sit down"},    {270, 330, "stand up"}};

@@ -1,5 +1,5 @@
 // The names, shapes and numbers of parameters of the published models, at their published sizes.
-// Source: spec mdm.md 2.1, 3.5 and 4.4, written down from the checkpoints.
+// Source: written down from the checkpoints of nv-tlabs/stmc, MDM and MotionDiffuse.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/diffusion/mdm.hpp>
 #include <motionlang/diffusion/mdm_smpl.hpp>

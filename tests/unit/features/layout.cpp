@@ -12,7 +12,7 @@ namespace ml = motionlang;
 using enum ml::BodyPart;
 using Ranges = std::vector<ml::IndexRange>;
 
-TEST_CASE("smplrifke") {  // spec: stmc.md 2
+TEST_CASE("smplrifke") {  // STMC src/bptools.py
   const auto layout = ml::smplrifke_layout();
   CHECK(layout.size == 205);
   layout.validate();
@@ -86,6 +86,38 @@ TEST_CASE("own layouts") {
   CHECK_THROWS_WITH_AS(ml::smplrifke_layout(ml::smpl_part_of_joint, 25), doctest::Contains("[motionlang.config.101]"),
                        ml::config_error);
   CHECK_THROWS_AS(ml::guoh3dfeats_layout({}), ml::config_error);
+}
+
+TEST_CASE("layouts of other bodies: the part with the path has what belongs to the root") {
+  const ml::BodyPartition halves({.names = {"upper", "lower", "a", "b", "c", "d"}, .path = "lower"});
+  const std::vector<ml::BodyPart> parts{ml::BodyPart{1}, ml::BodyPart{0}, ml::BodyPart{5}};
+  const auto guo = ml::guoh3dfeats_layout(parts, halves), rifke = ml::rifke_layout(parts, halves),
+             smpl = ml::smplrifke_layout(parts, 2, halves), actor = ml::actor_layout(parts, {}, halves),
+             velp = ml::smplvelp_layout(parts, ml::PoseRepresentation::rot6d, halves);
+  for (const auto& layout : {guo, rifke, smpl, actor, velp}) {
+    layout.validate();
+    CHECK(layout.body == halves);
+    CHECK_FALSE(layout.ranges(ml::BodyPart{0}).empty());
+    CHECK_FALSE(layout.ranges(ml::BodyPart{5}).empty());
+    CHECK(layout.ranges(ml::BodyPart{2}).empty());
+  }
+  CHECK(guo.ranges(ml::BodyPart{1}) == Ranges{{0, 4}, {22, 25}, {31, 35}});  // root, velocity of joint 0, contacts
+  CHECK(rifke.ranges(ml::BodyPart{1}) == Ranges{{0, 1}, {7, 10}});
+  CHECK(smpl.ranges(ml::BodyPart{1}) == Ranges{{0, 10}});
+  CHECK(actor.ranges(ml::BodyPart{1}) == Ranges{{0, 6}, {18, 24}});
+  CHECK(velp.ranges(ml::BodyPart{1}) == Ranges{{0, 9}});
+
+  auto broken = rifke;
+  broken.body = {};
+  CHECK_THROWS_WITH_AS(broken.validate(),
+                       doctest::Contains("[motionlang.config.102] FeatureLayout 'rifke': range 4:7 "
+                                         "belongs to part 5 of 5"),
+                       ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::rifke_layout(parts), doctest::Contains("number 4 belongs to part 5 of 5"), ml::config_error);
+  CHECK_THROWS_WITH_AS(
+      ml::FeatureLayout::from_owner("own", 3, halves, [](ml::Index i) { return i - 1; }),
+      doctest::Contains("[motionlang.config.102] FeatureLayout 'own': number 0 belongs to part -1 of 6"),
+      ml::config_error);
 }
 
 TEST_CASE("statistics of clips are those of all frames together") {

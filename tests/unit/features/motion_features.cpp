@@ -203,21 +203,21 @@ TEST_CASE("the tables of meanings have the ranges and units of the publications"
     std::string_view begins, unit;
   };
   const std::vector<Published> published{
-      {"guoh3d", 0, {0, 1}, "half the turn", "rad/frame"},  // humanml3d-features.md 6
+      {"guoh3d", 0, {0, 1}, "half the turn", "rad/frame"},  // HumanML3D motion_representation.ipynb
       {"guoh3d", 1, {1, 3}, "velocity of the root", "m/frame"},
       {"guoh3d", 4, {67, 193}, "rotation", "1"},
       {"guoh3d", 6, {259, 263}, "left ankle, left foot", "1"},
       {"kit", 2, {3, 4}, "height of the root", "m/640"},  // there and 10
       {"kit", 5, {184, 247}, "velocity", "m/640/frame"},
-      {"rifke", 1, {1, 64}, "position", "m"},  // tmr.md 4.1
+      {"rifke", 1, {1, 64}, "position", "m"},  // TMR src/rifke.py
       {"rifke", 2, {64, 65}, "turn of the heading to the next frame", "rad/frame"},
-      {"rifke64", 2, {61, 62}, "turn of the heading since the frame before", "rad/frame"},  // temos.md 4.1
+      {"rifke64", 2, {61, 62}, "turn of the heading since the frame before", "rad/frame"},  // TEMOS rifke.py
       {"rifke64", 3, {62, 64}, "velocity of the root since", "m/640/frame"},
-      {"smplvelp", 1, {1, 3}, "velocity", "m/frame"},  // temos.md 4.2
+      {"smplvelp", 1, {1, 3}, "velocity", "m/frame"},  // TEMOS rots2rfeats/smplvelp.py
       {"smplvelp-published", 2, {3, 9}, "rotation in the world", "1"},
-      {"smplrifke", 2, {3, 4}, "turn of the heading to the next frame", "rad/frame"},  // mdm.md 6
+      {"smplrifke", 2, {3, 4}, "turn of the heading to the next frame", "rad/frame"},  // STMC smplrifke_feats.py
       {"smplrifke", 5, {136, 205}, "position relative to the pelvis", "m"},
-      {"actor", 2, {144, 147}, "way of the root since frame 0", "m"},  // actor.md 4.1
+      {"actor", 2, {144, 147}, "way of the root since frame 0", "m"},  // ACTOR src/datasets/dataset.py
   };
   for (const Published& p : published) {
     CAPTURE(p.name);

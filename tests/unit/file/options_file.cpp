@@ -1,4 +1,5 @@
 // Options of training runs: YAML, JSON, opt.txt, references.
+#include <motionlang/file/file_value.hpp>
 #include <motionlang/file/options_file.hpp>
 
 #include "../../support/check_error.hpp"

@@ -1,5 +1,6 @@
 // The pickle reader: values of every protocol, and files that must be refused. The files are made by
 // tests/tools/make_pickles.py.
+#include <motionlang/file/file_path.hpp>
 #include <motionlang/file/pickle_arrays.hpp>
 
 #include "../../support/check_error.hpp"

@@ -52,7 +52,7 @@ std::string one(std::string_view dtype, std::string_view shape, std::string_view
 
 }  // namespace
 
-TEST_CASE("the example of the specification") {  // weights.md 10.1
+TEST_CASE("a small file, byte by byte") {
   const auto bytes = ml::detail::from_base64(
       "kAAAAAAAAAB7Il9fbWV0YWRhdGFfXyI6eyJmb3JtYXQiOiJwdCJ9LCJiIjp7ImR0eXBlIjoiRjMyIiwic2hhcGUiOlszXSwiZGF0YV9vZmZz"
       "ZXRzIjpbMCwxMl19LCJhIjp7ImR0eXBlIjoiQkYxNiIsInNoYXBlIjpbMl0sImRhdGFfb2Zmc2V0cyI6WzEyLDE2XX19ICAAAIA/AAAgwAAA"

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <motionlang/features/amass_sequence.hpp>
 #include <motionlang/file/npz.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/geometry/so3.hpp>

@@ -18,7 +18,7 @@ namespace {
 
 using body_arrays::array, body_arrays::chain, body_arrays::numbers;
 
-/// The arrays of the tiny body of the spec.
+/// The arrays of the body of tests/support/synthetic_body.hpp.
 std::vector<ml::NamedArray> tiny() {
   const std::vector<std::int64_t> kintree{-1, 0, 1, 1, 0, 1, 2, 3}, f{0, 1, 2, 0, 2, 3, 2, 3, 4};
   return {{"v_template", array(synthetic::template_points(), {5, 3})},

@@ -7,6 +7,7 @@
 #include <string>
 
 #include <motionlang/formats/bvh.hpp>
+#include <motionlang/formats/bvh_text.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/metrics/inspect_motion.hpp>
 

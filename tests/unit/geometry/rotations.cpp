@@ -8,6 +8,7 @@
 #include <motionlang/core/dual.hpp>
 #include <motionlang/core/lane.hpp>
 #include <motionlang/geometry/euler.hpp>
+#include <motionlang/geometry/guo.hpp>
 #include <motionlang/geometry/pytorch3d.hpp>
 #include <motionlang/geometry/slerp.hpp>
 #include <motionlang/geometry/so3.hpp>
@@ -61,7 +62,7 @@ TEST_CASE_TEMPLATE("gimbal lock keeps the rotation and the requested last angle"
   }
 }
 
-TEST_CASE("the angle conventions are those of the exchange formats") {  // spec: exchange-formats, table 1.3
+TEST_CASE("the angle conventions are those of the exchange formats") {  // of BVH and glTF
   const auto r = ml::to_matrix(ml::EulerAngles<double>{0.5, 0.3, -0.7, ml::EulerOrder::parse("ZXY")});
   CHECK(std::asin(r(2, 1)) == doctest::Approx(0.3));
   CHECK(std::atan2(-r(0, 1), r(1, 1)) == doctest::Approx(0.5));

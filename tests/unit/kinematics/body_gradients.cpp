@@ -1,5 +1,5 @@
-// The numbers and properties of spec body-models.md 8: forward pass, joints, and gradients by shape and rotation
-// vectors.
+// Numbers of smplx in double precision for the body of tests/support/synthetic_body.hpp: forward pass, joints, and
+// gradients by shape and rotation vectors.
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/geometry/so3.hpp>
@@ -16,7 +16,7 @@ using tensors::distance;
 
 namespace {
 
-constexpr double printed = 6e-9;  // the spec prints eight decimals
+constexpr double printed = 6e-9;  // eight decimals were printed
 
 template <int R>
 ml::Tensor<B, R> tensor(const std::vector<double>& values, const ml::Shape& shape) {
@@ -44,7 +44,7 @@ ml::Tensor<X, 0> loss(const ml::BodyModel<X>& model, const ml::Tensor<X, 2>& sha
 
 }  // namespace
 
-TEST_CASE("the tiny body of the spec: forward pass") {
+TEST_CASE("the tiny body: forward pass") {
   const auto model = synthetic::body<B>();
   model.validate();
   CHECK(worst(model(betas, no_turn, nowhere).vertices,
@@ -64,7 +64,7 @@ TEST_CASE("the tiny body of the spec: forward pass") {
                              0.61631631, 1.44620272, 0.21791833, 0.60080977, 1.43473677}) < printed);
 }
 
-TEST_CASE("the tiny body of the spec: loss and gradients") {
+TEST_CASE("the tiny body: loss and gradients") {
   const auto model = ml::convert<A>(synthetic::body<B>());
   const auto shape = ml::variable<A>(betas), translation = ml::variable<A>(nowhere);
   const auto axis_angles = ml::variable<A>(pose);

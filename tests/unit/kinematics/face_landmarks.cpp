@@ -2,6 +2,7 @@
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/kinematics/face_landmarks.hpp>
+#include <motionlang/kinematics/surface_points.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/synthetic_body.hpp"

@@ -6,6 +6,7 @@
 #include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/known_skeletons.hpp>
+#include <motionlang/kinematics/limb_ik.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 

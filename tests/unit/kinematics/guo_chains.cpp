@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/geometry/slerp.hpp>
+#include <motionlang/kinematics/chain_kinematics.hpp>
+#include <motionlang/kinematics/guo_chains.hpp>
 #include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/mirror_joints.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>

@@ -8,6 +8,8 @@
 #include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/motion_from_joints.hpp>
 #include <motionlang/kinematics/retarget.hpp>
+#include <motionlang/kinematics/skeleton.hpp>
+#include <motionlang/kinematics/skeleton_table.hpp>
 #include <motionlang/kinematics/standing_skeleton.hpp>
 
 #include "../../support/rigs.hpp"

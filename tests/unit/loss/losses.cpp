@@ -1,6 +1,7 @@
 // Losses by hand: values, gradients where they meet, filtered negatives, what is refused.
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
+#include <motionlang/loss/false_negatives.hpp>
 #include <motionlang/loss/info_nce.hpp>
 #include <motionlang/loss/kl.hpp>
 #include <motionlang/loss/loss_terms.hpp>
@@ -105,6 +106,9 @@ TEST_CASE("InfoNCE: perfect pairs, no pairs, filtered negatives") {
   const std::vector<unsigned char> three(3);
   CHECK_ERROR(ml::info_nce(x, x, 0.1, three), "[motionlang.shape.205] info_nce: a filter of 3 pairs for a batch of 2");
   CHECK_ERROR(filtered(same, 1.5), "[motionlang.config.101] false_negatives: threshold 1.5");
+  CHECK_ERROR(filtered({1, 0, 3, 4}, 0.8), "[motionlang.numeric.302] false_negatives: sentence 1 has length 5, not 1");
+  CHECK(filtered({0, 0, 1, 0}, 0.8) == std::vector<unsigned char>(4));  // a text without words
+  CHECK_ERROR(filtered({std::nan(""), 0, 1, 0}, 0.8), "[motionlang.numeric.302]");
   for (double temperature : {0.0, -0.1, std::nan("")})
     CHECK_ERROR(ml::info_nce(x, x, temperature), "[motionlang.config.101] info_nce: temperature");
 }

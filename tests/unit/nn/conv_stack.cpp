@@ -2,6 +2,8 @@
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/reference.hpp>
 #include <motionlang/nn/conv_stack.hpp>
+#include <motionlang/nn/conv_transpose1d.hpp>
+#include <motionlang/nn/leaky_relu.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/tensors.hpp"

@@ -7,6 +7,7 @@
 #include <motionlang/nn/layer_norm.hpp>
 #include <motionlang/nn/linear_attention.hpp>
 #include <motionlang/nn/positional_encoding.hpp>
+#include <motionlang/nn/text_features.hpp>
 #include <motionlang/nn/timestep_embedding.hpp>
 
 #include "../../support/check_error.hpp"

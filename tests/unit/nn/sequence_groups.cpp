@@ -7,6 +7,7 @@
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
+#include <motionlang/nn/sequence_groups.hpp>
 #include <motionlang/nn/sequence_vae.hpp>
 #include <motionlang/nn/transformer_decoder.hpp>
 #include <motionlang/nn/transformer_encoder.hpp>

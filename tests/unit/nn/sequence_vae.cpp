@@ -2,6 +2,8 @@
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
+#include <motionlang/core/offsets.hpp>
+#include <motionlang/nn/multihead_attention.hpp>
 #include <motionlang/nn/sequence_vae.hpp>
 
 #include "../../support/check_error.hpp"

@@ -88,6 +88,62 @@ TEST_CASE("moments of another model are refused") {
   }
 }
 
+namespace {
+
+/// A module of one member under two names: a path of each is "x.a".
+struct Inner {
+  ml::Tensor<A, 1> a;
+  static constexpr auto fields() { return ml::fields("a", &Inner::a); }
+};
+struct SamePaths {
+  Inner x;
+  ml::Tensor<A, 1> b;
+  static constexpr auto fields() { return ml::fields("x", &SamePaths::x, "x.a", &SamePaths::b); }
+};
+/// A statistic is no parameter.
+struct Statistic {
+  static constexpr bool trainable = false;
+  ml::Tensor<A, 1> mean;
+  static constexpr auto fields() { return ml::fields("mean", &Statistic::mean); }
+};
+struct WithStatistic {
+  Statistic statistic;
+  ml::Tensor<A, 1> used;
+  static constexpr auto fields() {
+    return ml::fields("statistic", &WithStatistic::statistic, "used", &WithStatistic::used);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a parameter that would not be trained is an error, and nothing has changed by then") {
+  auto model = numbers();
+  const auto gradients = with_gradient(model, 1);
+  ml::AdamW<A> adam({.lr = 0.1});
+  model.unused = ml::Tensor<A, 1>::full({1}, 1);
+  CHECK_ERROR(
+      adam.step(model, gradients),
+      "[motionlang.config.102] AdamW: parameter 'unused' is a constant, not a variable: it would not be trained");
+  model.unused = model.used + 1.0;
+  CHECK_ERROR(adam.step(model, gradients), "AdamW: parameter 'unused' is the result of an operation");
+  CHECK(adam.steps() == 0);
+  CHECK(value(model) == 1);
+  adam.config.allow_constants = true;
+  adam.step(model, gradients);
+  CHECK(value(model) < 1);
+
+  const auto constant = ml::Tensor<A, 1>::full({1}, 1);
+  const auto one = ml::Tensor<B, 1>::full({1}, 1);
+  WithStatistic with_statistic{{constant}, ml::variable<A>(one)};
+  ml::AdamW<A> other;
+  other.step(with_statistic, ml::backward(ml::sum(with_statistic.used)));
+  CHECK(other.steps() == 1);
+
+  SamePaths same{{ml::variable<A>(one)}, ml::variable<A>(one)};
+  CHECK_ERROR(other.step(same, ml::backward(ml::sum(same.x.a + same.b))),
+              "[motionlang.config.102] AdamW: two parameters are 'x.a'");
+}
+
 TEST_CASE("clipping: the norm over all gradients, a factor of at most 1, applied before the moments") {
   ml::Philox rng{.seed = 1};
   ml::Linear<A> layer(2, 1, rng);

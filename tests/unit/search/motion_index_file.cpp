@@ -89,7 +89,7 @@ TEST_CASE("index files: what says wrong things about itself") {
     change(tensors, metadata, memory);
     std::vector<ml::TensorView> list;
     for (const auto& [name, t] : tensors) list.push_back(t);
-    if (metadata.contains("checksum")) metadata["checksum"] = ml::detail::index_checksum(list);
+    if (metadata.contains("checksum")) metadata["checksum"] = ml::tensors_checksum(list);
     const auto made = ml::safetensors_bytes(list, metadata);
     ml::MotionIndexFile::from_bytes(made, "x.index");
   };

@@ -6,6 +6,7 @@
 
 #include <motionlang/core/rng.hpp>
 #include <motionlang/metrics/retrieval.hpp>
+#include <motionlang/search/motion_index.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/indexed_motions.hpp"

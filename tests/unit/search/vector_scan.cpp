@@ -7,6 +7,7 @@
 
 #include <motionlang/core/rng.hpp>
 #include <motionlang/search/detail/scan_kernels.hpp>
+#include <motionlang/search/nearest.hpp>
 #include <motionlang/search/vector_scan.hpp>
 
 #include "../../support/check_error.hpp"

@@ -3,7 +3,11 @@
 #include <map>
 
 #include <motionlang/backend/autodiff.hpp>
+#include <motionlang/nn/feed_forward.hpp>
 #include <motionlang/optim/adamw.hpp>
+#include <motionlang/vae/actor_decoder.hpp>
+#include <motionlang/vae/actor_latents.hpp>
+#include <motionlang/vae/actor_losses.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/small_actor.hpp"

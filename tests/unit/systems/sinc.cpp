@@ -2,6 +2,7 @@
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/optim/adamw.hpp>
+#include <motionlang/vae/sinc_text_encoder.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/small_teach_sinc.hpp"

@@ -2,6 +2,8 @@
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/optim/adamw.hpp>
+#include <motionlang/vae/teach_text_encoder.hpp>
+#include <motionlang/vae/teach_training.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/small_teach_sinc.hpp"

@@ -1,5 +1,5 @@
-// Names, shapes and numbers of parameters of TEACH and SINC at their published sizes. Source: specs teach.md 2.4,
-// sinc.md 2.4.
+// Names, shapes and numbers of parameters of TEACH and SINC at their published sizes. Source: written
+// down from the checkpoints of TEACH and SINC.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/systems/sinc.hpp>
 #include <motionlang/systems/teach.hpp>

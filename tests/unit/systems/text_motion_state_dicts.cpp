@@ -1,5 +1,5 @@
-// Names, shapes and numbers of parameters of TEMOS and TMR at their published sizes. Source: spec temos.md 3.1 and 10,
-// tmr.md 3.1.
+// Names, shapes and numbers of parameters of TEMOS and TMR at their published sizes. Source: written
+// down from the checkpoints of Mathux/TEMOS and Mathux/TMR.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/systems/temos.hpp>
 #include <motionlang/systems/tmr.hpp>

@@ -3,6 +3,7 @@
 #include <motionlang/nn/conv1d.hpp>
 #include <motionlang/nn/linear.hpp>
 
+#include "../../support/check_error.hpp"
 #include "../../support/tensors.hpp"
 
 #include <doctest/doctest.h>
@@ -29,6 +30,60 @@ TEST_CASE("tensors are visited by path, options are passed over") {
   CHECK(paths == std::vector<std::string>{"first.weight", "first.bias", "more.0.weight", "more.0.bias"});
   CHECK(ml::parameter_count(two) == 2 * 3 + 3 + 3 + 1);
   CHECK(ml::count_leaves(two) == 5);
+}
+
+TEST_CASE("a layer that was moved from is refused; it can be assigned to") {
+  ml::Philox rng;
+  ml::Linear<B> layer(2, 3, rng);
+  const auto x = tensors::normal<B, 2>({4, 2}, 1);
+  const auto before = layer(x);
+  auto taken = std::move(layer);
+  CHECK_ERROR(layer(x), "[motionlang.shape.201] linear: inner sizes differ: input (4, 2), weight (0)");  // NOLINT
+  CHECK(ml::parameter_count(layer) == 0);
+  CHECK(tensors::same_bits(taken(x), before));
+  layer = std::move(taken);
+  CHECK(tensors::same_bits(layer(x), before));
+  ml::Sequences<B> sequences(x, ml::Offsets{1, 3});
+  const auto kept = std::move(sequences);
+  CHECK(kept.count() == 2);
+  CHECK(sequences.rows.shape() == ml::Shape{0});  // NOLINT
+  CHECK_ERROR(layer(sequences), "[motionlang.shape.201]");
+}
+
+namespace {
+
+/// Names that the compiler cannot look at.
+struct SameNames {
+  ml::Tensor<B, 1> a, b;
+  static auto fields() { return ml::fields("a", &SameNames::a, "a", &SameNames::b); }
+};
+/// One of two optional members is there, under the same name.
+struct OneOfTwo {
+  std::optional<ml::Linear<B>> map;
+  std::optional<ml::LinearMap<B>> other;
+  static constexpr auto fields() { return ml::fields("map", &OneOfTwo::map, "map", &OneOfTwo::other); }
+};
+struct Sizes {
+  static constexpr bool is_option = true;
+  int width = 3;
+};
+struct WithSizes {
+  Sizes sizes;
+  ml::Tensor<B, 1> a;
+  static constexpr auto fields() { return ml::fields("sizes", &WithSizes::sizes, "a", &WithSizes::a); }
+};
+
+}  // namespace
+
+TEST_CASE("two members of one name are refused; a type may say that it holds no tensors") {
+  const SameNames same{ml::Tensor<B, 1>::zeros({1}), ml::Tensor<B, 1>::zeros({1})};
+  CHECK_ERROR(ml::parameter_count(same),
+              "[motionlang.config.102] fields() of a module lists two members by the name 'a'");
+  ml::Philox rng;
+  OneOfTwo one;
+  one.other = ml::LinearMap<B>(2, 3, rng);
+  CHECK(ml::parameter_count(one) == 6);
+  CHECK(ml::parameter_count(WithSizes{{}, ml::Tensor<B, 1>::zeros({4})}) == 4);
 }
 
 TEST_CASE("packed weights give the same numbers, whatever the number of rows") {

@@ -23,7 +23,7 @@ TEST_CASE("values go in and out in row-major order") {
   CHECK(Tensor<2>::full({1, 2}, 0.5).to_vector() == std::vector<float>{0.5, 0.5});
   CHECK(Tensor<0>(7.0).item() == 7);
   CHECK(Tensor<3>(7.0).shape() == ml::Shape{1, 1, 1});  // one number broadcasts against anything
-  CHECK(Tensor<2>::zeros({0, 3}).span().empty());
+  CHECK(Tensor<2>::zeros({0, 3}).to_vector().empty());
 }
 
 template <ml::Backend C>
@@ -76,7 +76,7 @@ TEST_CASE("a tensor that has not been made has no numbers, and nothing can be co
   CHECK_ERROR(Tensor<0>().item(), "[motionlang.shape.205] Tensor::item: shape (0) has 0 elements");
   CHECK_ERROR(none + Tensor<2>::zeros({2, 3}), "[motionlang.shape.202]");
   CHECK_ERROR(ml::exp(none), "[motionlang.shape.206]");
-  CHECK_ERROR(ml::matmul(none, none), "[motionlang.shape.206] matmul: no tensor yet, rank 2 expected");
+  CHECK_ERROR(ml::matmul(none, none), "[motionlang.shape.206] matmul: no tensor yet, or moved from; rank 2 expected");
   CHECK_ERROR(ml::matmul(Tensor<2>::zeros({3, 0}), none), "[motionlang.shape.206]");
   CHECK_ERROR(ml::sum(none), "[motionlang.shape.206]");
   CHECK_ERROR(ml::mean(none, 1), "[motionlang.shape.206]");
@@ -85,6 +85,80 @@ TEST_CASE("a tensor that has not been made has no numbers, and nothing can be co
   CHECK_ERROR(ml::slice(none, 0, 0, 0), "[motionlang.shape.206]");
   CHECK_ERROR(ml::reshape<1>(none, {0}), "[motionlang.shape.206]");
   CHECK_ERROR(ml::softmax(none), "[motionlang.shape.206]");
+}
+
+/// Every operation on x, which is no tensor, beside one that is.
+template <ml::Backend C, int R>
+void check_refused(const ml::Tensor<C, R>& x, const ml::Tensor<C, R>& other) {
+  CHECK_FALSE(x.defined());
+  CHECK(x.shape() == ml::Shape{0});
+  for (const auto& f :
+       {ml::exp<C, R>, ml::log<C, R>, ml::sqrt<C, R>, ml::tanh<C, R>, ml::erf<C, R>, ml::sin<C, R>, ml::cos<C, R>}) {
+    CHECK_ERROR(f(x), "[motionlang.shape.206]");
+  }
+  CHECK_ERROR(x + x, "[motionlang.shape.206]");
+  CHECK_ERROR(x - x, "[motionlang.shape.206]");
+  CHECK_ERROR(x * x, "[motionlang.shape.206]");
+  CHECK_ERROR(x / x, "[motionlang.shape.206]");
+  CHECK_ERROR(x * 2.0, "[motionlang.shape.206]");
+  CHECK_ERROR(1.0 - x, "[motionlang.shape.206]");
+  CHECK_ERROR(-x, "[motionlang.shape.206]");
+  CHECK_ERROR(ml::maximum(x, x), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::atan2(x, x), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::abs(x), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::where_less(x, x, x, x), "[motionlang.shape.206]");
+  CHECK_ERROR(x + other, "[motionlang.shape.20");  // 202 unless they broadcast
+  CHECK_ERROR(ml::sum(x), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::mean(x), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::sum(x, 0), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::max(x, 0), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::slice(x, 0, 0, 0), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::concat(0, x, x), "[motionlang.shape.206]");
+  const std::vector<ml::Tensor<C, R>> list{x, x};
+  CHECK_ERROR(ml::concat(std::span<const ml::Tensor<C, R>>(list), 0), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::gather(x, std::vector<ml::Index>{}), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::scatter_add(x, std::vector<ml::Index>{}, 1), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::reshape<1>(x, {0}), "[motionlang.shape.206]");
+  CHECK_ERROR((ml::broadcast_to<R>(x, x.shape())), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::activate(x, ml::Activation::gelu), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::dropout(x, {}), "[motionlang.shape.206]");
+}
+template <ml::Backend C>
+void check_moved() {
+  auto matrix = ml::Tensor<C, 2>::full({2, 3}, 1);
+  auto list = ml::Tensor<C, 1>::full({3}, 1);
+  const auto taken = std::move(matrix);
+  const auto also_taken = std::move(list);
+  check_refused(matrix, taken);     // NOLINT: what is left after a move is what is tested
+  check_refused(list, also_taken);  // NOLINT
+  CHECK_ERROR(matrix.at(0, 0), "[motionlang.shape.206] Tensor::at");
+  CHECK_ERROR(list.at(0), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::transpose(matrix), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::softmax(matrix), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::self_attention(matrix, ml::Offsets{}, {}), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::attention(matrix, matrix, matrix, ml::Offsets{}, ml::Offsets{}, {}), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::linear<C>(matrix, matrix, nullptr), "[motionlang.shape.206]");
+  CHECK_ERROR(ml::linear<C>(taken, matrix, nullptr), "[motionlang.shape.201]");
+  CHECK_ERROR(ml::layer_norm(taken, list, list), "[motionlang.shape.204]");
+  matrix = ml::Tensor<C, 2>::full({1, 1}, 4);
+  CHECK(matrix.item() == 4);
+  CHECK(ml::Tensor<C, 1>::zeros({0}).defined());  // an empty list is one
+}
+TEST_CASE("a tensor that was moved from is refused by every operation, and can be assigned to") {
+  check_moved<B>();
+  check_moved<ml::ReferenceBackend<double>>();
+  check_moved<ml::Autodiff<B>>();
+}
+
+TEST_CASE("one number by its place") {
+  const auto t = Tensor<3>::from({1, 2, 3, 4, 5, 6}, {1, 2, 3});
+  CHECK(t.at(0, 0, 0) == 1);
+  CHECK(t.at(0, 1, 2) == 6);
+  CHECK(t.at(0U, ml::Index{1}, 0) == 4);
+  CHECK(Tensor<0>(7.0).at() == 7);
+  CHECK_ERROR(t.at(0, 2, 0), "[motionlang.shape.203] Tensor::at: index 2 of axis 1 of shape (1, 2, 3)");
+  CHECK_ERROR(t.at(0, 0, -1), "[motionlang.shape.203]");
+  CHECK_ERROR(t.at(std::size_t(-1), 0, 0), "[motionlang.shape.203]");
 }
 
 TEST_CASE("what does not fit is refused") {

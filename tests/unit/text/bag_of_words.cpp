@@ -47,8 +47,7 @@ TEST_CASE("word piece tokens: a row of the table for each piece") {
   CHECK(both.offsets.length(3) == std::ssize(ids));
   for (std::size_t i = 0; i < ids.size(); ++i) {
     for (ml::Index k = 0; k < 4; ++k)
-      CHECK(both[3].span()[i * 4 + static_cast<std::size_t>(k)] ==
-            tokens.embedding.weight.span()[static_cast<std::size_t>(ids[i] * 4 + k)]);
+      CHECK(both[3].at(static_cast<ml::Index>(i), k) == tokens.embedding.weight.at(ids[i], k));
   }
   static_assert(ml::TextEncoder<ml::WordPieceTokens<B>, B> && ml::TextEncoder<ml::BagOfWords, B>);
 }

@@ -1,5 +1,4 @@
-// BERT's and MPNet's tokenizer on a small vocabulary: ids, frames, added tokens, limits, decoding. Spec
-// text-encoders.md 12.2.
+// BERT's and MPNet's tokenizer on a small vocabulary: ids, frames, added tokens, limits, decoding.
 #include <motionlang/text/bert_tokenizer.hpp>
 
 #include "../../support/check_error.hpp"
@@ -18,7 +17,7 @@ const Words pieces{"[PAD]", "[UNK]", "[CLS]",  "[SEP]",  "[MASK]",   "a",       
 
 }  // namespace
 
-TEST_CASE("BertTokenizer: the rows of the spec") {
+TEST_CASE("BertTokenizer: ids of the original implementation") {
   const BertTokenizer bert(pieces);
   const std::pair<std::string, Ids> rows[] = {
       {"a person walks.", {2, 5, 6, 7, 8, 14, 3}},

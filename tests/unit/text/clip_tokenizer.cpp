@@ -1,5 +1,4 @@
-// CLIP's tokenizer with a few merges: ids, cleaning, frames, threads. The repair of texts. Spec text-encoders.md 9 and
-// 12.2.
+// CLIP's tokenizer with a few merges: ids, cleaning, frames, threads. The repair of texts.
 #include <motionlang/text/clip_tokenizer.hpp>
 #include <motionlang/text/detail/byte_symbols.hpp>
 #include <motionlang/text/text_repair.hpp>
@@ -47,7 +46,7 @@ Ids merged_slowly(const ClipTokenizer& clip, const ml::BytePairMerges& pairs, st
 
 }  // namespace
 
-TEST_CASE("ClipTokenizer: the rows of the spec") {
+TEST_CASE("ClipTokenizer: ids of the original implementation") {
   const ClipTokenizer clip(merges);
   CHECK(clip.size() == 527);
   CHECK(clip.begin_id() == 525);

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/text/joined_labels.hpp>
+#include <motionlang/text/tagged_word.hpp>
 
 namespace ml = motionlang;
 using Labels = std::vector<std::string>;

@@ -6,6 +6,7 @@
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
+#include <motionlang/nn/pooling.hpp>
 #include <motionlang/text/tokenized_encoder.hpp>
 #include <motionlang/text/word_piece.hpp>
 
@@ -197,7 +198,7 @@ TEST_CASE("a tokenizer and a network are a text encoder") {
                                        {.pooling = ml::Pooling::mean, .normalize = true});
   const auto vectors = sentences.encode<B>(texts).tokens.rows;
   CHECK(vectors.shape() == ml::Shape{3, 8});
-  for (float norm : ml::sum(ml::square(vectors), 1).span()) CHECK(norm == doctest::Approx(1));
+  for (float norm : ml::sum(ml::square(vectors), 1).to_vector()) CHECK(norm == doctest::Approx(1));
 
   const ml::TokenizedEncoder clip(ClipLetters{}, tiny_clip_text<B>(), {.pooling = ml::Pooling::end});
   const auto projected = clip.encode<B>(texts).tokens.rows;

@@ -1,5 +1,5 @@
-// The text networks against the numbers of the reference implementations: every number of spec text-encoders.md,
-// section 12.3.
+// The text networks against the numbers of the reference implementations: every number of
+// tests/support/network_numbers.hpp.
 #include <doctest/doctest.h>
 
 #include <motionlang/backend/eigen.hpp>

@@ -1,4 +1,4 @@
-// The tokenizers on the published vocabularies: the 40 strings of spec text-encoders.md 12.1, whose ids come from the
+// The tokenizers on the published vocabularies: 40 strings whose ids come from the
 // original implementations, and all captions of KIT-ML. The data are not part of the repository: the test runs where
 // the environment variable MOTIONLANG_DATA names a folder with tokenizers/ and text/kitml-annotations.json.
 #include <doctest/doctest.h>
@@ -54,7 +54,7 @@ std::string digest(const std::vector<std::string>& texts, F encode) {
 
 }  // namespace
 
-TEST_CASE("published tokenizers: the 40 strings of the spec") {
+TEST_CASE("published tokenizers: 40 strings with ids of the original implementations") {
   const Published* p = published();
   if (p == nullptr) return;
   REQUIRE(p->bert.size() == 30522);
@@ -129,7 +129,7 @@ TEST_CASE("published tokenizers: CLIP's context") {
 }
 
 // Digests of the ids that tests/tools/reference_tokenizers.py finds, a plain program in Python which shares no code or
-// table with the library and reproduces the 40 strings of the spec. Captions are plain ASCII, so a second set has one
+// table with the library and reproduces the ids of the 40 strings. Captions are plain ASCII, so a second set has one
 // of the 40 strings in the middle of each.
 TEST_CASE("published tokenizers: 12,164 captions of KIT-ML") {
   const Published* p = published();

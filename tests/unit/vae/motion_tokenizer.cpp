@@ -2,6 +2,7 @@
 #include <motionlang/backend/autodiff.hpp>
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/backend/reference.hpp>
+#include <motionlang/loss/adversarial.hpp>
 #include <motionlang/vae/motion_tokenizer.hpp>
 
 #include "../../support/check_error.hpp"

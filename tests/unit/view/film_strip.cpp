@@ -6,9 +6,11 @@
 #include <vector>
 
 #include <motionlang/formats/figure.hpp>
+#include <motionlang/kinematics/joint_sides.hpp>
 #include <motionlang/view/detail/markup.hpp>
 #include <motionlang/view/detail/stroke_font.hpp>
 #include <motionlang/view/film_strip.hpp>
+#include <motionlang/view/track.hpp>
 
 #include "../../support/markup.hpp"
 #include "../../support/synthetic_motion.hpp"

@@ -1,6 +1,7 @@
 // Checkpoints of TEMOS and TMR: sizes from shapes, options, what is passed over, what is refused.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/weights/text_motion_file.hpp>
+#include <motionlang/weights/tmr_checkpoint.hpp>
 
 #include "../../support/check_error.hpp"
 #include "../../support/file_of_model.hpp"

@@ -8,8 +8,11 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+namespace detail {
+
+/// Functions and maxima of the Eigen backend.
 template <Scalar S>
-struct EigenBackend : DenseOps<S>, KernelOps<S> {
+struct EigenFunctions {
   using tensor = Dense<S>;
 
   static tensor atan2(tensor a, tensor b);
@@ -24,11 +27,59 @@ struct EigenBackend : DenseOps<S>, KernelOps<S> {
   static tensor max(const tensor& a, int axis);
 };
 
+#ifndef MOTIONLANG_INSTANTIATED
+/// Complete where the bodies of these functions are.
+template <Scalar S>
+struct EigenBodies;
+
+/// The functions for units that may lack their bodies: the compiler says it, not the linker.
+template <Scalar S>
+struct CheckedEigenFunctions {
+  using tensor = Dense<S>;
+
+  static tensor atan2(tensor a, tensor b) { return checked().atan2(std::move(a), std::move(b)); }
+  static tensor exp(tensor a) { return checked().exp(std::move(a)); }
+  static tensor log(tensor a) { return checked().log(std::move(a)); }
+  static tensor sqrt(tensor a) { return checked().sqrt(std::move(a)); }
+  static tensor tanh(tensor a) { return checked().tanh(std::move(a)); }
+  static tensor erf(tensor a) { return checked().erf(std::move(a)); }
+  static tensor sin(tensor a) { return checked().sin(std::move(a)); }
+  static tensor cos(tensor a) { return checked().cos(std::move(a)); }
+  static tensor where_less(const tensor& a, const tensor& b, const tensor& x, const tensor& y) {
+    return checked().where_less(a, b, x, y);
+  }
+  static tensor max(const tensor& a, int axis) { return checked().max(a, axis); }
+
+ private:
+  template <class T = S>
+  static EigenFunctions<T> checked() {
+    static_assert(
+        requires { sizeof(EigenBodies<T>); },
+        "motionlang: this calculates with tensors of EigenBackend, so include <motionlang/backend/eigen.hpp>");
+    return {};
+  }
+};
+#endif
+
+}  // namespace detail
+
+#ifdef MOTIONLANG_INSTANTIATED
+template <Scalar S>
+struct EigenBackend : DenseOps<S>, KernelOps<S>, detail::EigenFunctions<S> {
+  using tensor = Dense<S>;
+};
+#else
+template <Scalar S>
+struct EigenBackend : DenseOps<S>, KernelOps<S>, detail::CheckedEigenFunctions<S> {
+  using tensor = Dense<S>;
+};
+#endif
+
 MOTIONLANG_NAMESPACE_END
 
 #ifdef MOTIONLANG_INSTANTIATED
-extern template struct motionlang::EigenBackend<float>;
-extern template struct motionlang::EigenBackend<double>;
+extern template struct motionlang::detail::EigenFunctions<float>;
+extern template struct motionlang::detail::EigenFunctions<double>;
 #endif
 
 MOTIONLANG_NAMESPACE_BEGIN

@@ -63,11 +63,12 @@ class TimelineLine {
     return *t;
   }
 
-  BodyParts parts(std::size_t first) const {
+  /// The parts that the fields from `first` on name.
+  BodyParts parts(std::size_t first, const BodyPartition& body) const {
     BodyParts parts;
     for (std::size_t i = first; i < fields_.size(); ++i) {
-      const auto part = parse_body_part(fields_[i]);
-      if (!part) fail(503, i, "'", fields_[i], "' is not a body part (left arm, right arm, legs, head, spine)");
+      const auto part = body.find(fields_[i]);
+      if (!part) fail(503, i, "'", fields_[i], "' is not a body part (", join_text(body.names()), ")");
       parts = parts.with(*part);
     }
     return parts;

@@ -1,0 +1,38 @@
+// Motions found by words: the model of searches that comes with motionlang makes an index of a folder, and answers.
+//   usage: 13_search [folder of motions [words]]
+#include <cstdio>
+#include <filesystem>
+
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/generate/generate_motion.hpp>
+#include <motionlang/search/index_folder.hpp>
+#include <motionlang/search/search.hpp>
+#include <motionlang/search/tmr_search_encoder.hpp>
+#include <motionlang/stmc.hpp>
+
+namespace ml = motionlang;
+using B = ml::EigenBackend<float>;
+
+/// A few clips, for readers without a folder of their own.
+static std::string made_clips() {
+  const auto stmc = ml::load_stmc<B>(MOTIONLANG_DEFAULT_MODEL);
+  std::filesystem::create_directories("clips");
+  for (const char* text : {"walk forward", "raise both arms", "sit down"})
+    ml::write_motion(ml::concat_text("clips/", text, ".bvh"),
+                     ml::generate_motion(stmc, ml::parse_timeline(ml::concat_text(text, " # 0 # 4\n"))));
+  return "clips";
+}
+
+int main(int argc, char** argv) {
+  const std::string folder = argc > 1 ? argv[1] : made_clips(), words = argc > 2 ? argv[2] : "a person sits down";
+  const auto models = std::filesystem::path(MOTIONLANG_DEFAULT_MODEL).parent_path();
+
+  const ml::TmrSearchEncoder<B> tmr(ml::load_tmr<B>(models / "tmr_free"));
+  ml::MotionIndex index(ml::index_model(tmr));
+  const ml::IndexReport report = ml::update_index(index, folder, tmr);
+  ml::write_motion_index("moves.index", index);  // to be opened again: MotionIndexFile::open("moves.index")
+
+  std::printf("%td clips, %zu left out; \"%s\":\n", index.count(), report.skipped.size(), words.c_str());
+  for (const ml::MotionHit& hit : ml::search(ml::MotionSearch(index), tmr.encode_text(words), {.top = 3}))
+    std::printf("  %s\n", std::filesystem::path(ml::clip_of(index, hit).path).filename().string().c_str());
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+/// Help against memory that is used after its end: a mark for compilers, and marks of free memory for the address
+/// sanitizer.
+#pragma once
+
+#include <cstddef>  // sizes
+
+#include <motionlang/version.hpp>
+
+/// Behind the declaration of a member function or of a parameter: the result refers to it. Clang warns where it is a
+/// temporary, or a variable whose function returns the result. GCC has no such mark.
+#if defined(__has_cpp_attribute)
+#if __has_cpp_attribute(clang::lifetimebound)
+#define MOTIONLANG_LIFETIMEBOUND [[clang::lifetimebound]]
+#endif
+#endif
+#ifndef MOTIONLANG_LIFETIMEBOUND
+#define MOTIONLANG_LIFETIMEBOUND
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail {
+
+/// Whether this unit is compiled for the address sanitizer (-fsanitize=address).
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool address_sanitizer = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+inline constexpr bool address_sanitizer = true;
+#else
+inline constexpr bool address_sanitizer = false;
+#endif
+#else
+inline constexpr bool address_sanitizer = false;
+#endif
+
+/// Memory that nobody may use until allow_access: the sanitizer reports whoever does. Nothing happens where the bodies
+/// of the library are compiled without the sanitizer.
+void forbid_access(const void* memory, std::size_t bytes);
+void allow_access(const void* memory, std::size_t bytes);
+
+}  // namespace detail
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/core/lifetime.ipp>
+#endif

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+/// Motions as ACTOR and its classifiers see them: rows of rotations and the way of the root, windows of so many frames,
+/// points.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <motionlang/core/fields.hpp>
+#include <motionlang/core/python_random.hpp>
+#include <motionlang/features/pose_representation.hpp>
+#include <motionlang/kinematics/body_model.hpp>
+#include <motionlang/kinematics/forward_batch.hpp>
+#include <motionlang/kinematics/known_skeletons.hpp>
+#include <motionlang/tensor/sequences.hpp>
+
+#include <motionlang/datasets/described_motions.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct ActorClipsConfig {
+  std::string pose = "rot6d";  // "xyz", "rotvec", "rotquat", "rotmat"
+  bool translation = true;     // the way of the root is a row of its own; not of xyz
+  bool global = true;          // the rotation of joint 0 is there; without it all face +Z; not of xyz
+  bool turned_ahead = true;    // every clip begins facing +Z
+  bool camera = false;         // rotations in the world of a camera, where figures stand on their heads, as published
+  double fps = 30;
+  Index num_frames = 60;    // of a training item; -1: all of the clip, -2: between min_len and max_len
+  Index sampling_step = 1;  // frames that are left out between; -1: as many as fit
+  bool random_step = false;
+  bool random_frames = false;  // any frames of the clip, in their order
+  Index min_len = 60, max_len = 100;
+
+  /// Throws config_error 102 where one setting leaves nothing to another.
+  void require_sound() const;
+  static constexpr auto fields() {
+    using C = ActorClipsConfig;
+    return motionlang::fields("pose", &C::pose, "translation", &C::translation, "global", &C::global, "turned_ahead",
+                              &C::turned_ahead, "camera", &C::camera, "fps", &C::fps, "num_frames", &C::num_frames,
+                              "sampling_step", &C::sampling_step, "random_step", &C::random_step, "random_frames",
+                              &C::random_frames, "min_len", &C::min_len, "max_len", &C::max_len);
+  }
+  bool is_xyz() const { return pose == "xyz"; }
+  /// Joints of a frame that have a row, all its rows, and numbers of each.
+  Index rotations() const { return is_xyz() || global ? 24 : 23; }
+  Index joints() const { return rotations() + (is_xyz() || !translation ? 0 : 1); }
+  Index numbers() const;
+  Index width() const { return joints() * numbers(); }
+  /// The number in a frame at which the way of the root begins.
+  Index way() const { return rotations() * numbers(); }
+};
+
+/// Throws config_error 103 for an unknown pose.
+RowMaker actor_row_maker(const ActorClipsConfig& config);
+
+/// The frames of an item (features/frame_sampling.hpp), the way counted from the first of them. (frames, width)
+std::vector<float> actor_window(const DescribedMotion& motion, const ActorClipsConfig& config, PythonRandom& random);
+
+/// A clip on SMPL's 24 joints from rows.
+Motion actor_motion(std::span<const float> rows, const ActorClipsConfig& config);
+
+/// All labels of the data, sorted: the number of a class is its place here.
+std::vector<std::string> labels_of(const DescribedMotions& data);
+/// The number of each motion's class. Throws config_error 103 for a label that is no class.
+std::vector<Index> classes_of(const std::vector<DescribedMotion>& motions, std::span<const std::string> labels);
+
+/// Positions of the 24 joints, metres, as the root of the first frame of the window stood at the origin. (frames, 72)
+template <Backend B>
+Sequences<B> joint_points(const Sequences<B>& x, const ActorClipsConfig& config) {
+  if (config.is_xyz()) return x;
+  const Index frames = x.rows.size(0), numbers = config.numbers();
+  auto rotations = slice(x.rows, 1, 0, config.way());
+  if (config.pose != "rot6d") {
+    const auto form = parse_pose_representation(config.pose);
+    const auto matrices = rotation_rows(reshape<3>(rotations, {frames, config.rotations(), numbers}),
+                                        [form](const auto& n) { return rotation_from(form, n); });
+    rotations = reshape<2>(slice(matrices, 2, 0, 6), {frames, 6 * config.rotations()});
+  }
+  if (!config.global) {
+    const auto ahead = Tensor<B, 2>::from(std::vector<typename B::scalar>{1, 0, 0, 0, 1, 0}, {1, 6});
+    rotations = concat(1, broadcast_to<2>(ahead, {frames, 6}), rotations);
+  }
+  const auto root =
+      config.translation ? slice(x.rows, 1, config.way(), config.way() + 3) : Tensor<B, 2>::zeros({frames, 3});
+  const auto places = forward_kinematics(
+      smpl24_skeleton(), lanes(reshape<4>(rotations, {1, frames, 24, 6}), reshape<3>(root, {1, frames, 3})));
+  return x.with(reshape<2>(places, {frames, 72}));
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/datasets/actor_clips.ipp>
+#endif

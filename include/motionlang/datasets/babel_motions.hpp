@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+/// Motions of AMASS with the labels of BABEL, as SINC and TEACH learn from them. Every item is one DescribedMotion: its
+/// id is the published key, "seg-4242-0"; its rows are turned ahead as one motion; its texts are labels. Of SINC they
+/// are about all of it; of TEACH there are two, one behind the other, and what is between them is the transition.
+#pragma once
+
+#include <filesystem>  // where motions are
+#include <functional>  // readers of items
+#include <string>      // labels
+#include <vector>      // items
+
+#include <motionlang/core/progress.hpp>
+#include <motionlang/datasets/babel.hpp>
+
+#include <motionlang/datasets/described_motions.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Frames per second of SINC and TEACH.
+inline constexpr double babel_fps = 30;
+
+/// The shares by which clips are split at random.
+template <class Data>
+DataConfig split_config(const Data& c) {
+  return {.test_share = c.test_share, .validation_share = c.validation_share, .split_seed = c.split_seed};
+}
+
+struct SincDataConfig {
+  std::string types = "seg+seq+spatial_pairs";       // what is learnt, in any order; or with separate_pairs
+  Index shortest = 15, window = 300;                 // frames; of longer ones, `window` from a random place
+  Index longest = 800;                               // of what is validated with
+  Index simultaneous_max = 4;                        // labels at the same time
+  double proportion = 0.5;                           // of single actions that are combined with one of other body parts
+  bool random = false;                               // with any action, and random parts
+  double test_share = 0.2, validation_share = 0.05;  // as in DataConfig
+  std::uint64_t split_seed = 1;
+
+  void require_sound() const {
+    split_config(*this).require_sound();
+    require_value("shortest", shortest, shortest >= 1, "1 or more");
+    require_value("window", window, window >= shortest, "shortest or more");
+    require_value("longest", longest, longest >= shortest, "shortest or more");
+    require_value("simultaneous_max", simultaneous_max, simultaneous_max >= 2, "2 or more");
+    require_value("proportion", proportion, proportion >= 0 && proportion <= 1, "0 to 1");
+  }
+  static constexpr auto fields() {
+    using C = SincDataConfig;
+    return motionlang::fields("types", &C::types, "shortest", &C::shortest, "window", &C::window, "longest",
+                              &C::longest, "simultaneous_max", &C::simultaneous_max, "proportion", &C::proportion,
+                              "random", &C::random, "test_share", &C::test_share, "validation_share",
+                              &C::validation_share, "split_seed", &C::split_seed);
+  }
+};
+
+struct TeachDataConfig {
+  Index shortest = 15, longest = 750;                // frames of either action, the second with its transition
+  double test_share = 0.2, validation_share = 0.05;  // as in DataConfig
+  std::uint64_t split_seed = 1;
+
+  void require_sound() const {
+    split_config(*this).require_sound();
+    require_value("shortest", shortest, shortest >= 1, "1 or more");
+    require_value("longest", longest, longest >= shortest, "shortest or more");
+  }
+  static constexpr auto fields() {
+    using C = TeachDataConfig;
+    return motionlang::fields("shortest", &C::shortest, "longest", &C::longest, "test_share", &C::test_share,
+                              "validation_share", &C::validation_share, "split_seed", &C::split_seed);
+  }
+};
+
+struct BabelSources {
+  std::filesystem::path data{};        // folder of the motions
+  std::filesystem::path babel{};       // BABEL's own JSON
+  std::filesystem::path validation{};  // another, to validate with; then all of `babel` is for training
+  std::filesystem::path splits{};      // folder with lists of ids; "": at random
+  std::filesystem::path spelling{};    // JSON of what words of labels are replaced by; "": by themselves
+
+  /// Throws config_error 102 without `babel`, and for `validation` beside `splits`.
+  void require_sound() const;
+};
+
+/// Frames of a sequence, and labels in them.
+struct BabelItem {
+  std::string key;
+  FrameSlice frames;
+  std::vector<DescribedText> texts;  // their frames count from the first one of the item
+};
+struct BabelItems {
+  std::vector<BabelItem> items;
+  LeftOut left_out{};
+};
+/// The items of a sequence of so many frames.
+using BabelReader = std::function<BabelItems(const BabelSequence& sequence, Index frames, const SpellingTable& spelling,
+                                             bool training)>;
+
+/// The texts of a motion.
+inline std::vector<std::string> labels_of(const DescribedMotion& m) {
+  std::vector<std::string> labels;
+  for (const DescribedText& t : m.texts) labels.push_back(t.text);
+  return labels;
+}
+
+/// Throws config_error 103 for an unknown type of data.
+BabelReader sinc_reader(const SincDataConfig& config);
+BabelReader teach_reader(const TeachDataConfig& config);
+
+/// features: smplvelp or smplvelp-published, at 30 frames per second.
+/// Throws io_error 401, 403, ... of files, with the place; io_error 403 if there is nothing to train on
+DescribedMotions read_babel_motions(const BabelSources& sources, const std::string& features, const DataConfig& shares,
+                                    const BabelReader& reader, Progress progress);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/datasets/babel_motions.ipp>
+#endif

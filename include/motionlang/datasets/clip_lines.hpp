@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+/// Tables of clips: what happens when in which file, as captions or as labels, which annotation files have, too. And
+/// the clips that they name.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <motionlang/features/frame_sampling.hpp>
+#include <motionlang/kinematics/body_parts.hpp>
+#include <motionlang/kinematics/motion.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A line of a table, or a stretch of an annotation file.
+struct ClipLine {
+  std::string place;               // "captions.tsv:12", for messages
+  std::string id;                  // in lists of ids: the clip, or what the annotation file calls the motion
+  std::string clip;                // path in the folder of clips; with the extension where others have the same without
+  double start = 0, end = 0;       // seconds; to the end of the clip: infinite
+  BodyParts parts{};               // that captions are about; nothing for labels
+  std::vector<std::string> texts;  // captions, or labels
+  std::filesystem::path file{};    // of the clip; "": there is none
+};
+
+/// A folder of clips, in which files are found by the names that tables and annotation files have for them: the path
+/// with the extension, or without it where that leaves no doubt. Of a data set in HumanML3D's form, clips are also
+/// found by the names of their features; of AMASS, by the names that its folders had and have.
+class ClipFolder {
+ public:
+  explicit ClipFolder(std::filesystem::path folder);
+
+  /// The file of a clip: .bvh, .amc, .npz, .npy, .glb or .vrma; "" if there is none. Throws io_error 403, which begins
+  /// with the place of the name, if several files fit.
+  std::filesystem::path file(const std::string& clip, const std::string& place);
+  /// Finds the file of a line. Its clip, and an id that is the clip, lose an extension that no doubt needs.
+  void find(ClipLine& line);
+
+ private:
+  using Stems = std::multimap<std::string, std::filesystem::path>;  // files by their names without extension
+  const Stems& listed(const std::filesystem::path& folder);
+  /// The files that have this path without their extensions.
+  std::vector<std::filesystem::path> namesakes(const std::filesystem::path& name);
+
+  std::vector<std::filesystem::path> places_;  // folders in which paths begin
+  std::map<std::filesystem::path, Stems> listed_;
+};
+
+/// clip, start, end, body parts, captions separated by |; or clip, captions: all of it. Columns are separated by tabs,
+/// lines that begin with # are comments; data: the folder of clips. Throws io_error 401, 403 with file and line.
+std::vector<ClipLine> read_captions(const std::filesystem::path& path, const std::filesystem::path& data);
+/// clip, start, end, label; or clip, label: all of it; clips as in captions. Throws io_error 401, 403 with file and
+/// line.
+std::vector<ClipLine> read_labels(const std::filesystem::path& path, const std::filesystem::path& data);
+
+/// The stretches of an annotation file with the labels that each has; some may have none, some several.
+///     the unified file of TMR    "label" or "act_cat" of an annotation, which is besides what others read there
+///     BABEL's own                "act_cat" of the stretches, or of the whole where there are no stretches
+/// data     the folder of clips
+/// labels   a table with two columns in their place: what a stretch (seg_id), a motion (its id) or a text is labelled;
+///          "": none
+/// Throws   io_error 401, 403, config_error 107 with the place; io_error 403 if no stretch has a label
+std::vector<ClipLine> read_labelled_annotations(const std::filesystem::path& annotations,
+                                                const std::filesystem::path& data, const std::filesystem::path& labels);
+
+/// "CMU/CMU/141/141_05_poses.npz" of BABEL, which has the folder of the data set twice, as the path of a clip.
+/// place: of this name. Throws what ClipFolder::file throws.
+std::string babel_clip(ClipFolder& clips, const std::string& feat_p, const std::string& place);
+
+/// The clip of a line on our skeleton, at its own frame rate, of .bvh, .amc, .npz (AMASS) or .npy files in the folder
+/// `data`. Features without rotations get such that fit their positions.
+/// Throws io_error 401 if there is no file, 404 for one of another kind, and what the readers throw.
+Motion read_clip(const std::filesystem::path& data, const ClipLine& line);
+
+/// The frames of its clip that a line is about.
+FrameSlice frames_of(const Motion& clip, const ClipLine& line);
+/// These frames. Throws io_error 403 if there are fewer than `least`.
+Motion segment_of(const Motion& clip, const ClipLine& line, Index least);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/datasets/clip_lines.ipp>
+#endif

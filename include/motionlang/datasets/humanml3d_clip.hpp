@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+/// A motion as a clip of a data set in HumanML3D's or KIT-ML's form.
+///
+///     add_humanml3d_clip("my_data", "walk", read_motion("walk.bvh"), *find_data_set_form("guoh3d"));
+#pragma once
+
+#include <string>  // ids
+
+#include <motionlang/datasets/data_set_form.hpp>
+#include <motionlang/kinematics/motion.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// What was written.
+struct AddedClip {
+  Index frames = 0;
+  double fps = 0;
+  std::size_t captions = 0;  // that the data set has of this id already
+};
+
+/// Writes features and joints of a motion on the joints of the features or on SMPL's, and its id to all.txt. Captions
+/// of this id that are there already stay.
+/// fps      frames per second of the clip; 0: those of the features
+/// replace  another motion of this id gives way to it
+/// Throws   config_error 102 if the clips of the data set are of the other form, or if another motion has this id and
+///          does not give way; what MotionFeatures::from_motion and write_humanml3d_clip throw
+AddedClip add_humanml3d_clip(const std::filesystem::path& folder, const std::string& id, const Motion& motion,
+                             const DataSetForm& form, double fps = 0, bool replace = false);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/datasets/humanml3d_clip.ipp>
+#endif

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+/// The training set: captioned segments of motion capture, and the samples that are made from them.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <motionlang/core/progress.hpp>
+#include <motionlang/core/rng.hpp>
+#include <motionlang/kinematics/body_parts.hpp>
+#include <motionlang/kinematics/loops.hpp>
+#include <motionlang/kinematics/motion.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// One line of captions.tsv, with its motion on the 24-joint skeleton at 20 frames per second.
+struct CaptionedSegment {
+  std::string clip;
+  Motion motion;
+  BodyParts parts;  // that the captions are about
+  std::vector<std::string> captions;
+  std::optional<Loop> loop;  // of a motion that is one cycle again and again: any part of it, for as long as wanted
+  bool grounded = true;      // never in the air, so that it may be played slower or faster
+};
+
+/// One sample to train on: features (frames, 205), not normalised, and a caption.
+struct TrainingSample {
+  std::vector<float> features;
+  Index frames = 0;
+  std::string caption;
+};
+
+inline constexpr double training_fps = 20;
+
+struct SampleOptions {
+  Index shortest = 16, longest = 196;  // frames
+  double no_text = 0.1;                // probability of the caption ""
+  double compose = 0.35;               // probability that the arms come from another segment
+  double mirror = 0.5;
+  double speed = 0.2;    // factors 1 - speed ... 1 + speed
+  double stretch = 0.5;  // the slowest factor at which one whole action fills a longer sample
+  double tempo = 0.15;   // probability of half as fast or nearly twice as fast, and the caption says so
+  double reverse = 0.3;  // probability that steady walking ahead is played backwards, and the caption says so
+};
+
+class TrainingSet {
+ public:
+  /// Reads captions.tsv and the clips that it names below `data`. `progress` gets the number of clips read.
+  /// Throws io_error 401, 403.
+  TrainingSet(const std::filesystem::path& captions, const std::filesystem::path& data, Progress progress);
+
+  const std::vector<CaptionedSegment>& segments() const { return segments_; }
+  double seconds() const;
+  /// 16 digits that change with any clip or caption.
+  std::string fingerprint() const;
+  /// All captions and their mirror images: what a tokenizer learns from.
+  std::vector<std::string> all_captions() const;
+
+  /// A sample that depends on the generator only:
+  ///   - a segment, mirrored, faster or slower, going round its cycle where it has one, or a part of it;
+  ///   - slower or faster, or backwards in time, where the caption can say so;
+  ///   - or, as in SINC, a segment about the legs with the arms of one about the arms, under either caption or both;
+  ///   - with the caption "" instead, now and then.
+  TrainingSample draw(Philox rng, const SampleOptions& options) const;
+
+ private:
+  Motion variant(const CaptionedSegment& s, Index frames, bool mirrored, double tempo, Philox& rng,
+                 const SampleOptions& options) const;
+  const CaptionedSegment& pick(const std::vector<std::size_t>& list, Philox& rng) const {
+    return segments_[list[rng.below(static_cast<std::uint32_t>(list.size()))]];
+  }
+
+  std::vector<CaptionedSegment> segments_;
+  std::vector<std::size_t> all_, bases_, overlays_;  // bases: nothing about the arms; overlays: only arms, head, spine
+};
+
+/// The caption of steady walking that is played backwards in time: "forward" and "ahead" are "backwards".
+/// Nothing for captions that do not say where the walking goes, and for those that say more than that.
+std::optional<std::string> reversed_caption(const std::string& caption);
+
+/// "left" and "right", "clockwise" and "counterclockwise" exchanged, word by word.
+std::string mirrored_caption(const std::string& caption);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/datasets/training_set.ipp>
+#endif

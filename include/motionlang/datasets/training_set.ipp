@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+// Bodies of training_set.hpp.
+#pragma once
+
+#include <algorithm>
+#include <map>
+
+#include <motionlang/datasets/clip_lines.hpp>
+#include <motionlang/datasets/training_set.hpp>
+#include <motionlang/features/smplrifke.hpp>
+#include <motionlang/file/detail/content_hash.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/kinematics/overlay.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The caption word by word, each replaced by what `other` makes of it.
+template <class Other>
+std::string word_by_word(const std::string& caption, Other other) {
+  std::string out, word;
+  auto flush = [&] {
+    out += other(word);
+    word.clear();
+  };
+  for (char c : caption) {
+    if (c >= 'a' && c <= 'z')
+      word += c;
+    else
+      flush(), out += c;
+  }
+  flush();
+  return out;
+}
+
+inline bool has_word(const std::string& caption, std::initializer_list<std::string_view> beginnings) {
+  bool found = false;
+  word_by_word(caption, [&](const std::string& word) {
+    for (std::string_view b : beginnings) found = found || (!word.empty() && word.starts_with(b));
+    return word;
+  });
+  return found;
+}
+
+/// True if a foot stays within 6 cm of the lowest point of the clip at every moment.
+inline bool stays_on_the_ground(const Motion& motion) {
+  const auto positions = motion.positions();
+  const Index joints = motion.skeleton.size();
+  double floor = 1e9, highest = 0;
+  for (const auto& p : positions) floor = std::min(floor, p.y);
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const auto* at = positions.data() + f * joints;
+    highest = std::max(highest, std::min(at[10].y, at[11].y) - floor);
+  }
+  return highest < 0.06;
+}
+
+inline Motion reversed_motion(const Motion& motion) {
+  Motion out = motion;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const Index from = motion.frames() - 1 - f;
+    out.root[static_cast<std::size_t>(f)] = motion.root_at(from);
+    const auto rotations = motion.rotations(from);
+    std::copy(rotations.begin(), rotations.end(), out.rotations(f).begin());
+  }
+  return out;
+}
+
+/// Mean distance of the joints of two frames, with places and headings removed.
+inline double pose_distance(const Vec3<double>* a, const Vec3<double>* b, Index joints) {
+  double sum = 0;
+  for (Index j = 0; j < joints; ++j) sum += norm(a[j] - b[j]);
+  return sum / static_cast<double>(joints);
+}
+
+/// The cycle of a clip that is nothing else: a quarter of a second round is there, and every pose of the clip is close
+/// to one of the cycle. Somebody who sits still and then rises, or bends and comes up again, also looks alike at two
+/// times, but any part of that is not the same action.
+inline std::optional<Loop> cycle_of(const Motion& motion) {
+  const auto loop = find_loop(motion, 12);
+  if (!loop || 4 * (motion.frames() - loop->last + loop->first) < loop->last - loop->first) return std::nullopt;
+  const auto poses = detail::poses_in_place(motion);
+  const Index joints = motion.skeleton.size();
+  double farthest = 0, range = 0;  // metres: from the cycle, from the first pose
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const auto* pose = poses.data() + f * joints;
+    double nearest = 1e9;
+    for (Index k = loop->first; k < loop->last; ++k)
+      nearest = std::min(nearest, pose_distance(pose, poses.data() + k * joints, joints));
+    farthest = std::max(farthest, nearest);
+    range = std::max(range, pose_distance(pose, poses.data(), joints));
+  }
+  return farthest < std::min(0.12, std::max(0.05, 0.7 * range)) ? loop : std::nullopt;
+}
+
+inline BodyParts arm_parts() { return BodyParts{}.with(BodyPart::left_arm).with(BodyPart::right_arm); }
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string mirrored_caption(const std::string& caption) {
+  static const std::map<std::string, std::string> other{{"left", "right"},
+                                                        {"right", "left"},
+                                                        {"clockwise", "counterclockwise"},
+                                                        {"counterclockwise", "clockwise"},
+                                                        {"leftwards", "rightwards"},
+                                                        {"rightwards", "leftwards"}};
+  return detail::word_by_word(caption, [](const std::string& word) {
+    const auto found = other.find(word);
+    return found == other.end() ? word : found->second;
+  });
+}
+
+MOTIONLANG_BODY std::optional<std::string> reversed_caption(const std::string& caption) {
+  if (!detail::has_word(caption, {"forward", "ahead"}) ||
+      !detail::has_word(caption, {"walk", "step", "go", "pace", "mov", "stroll"}) ||
+      detail::has_word(caption, {"left", "right", "turn", "up", "down", "stair", "back", "stop", "then", "and", "climb",
+                                 "lean", "without"}))
+    return std::nullopt;
+  return detail::word_by_word(caption, [](const std::string& word) -> std::string {
+    return word.starts_with("forward") || word == "ahead" ? "backwards" : word;
+  });
+}
+
+MOTIONLANG_BODY TrainingSet::TrainingSet(const std::filesystem::path& captions, const std::filesystem::path& data,
+                                         Progress progress) {
+  const auto lines = read_captions(captions, data);
+  std::map<std::string, Motion> clips;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    progress(static_cast<Index>(i), std::ssize(lines));
+    const ClipLine& line = lines[i];
+    auto found = clips.find(line.clip);
+    if (found == clips.end()) {
+      found = clips.emplace(line.clip, resample(read_clip(data, line), training_fps)).first;
+    }
+    const Motion& clip = found->second;
+    CaptionedSegment s{line.clip, segment_of(clip, line, 8), line.parts, line.texts, {}};
+    s.loop = detail::cycle_of(s.motion);
+    s.grounded = detail::stays_on_the_ground(s.motion);
+    segments_.push_back(std::move(s));
+  }
+  for (std::size_t i = 0; i < segments_.size(); ++i) {
+    const BodyParts p = segments_[i].parts;
+    all_.push_back(i);
+    if ((p.bits & detail::arm_parts().bits) == 0 && p.has(BodyPart::legs)) bases_.push_back(i);
+    if ((p.bits & detail::arm_parts().bits) != 0 && !p.has(BodyPart::legs)) overlays_.push_back(i);
+  }
+}
+
+MOTIONLANG_BODY double TrainingSet::seconds() const {
+  double total = 0;
+  for (const CaptionedSegment& s : segments_) total += s.motion.seconds();
+  return total;
+}
+
+MOTIONLANG_BODY std::string TrainingSet::fingerprint() const {
+  std::uint64_t hash = 0;
+  auto add = [&](const auto& list) { hash = detail::content_hash(std::as_bytes(std::span(list)), hash); };
+  for (const CaptionedSegment& s : segments_) {
+    add(s.motion.root);
+    add(s.motion.local);
+    add(std::span(&s.parts, 1));
+    for (const std::string& c : s.captions) add(c);
+  }
+  return detail::hexadecimal(hash);
+}
+
+MOTIONLANG_BODY std::vector<std::string> TrainingSet::all_captions() const {
+  std::vector<std::string> out;
+  for (const CaptionedSegment& s : segments_) {
+    for (const std::string& c : s.captions) {
+      out.push_back(c);
+      out.push_back(mirrored_caption(c));
+    }
+  }
+  out.emplace_back("while and slowly quickly backwards");  // words that samples add
+  return out;
+}
+
+MOTIONLANG_BODY Motion TrainingSet::variant(const CaptionedSegment& s, Index frames, bool mirrored, double tempo,
+                                            Philox& rng, const SampleOptions& options) const {
+  double factor = tempo * (1 + options.speed * (2 * rng.uniform() - 1));
+  if (!s.loop && s.grounded && tempo == 1) {  // an action takes longer where there is time for it
+    factor *= std::clamp(static_cast<double>(s.motion.frames()) / static_cast<double>(frames), options.stretch, 1.0);
+  }
+  const auto wanted = static_cast<Index>(static_cast<double>(frames) * factor) + 1;  // before the change of speed
+  Motion m = s.motion;
+  if (s.loop && m.frames() < wanted) m = go_round(m, *s.loop, wanted);
+  if (m.frames() > wanted && s.loop) {  // any part of a cyclic motion is that motion
+    const auto first = static_cast<Index>(rng.below(static_cast<std::uint32_t>(m.frames() - wanted + 1)));
+    m = crop(m, first, first + wanted);
+  } else {  // otherwise the whole action, with up to a tenth cut off at the ends
+    const auto spare = static_cast<std::uint32_t>(m.frames() / 10 + 1);
+    const auto cut = static_cast<Index>(rng.below(spare)),
+               before = static_cast<Index>(rng.below(static_cast<std::uint32_t>(cut + 1)));
+    m = crop(m, before, m.frames() - (cut - before));
+  }
+  m = change_speed(m, factor);
+  if (m.frames() > options.longest) m = crop(m, 0, options.longest);
+  return mirrored ? mirror(m) : m;
+}
+
+MOTIONLANG_BODY TrainingSample TrainingSet::draw(Philox rng, const SampleOptions& options) const {
+  const Index range = options.longest - options.shortest;
+  // short lengths more often than long ones: most texts of a timeline last a few seconds
+  const Index frames = options.shortest + static_cast<Index>(static_cast<double>(range) * std::pow(rng.uniform(), 3));
+  const bool mirrored = rng.uniform() < options.mirror;
+  auto caption_of = [&](const CaptionedSegment& s) {
+    const auto& c = s.captions[rng.below(static_cast<std::uint32_t>(s.captions.size()))];
+    return mirrored ? mirrored_caption(c) : c;
+  };
+  TrainingSample sample;
+  Motion motion;
+  if (!bases_.empty() && !overlays_.empty() && rng.uniform() < options.compose) {
+    const CaptionedSegment &base = pick(bases_, rng), &overlay = pick(overlays_, rng);
+    const auto with = variant(overlay, frames, mirrored, 1, rng, options);
+    BodyParts parts = overlay.parts;
+    if (mirrored) {
+      const bool left = parts.has(BodyPart::left_arm), right = parts.has(BodyPart::right_arm);
+      parts.bits &= ~detail::arm_parts().bits;
+      if (left) parts = parts.with(BodyPart::right_arm);
+      if (right) parts = parts.with(BodyPart::left_arm);
+    }
+    motion = overlay_parts(variant(base, with.frames(), mirrored, 1, rng, options), with, parts);
+    const double which = rng.uniform();
+    const std::string about_arms = caption_of(overlay), about_legs = caption_of(base);
+    sample.caption = which < 0.45   ? about_arms
+                     : which < 0.7  ? about_legs
+                     : which < 0.85 ? about_legs + " while " + about_arms
+                                    : about_arms + " and " + about_legs;
+  } else {
+    const CaptionedSegment& s = pick(all_, rng);
+    sample.caption = caption_of(s);
+    double tempo = 1;
+    if (s.grounded && rng.uniform() < options.tempo &&
+        !detail::has_word(sample.caption, {"slow", "quick", "fast", "calm", "stand"})) {
+      const bool slow = rng.uniform() < 0.5;
+      tempo = slow ? 0.6 : 1.6;
+      sample.caption += slow ? " slowly" : " quickly";
+    }
+    const auto backwards = s.loop && s.grounded ? reversed_caption(sample.caption) : std::nullopt;
+    motion = variant(s, frames, mirrored, tempo, rng, options);
+    if (backwards && rng.uniform() < options.reverse) {
+      motion = detail::reversed_motion(motion);
+      sample.caption = *backwards;
+    }
+  }
+  if (motion.frames() < 4) return draw(rng.split("again"), options);
+  if (rng.uniform() < options.no_text) sample.caption.clear();
+  const auto features = smplrifke_from_motion(motion);
+  sample.features.assign(features.begin(), features.end());
+  sample.frames = motion.frames();
+  return sample;
+}
+
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+// Bodies of motion_file.hpp.
+#pragma once
+
+#include <algorithm>   // any_of
+#include <filesystem>  // the skeleton beside a file
+#include <memory>      // mapped files
+
+#include <motionlang/core/text_lines.hpp>
+#include <motionlang/features/feature_rows.hpp>
+#include <motionlang/file/detail/bytes.hpp>
+#include <motionlang/file/file.hpp>
+#include <motionlang/file/zip.hpp>
+#include <motionlang/formats/amc.hpp>
+#include <motionlang/formats/bvh.hpp>
+#include <motionlang/formats/glb_reader.hpp>
+#include <motionlang/formats/glb_writer.hpp>
+#include <motionlang/formats/mdm_results.hpp>
+#include <motionlang/formats/motion_file.hpp>
+#include <motionlang/formats/skeleton_table_file.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string file_kind(const FilePath& path) {
+  std::string kind = std::filesystem::path(path.string()).extension().string();
+  for (char& c : kind) c = detail::lower(c);
+  return kind;
+}
+
+MOTIONLANG_BODY bool is_gltf(const FilePath& path) {
+  const std::string kind = file_kind(path);
+  return kind == ".glb" || kind == ".gltf" || kind == ".vrm" || kind == ".vrma";
+}
+
+MOTIONLANG_BODY bool is_motion_file(const FilePath& path) {
+  const std::string kind = file_kind(path);
+  return kind == ".bvh" || kind == ".amc" || kind == ".npz" || kind == ".npy" || kind == ".glb" || kind == ".vrma";
+}
+
+MOTIONLANG_BODY bool is_written_motion(const FilePath& path) {
+  const std::string kind = file_kind(path);
+  return kind == ".bvh" || kind == ".glb" || kind == ".npz" || kind == ".npy";
+}
+
+MOTIONLANG_BODY FilePath asf_beside(const FilePath& amc) {
+  const std::filesystem::path path = amc.string();
+  const std::string stem = path.stem().string();
+  const auto of_subject = path.parent_path() / (stem.substr(0, stem.find('_')) + ".asf");
+  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  if (std::filesystem::exists(of_subject) || !std::filesystem::is_directory(folder)) return of_subject;
+  std::vector<std::filesystem::path> found;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (file_kind(entry.path()) == ".asf") found.push_back(entry.path());
+  }
+  return found.size() == 1 ? found.front() : of_subject;
+}
+
+MOTIONLANG_BODY std::string unique_name(const std::string& name, std::set<std::string>& taken) {
+  const auto numbered = [&](int k) { return k == 1 ? name : name + "_" + std::to_string(k); };
+  int next = 1;  // found by halves: thousands of animations may have one name
+  while (taken.contains(numbered(next))) next *= 2;
+  for (int last = next / 2; next - last > 1;) {
+    const int middle = (last + next) / 2;
+    (taken.contains(numbered(middle)) ? last : next) = middle;
+  }
+  return *taken.insert(numbered(next)).first;
+}
+
+namespace detail {
+
+MOTIONLANG_BODY std::string wanted_kind(const FilePath& kind) {
+  return file_kind(kind.string().starts_with(".") ? FilePath("motion" + kind.string()) : kind);
+}
+
+MOTIONLANG_BODY const char* about_fbx(std::string_view kind) {
+  return kind == ".fbx" ? ": Blender makes FBX of GLB and GLB of FBX, the README has the command" : "";
+}
+
+/// "arm", "hand" and 3 more
+inline std::string listed_joints(const std::vector<std::string>& names) {
+  std::string out;
+  const std::size_t shown = names.size() > 4 ? 3 : names.size();
+  for (std::size_t i = 0; i < shown; ++i)
+    out += concat_text(i == 0 ? "" : i + 1 == names.size() ? " and " : ", ", "'", names[i], "'");
+  return shown < names.size() ? concat_text(out, " and ", names.size() - shown, " more") : out;
+}
+
+/// Adds a line about joints that move along their bones, if there are some.
+inline void note_stretched(const std::string& file, const std::vector<std::string>& joints, const char* kept,
+                           std::string* notes) {
+  if (joints.empty() || notes == nullptr) return;
+  *notes += concat_text(file, ": left out is how ", listed_joints(joints), joints.size() == 1 ? " moves" : " move",
+                        " away from the joint before: bones keep their ", kept, "\n");
+}
+
+/// Reports a joint once, however many animations stretch it.
+inline std::vector<Motion> every_animation(std::span<const std::byte> bytes, const std::string& name,
+                                           std::optional<double> fps, std::string* notes) {
+  const GlbFile file(bytes, name);
+  std::vector<Motion> motions = file.motions(fps);
+  std::vector<std::string> stretched;
+  std::set<std::string> known;
+  for (Index i = 0; i < std::ssize(motions); ++i) {
+    for (std::string& joint : file.stretched_joints(i)) {
+      if (known.insert(joint).second) stretched.push_back(std::move(joint));
+    }
+  }
+  if (motions.empty()) raise<config_error>(103, name, ": no animation");
+  note_stretched(name, stretched, "length at rest", notes);
+  return motions;
+}
+
+/// One motion of each ROOT, with its name.
+inline std::vector<Motion> every_root(std::span<const std::byte> bytes, const std::string& name, double scale,
+                                      std::string* notes) {
+  const Bvh file = parse_bvh(as_text(bytes), name);
+  std::vector<Motion> motions;
+  for (int root = 0; root < bvh_roots(file); ++root) {
+    motions.push_back(to_motion(file, {.scale = scale, .root = root}));
+    motions.back().name = motions.back().skeleton.name(0);
+    note_stretched(name, stretched_joints(file, root), "mean length", notes);
+  }
+  return motions;
+}
+
+/// The skeleton of an AMC file.
+inline AsfSkeleton asf_of(const std::string& amc, const MotionReadOptions& options) {
+  const FilePath asf = options.asf.empty() ? asf_beside(amc) : FilePath(options.asf);
+  if (options.asf.empty() && !std::filesystem::exists(asf.string()))
+    raise<io_error>(401, amc, ": there is no skeleton ", asf.string(),
+                    ", nor just one other .asf file beside it: convert, strip, view, doctor, index, "
+                    "search and describe take it by --asf FILE");
+  return read_asf(asf);
+}
+
+inline void require_read_kind(const std::string& name) {
+  const std::string kind = file_kind(name);
+  if (!is_motion_file(name) && !is_gltf(name))
+    raise<config_error>(103, name, ": motions are read from .bvh, .amc, .npz, .npy, .glb, .gltf, .vrm and .vrma, not '",
+                        kind, "'", about_fbx(kind));
+}
+
+/// load()  the bytes of the file, after all that can be refused without them
+template <class Load>
+std::vector<Motion> motions_of_file(const std::string& name, const MotionReadOptions& options, std::string* notes,
+                                    Load load) {
+  require_read_kind(name);
+  const std::string kind = file_kind(name);
+  if (kind == ".amc") {
+    const AsfSkeleton asf = asf_of(name, options);
+    return {parse_amc(as_text(load()), asf, options.rate > 0 ? AmcReadOptions{.fps = options.rate} : AmcReadOptions{},
+                      name)};
+  }
+  const std::span<const std::byte> bytes = load();
+  if (kind == ".bvh") return every_root(bytes, name, options.scale, notes);
+  if (kind == ".npz")
+    return {amass_motion(amass_sequence(ZipArchive(bytes, name), options.rate), FilePath(name).stem())};
+  if (kind == ".npy") return motions_of_npy(bytes, name, {options.rate, options.up});
+  return every_animation(bytes, name, options.fps, notes);
+}
+
+inline void note_lead_in(const std::string& file, Index frames, const std::string& whose, std::string* notes) {
+  if (notes == nullptr) return;
+  *notes += concat_text(file, ": left out ", frames == 1 ? "is 1 frame of" : concat_text("are ", frames, " frames of"),
+                        " an inserted T-pose at the start", whose, "\n");
+}
+
+/// Names, joints and start of the motions as the options say.
+inline std::vector<Motion> finished_motions(std::vector<Motion> motions, const std::string& file,
+                                            const MotionReadOptions& options, std::string* notes) {
+  std::set<std::string> taken;
+  for (Motion& m : motions) {
+    if (m.name.empty() || motions.size() == 1) m.name = std::filesystem::path(file).stem().string();
+    m.name = unique_name(m.name, taken);
+    if (!options.joints.empty())
+      m = retarget(m, SkeletonMap(m.skeleton, smpl24_skeleton(), read_skeleton_table(options.joints, m.skeleton)));
+  }
+  if (!options.drop_lead_in) return motions;
+  for (Motion& m : motions) {
+    const Index frames = detect_t_pose_lead_in(m);
+    if (frames == 0) continue;
+    m = crop(m, frames, m.frames());
+    note_lead_in(file, frames, motions.size() == 1 ? "" : " of " + m.name, notes);
+  }
+  return motions;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<Motion> parse_motions(std::span<const std::byte> bytes, const FilePath& name,
+                                                  const MotionReadOptions& options, std::string* notes) {
+  return detail::finished_motions(detail::motions_of_file(name.string(), options, notes, [&] { return bytes; }),
+                                  name.string(), options, notes);
+}
+
+MOTIONLANG_BODY std::vector<Motion> read_motions(const FilePath& path, const MotionReadOptions& options,
+                                                 std::string* notes) {
+  std::shared_ptr<const MappedFile> file;
+  const auto load = [&] {
+    file = MappedFile::open(path);
+    return file->bytes();
+  };
+  return detail::finished_motions(detail::motions_of_file(path.string(), options, notes, load), path.string(), options,
+                                  notes);
+}
+
+MOTIONLANG_BODY Motion read_motion(const FilePath& path, const MotionReadOptions& options, std::string* notes) {
+  std::vector<Motion> motions = read_motions(path, options, notes);
+  if (motions.size() == 1) return std::move(motions.front());
+  std::vector<std::string> names;
+  names.reserve(motions.size());
+  for (const Motion& m : motions) names.push_back(m.name);
+  raise<config_error>(102, path.string(), ": one motion is wanted, it has ", motions.size(), " (", join_text(names),
+                      "): convert writes each to a file of its own");
+}
+
+MOTIONLANG_BODY std::vector<std::byte> motion_bytes(const FilePath& kind, const Motion& motion,
+                                                    const MotionWriteOptions& options) {
+  const std::string wanted = detail::wanted_kind(kind);
+  if (wanted == ".bvh") {
+    const std::string text = format_bvh(to_bvh(motion, {.scale = options.scale}));
+    const auto bytes = std::as_bytes(std::span(text));
+    return {bytes.begin(), bytes.end()};
+  }
+  if (wanted == ".glb") return glb_bytes(std::span(&motion, 1));
+  if (wanted == ".npz") return amass_bytes(on_smpl(motion), options.body, {}, kind.string());
+  if (wanted == ".npy") return joints_npy_bytes(has_joints_of_arrays(motion) ? motion : on_smpl(motion));
+  raise<config_error>(103, kind.string(), ": motions are written to .bvh, .glb, .npz and .npy, not '", wanted, "'",
+                      detail::about_fbx(wanted));
+}
+
+MOTIONLANG_BODY void write_motion(const FilePath& path, const Motion& motion, const MotionWriteOptions& options) {
+  write_file(path, motion_bytes(path, motion, options));
+}
+
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+/// TEACH and SINC, which learned from BABEL, as a MotionModel: texts one after the other, and texts at the same time.
+#pragma once
+
+#include <motionlang/generate/text_latents.hpp>
+#include <motionlang/systems/sinc.hpp>
+#include <motionlang/systems/teach.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+template <Backend B>
+using TeachLatents = TextLatents<B, Teach<B>>;
+template <Backend B>
+using SincLatents = TextLatents<B, Sinc<B>>;
+
+namespace detail {
+
+/// By their start. Throws timeline_error 509 for texts at the same time.
+std::vector<Interval> texts_in_order(const Timeline& timeline);
+/// All texts, at the same time, as one sentence.
+Interval texts_together(const Timeline& timeline);
+
+}  // namespace detail
+
+template <Backend B>
+class TeachMotionModel final : public SeparateMotionModel {
+ public:
+  explicit TeachMotionModel(TeachLatents<B> parts) : parts_(std::move(parts)) {}
+
+  double fps() const override { return parts_.fps; }
+  std::string system() const override { return "TEACH"; }
+  bool draws_latents() const override { return true; }
+
+ private:
+  Motion motion(const Timeline& timeline, Philox noise, const GenerateOptions& options) const override {
+    std::vector<std::string> texts;
+    std::vector<Index> lengths;
+    for (const Interval& i : detail::texts_in_order(timeline)) {
+      texts.push_back(i.text);
+      lengths.push_back(i.end - i.start);
+    }
+    const auto states = parts_.tokens(texts);
+    const auto parts = actions_to_motion(parts_.model, states, Offsets(lengths), noise, teach_window,
+                                         {.fact = options.fact.value_or(1)});
+    return motion_of_smplvelp(teach_motion(parts_.normalizer, parts, teach_window), parts_.fps);
+  }
+
+  TeachLatents<B> parts_;
+};
+
+template <Backend B>
+std::unique_ptr<MotionModel> teach_motion_model(TeachLatents<B> parts) {
+  return std::make_unique<TeachMotionModel<B>>(std::move(parts));
+}
+template <Backend B>
+std::unique_ptr<MotionModel> sinc_motion_model(SincLatents<B> parts) {
+  parts.wanted = detail::texts_together;
+  return text_motion_model(std::move(parts));
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/generate/babel_latents.ipp>
+#endif

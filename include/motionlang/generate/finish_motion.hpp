@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+/// From the numbers that a model makes to a motion that can be shown: rows of features become a motion, which is
+/// smoothed and put on its feet.
+///
+///     Motion m = motion_of_features(stmc.layout.name, rows, stmc.layout.size, stmc.fps);
+///     m = finish_motion(std::move(m), {});
+#pragma once
+
+#include <motionlang/features/motion_features.hpp>
+#include <motionlang/generate/generate_options.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The named features that a model of this layout and width makes: "guoh3dfeats" is HumanML3D's or KIT's. Throws
+/// config_error 103 for another layout.
+const MotionFeatures& features_of_layout(std::string_view layout, Index width);
+
+/// rows    (frames, width), not normalised
+/// layout  that of a model: "smplrifke", which starts facing pi as published; "guoh3dfeats", of HumanML3D or KIT; or
+///         the name of any motion_features
+/// Throws  config_error 103 for another layout, and what motion_of_rows throws
+Motion motion_of_features(std::string_view layout, std::span<const double> rows, Index width, double fps);
+/// fps: 0 is the rate of the features.
+Motion motion_of_features(const MotionFeatures& features, std::span<const float> rows, double fps = 0);
+
+/// Without trembling (smooth_motion) and with feet that stand (fix_feet), as the options say. Feet are fixed on
+/// skeletons with known_legs, and last: feet that stand are to be still.
+Motion finish_motion(Motion motion, const GenerateOptions& options);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/generate/finish_motion.ipp>
+#endif

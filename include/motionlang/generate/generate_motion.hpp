@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+/// From a timeline of texts to a finished motion, as the program `motionlang generate` makes it: texts are cut where a
+/// model does them best in parts, all are sampled together, the motion is smoothed and put on its feet.
+///
+///     const auto stmc = load_stmc<EigenBackend<float>>("stmc_free.safetensors");
+///     const auto timeline = parse_timeline("walk forward # 0 # 6 # legs\nwave # 2 # 5 # left arm\n");
+///     const Motion motion = generate_motion(stmc, timeline, {.seed = 7});
+///
+/// Motion  Y up, metres, on SMPL's 24 joints (KIT's 21 by a model of KIT-ML); of the bundled model it starts facing -Z
+/// Models  any Stmc; every other system behind MotionModel (generate/motion_model.hpp)
+/// Bodies  motionlang::instantiated has those for Stmc<EigenBackend<float>>. A unit that is compiled with
+///         MOTIONLANG_INSTANTIATED and uses another Stmc also includes <motionlang/generate/generate_motion.ipp>
+#pragma once
+
+#include <motionlang/backend/detail/eigen_class.hpp>
+#include <motionlang/generate/generate_options.hpp>
+#include <motionlang/systems/stmc.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// One motion for each timeline. The noise of each depends on the seed and on its place in the list.
+/// Throws  timeline_error 504 ... 508 for timelines that the model cannot make; option_error 101 for frames to keep
+///         that are not there, 102 for options that contradict each other, 105 for more steps than the model has;
+///         config_error 102, 103, 107 and io_error 401 ... 407 for files of noise and records; `cancelled`
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::vector<Motion> generate_motions(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                                     const GenerateOptions& options = {});
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+Motion generate_motion(const Stmc<B, D, E>& stmc, const Timeline& timeline, const GenerateOptions& options = {});
+
+#ifdef MOTIONLANG_INSTANTIATED
+template <>
+inline constexpr bool detail::is_compiled_stmc<Stmc<EigenBackend<float>>> = true;
+
+extern template std::vector<Motion> generate_motions(const Stmc<EigenBackend<float>>&, std::span<const Timeline>,
+                                                     const GenerateOptions&);
+extern template Motion generate_motion(const Stmc<EigenBackend<float>>&, const Timeline&, const GenerateOptions&);
+#endif
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/generate/generate_motion.ipp>
+#endif

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+// Bodies of the templates of generate_motion.hpp, for every backend, denoiser and text encoder. Any header may include
+// them.
+#pragma once
+
+#include <algorithm>  // max
+
+#include <motionlang/compose/cut_texts.hpp>
+#include <motionlang/features/feature_rows.hpp>
+#include <motionlang/generate/detail/kept_clip.hpp>
+#include <motionlang/generate/generate_motion.hpp>
+#include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/systems/stmc_keep.hpp>
+#include <motionlang/weights/stmc_record.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The noise of a file: noise/000 is the initial one. Throws io_error 401 ... 407.
+template <Backend B>
+auto noise_of_file(const FilePath& path) {
+  return [file = SafetensorsFile::open(path)](Index draw, const Shape& shape) {
+    const auto& view = file.tensor(numbered_name("noise", static_cast<std::size_t>(draw)));
+    if (view.shape != shape)
+      raise<io_error>(407, file.name(), ": ", view.name, " is ", view.shape, ", this timeline needs ", shape);
+    return Tensor<B, 3>::from(values_of<typename B::scalar>(view), shape);
+  };
+}
+
+/// One call of generate_motions.
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+class GenerateRun {
+ public:
+  GenerateRun(const Stmc<B, D, E>& model, const GenerateOptions& options) : model_(model), o_(options) {
+    require_steps(o_, model_.diffusion.steps());
+    require_one_source(o_);
+    how_.overlap = frame_at(o_.overlap, model_.fps);
+    how_.hidden = HiddenTexts::ignore;  // hidden_text_warnings report them
+    how_.guidance = o_.guidance;
+    how_.steps = o_.steps;
+    how_.sampling = model_.sampling;
+    if (o_.sampler) how_.sampling->sampler = *o_.sampler;
+    how_.progress = o_.progress;
+    if (o_.keep) keep_on_model();
+  }
+
+  std::vector<Motion> operator()(std::span<const Timeline> timelines) const {
+    if (o_.notes != nullptr) *o_.notes = {.layout = model_.layout.name};
+    std::vector<Motion> motions;
+    for (const Tensor<B, 2>& f : features(timelines)) {
+      const std::vector<double> rows(f.span().begin(), f.span().end());
+      if (o_.notes != nullptr) o_.notes->features.push_back(rows);
+      Motion motion = motion_of_features(model_.layout.name, rows, model_.layout.size, model_.fps);
+      if (o_.keep) motion = in_its_place(std::move(motion), clip_, clip_frames_, o_);
+      motions.push_back(finish_motion(std::move(motion), o_));
+      if (o_.keep && o_.notes != nullptr)
+        o_.notes->kept_moved =
+            std::max(o_.notes->kept_moved, farthest_from(motions.back(), clip_, clip_frames_, *o_.keep));
+    }
+    return motions;
+  }
+
+ private:
+  using Features = std::vector<Tensor<B, 2>>;
+
+  /// (frames, features) of each timeline, not normalised.
+  Features features(std::span<const Timeline> timelines) const {
+    if (!o_.reuse.string().empty()) return reused(timelines);
+    const std::vector<Timeline> texts = cut(timelines, o_.cut_texts);
+    const Philox rng{.seed = o_.seed};
+    if (o_.keep) return around(texts, rng);
+    if (!o_.noise.string().empty()) return model_.generate_from(texts, noise_of_file<B>(o_.noise), how_);
+    if (o_.record.string().empty()) return model_.generate(texts, rng, how_);
+    StmcRecord<B> record;
+    Features out = generate_recorded<B>(model_, texts, rng, how_, record);
+    save(record, o_.cut_texts);
+    return out;
+  }
+
+  std::vector<Timeline> cut(std::span<const Timeline> timelines, bool wanted) const {
+    std::vector<Timeline> out;
+    for (const Timeline& t : timelines) out.push_back(wanted ? cut_texts(t, model_.fps) : t);
+    return out;
+  }
+
+  /// The clip that is kept, on the joints and at the rate of the model, and its features.
+  void keep_on_model() {
+    const MotionFeatures& own = features_of_layout(model_.layout.name, model_.layout.size);
+    clip_ = resample(on_joints_of(own, o_.keep->motion), model_.fps);
+    const auto rows = own.from_motion(clip_);
+    clip_rows_.assign(rows.begin(), rows.end());
+    clip_frames_ = std::ssize(rows) / model_.layout.size;
+  }
+  Features around(std::span<const Timeline> timelines, const Philox& rng) const {
+    std::vector<KeptMotion<B>> kept;
+    for (const Timeline& t : timelines) {
+      auto& own = kept.emplace_back();
+      own.features = Tensor<B, 2>::from(clip_rows_, {clip_frames_, model_.layout.size});
+      for (const IndexRange& range : kept_frames(*o_.keep, clip_frames_, t.end(), model_.fps))
+        own.parts.push_back({range, o_.keep->parts});
+    }
+    return generate_around<B>(model_, timelines, rng, how_, std::span<const KeptMotion<B>>(kept));
+  }
+
+  /// With what the record of an earlier run says about the part that was not edited.
+  Features reused(std::span<const Timeline> timelines) const {
+    const auto file = SafetensorsFile::open(o_.reuse);
+    auto record = load_stmc_record<B>(file, model_);
+    const bool was_cut = file.metadata().contains("cut_texts") && file.metadata().at("cut_texts") == "1";
+    RegenerateOptions how{.within = {}, .progress = o_.progress};
+    if (o_.keep_beyond) how.within = frame_at(*o_.keep_beyond, model_.fps);
+    StmcReuse reuse;
+    Features out = regenerate<B>(model_, record, cut(timelines, was_cut), how, &reuse);
+    if (!o_.record.string().empty()) save(record, was_cut);
+    if (o_.notes != nullptr) o_.notes->reuse = reuse, o_.notes->seed = record.rng.seed;
+    return out;
+  }
+  void save(const StmcRecord<B>& record, bool was_cut) const {
+    save_stmc_record(o_.record, record, model_, {{"cut_texts", was_cut ? "1" : "0"}});
+  }
+
+  const Stmc<B, D, E>& model_;
+  const GenerateOptions& o_;
+  StmcOptions how_{};
+  Motion clip_{};
+  std::vector<typename B::scalar> clip_rows_{};
+  Index clip_frames_ = 0;  // that the features have
+};
+
+}  // namespace detail
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::vector<Motion> generate_motions(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
+                                     const GenerateOptions& options) {
+  return detail::GenerateRun<B, D, E>(stmc, options)(timelines);
+}
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+Motion generate_motion(const Stmc<B, D, E>& stmc, const Timeline& timeline, const GenerateOptions& options) {
+  return generate_motions(stmc, std::span(&timeline, 1), options).front();
+}
+
+MOTIONLANG_NAMESPACE_END

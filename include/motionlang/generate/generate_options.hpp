@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+/// What a caller can choose when a motion is generated from a timeline, in one struct for every model.
+///
+///     const Motion a = generate_motion(stmc, timeline, {.seed = 7});
+///     const Motion b = generate_motion(stmc, timeline, {.seed = 7, .steps = 10, .smooth = false});
+///
+/// The defaults are those of the program `motionlang generate`.
+#pragma once
+
+#include <cstdint>   // seeds
+#include <optional>  // what the caller leaves to the model
+#include <string>    // names
+#include <utility>   // pairs of times
+#include <vector>    // motions
+
+#include <motionlang/diffusion/sampler.hpp>
+#include <motionlang/file/file_path.hpp>
+#include <motionlang/kinematics/body_parts.hpp>
+#include <motionlang/kinematics/motion.hpp>
+#include <motionlang/systems/stmc_reuse.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Options that a model does not take, or that contradict each other: a config_error that is the caller's, not the
+/// file's.
+struct option_error : config_error {
+  using config_error::config_error;
+};
+
+/// A motion of which something is kept: the model makes the rest. Frame 0 is that of the timeline.
+struct KeptClip {
+  Motion motion{};                                   // on any skeleton that can be put on SMPL's joints, at any rate
+  std::vector<std::pair<double, double>> seconds{};  // from and to, of what is kept; none: all of it
+  BodyParts parts = BodyParts::all();                // that are kept; the way over the ground belongs to the legs
+};
+
+/// What a run reports besides its motions. Only models that go through STMC fill it.
+struct GenerateNotes {
+  std::string layout{};                         // of the features
+  std::vector<std::vector<double>> features{};  // of each motion, before it was smoothed and put on its feet
+  std::optional<StmcReuse> reuse{};             // what was taken over from the run that is reused
+  std::optional<std::uint64_t> seed{};          // of the run that is reused
+  double kept_moved = 0;                        // metres over the floor that any kept frame is from where it was
+};
+
+struct GenerateOptions {
+  std::uint64_t seed = 0;                             // same seed, same motion, on any number of threads
+  std::optional<Index> steps{};                       // of denoising, 0: all; the model's own unless given
+  std::optional<SamplingOptions::Sampler> sampler{};  // the model's own unless given
+  std::optional<double> guidance{};                   // weight of the text, 1: none; the model's own unless given
+  std::optional<double> fact{};  // scales the deviation of a latent from its mean, 0: the mean itself; 1 unless given
+  double overlap = 0.5;          // seconds that neighbouring texts share around a cut
+  bool cut_texts = true;         // where they lend body parts or get them back, and where they are too long
+  bool smooth = true;            // no trembling, and no jerk where texts meet
+  bool fix_feet = true;          // feet that stand do not slide
+  FilePath noise = "";           // file with noise/000 (initial), noise/001, ... instead of the seed
+  FilePath record = "";          // file to write: what a later run needs to reuse this one
+  FilePath reuse = "";  // such a file; seed, steps, sampler, guidance, overlap and cut_texts are those of its run
+  std::optional<double> keep_beyond{};  // of reuse, seconds: what is further from the edit stays as it was
+  std::optional<KeptClip> keep{};       // of every timeline
+  Progress progress{};                  // called after every step, or after every motion; may cancel
+  GenerateNotes* notes = nullptr;       // is written if given
+};
+
+/// Few steps that do as many prompts as all of them do, as `motionlang judge --compare` measures it.
+inline constexpr Index fast_steps = 10;
+inline void use_fast_preset(GenerateOptions& o) { o.sampler = SamplingOptions::Sampler::ddim, o.steps = fast_steps; }
+inline void use_full_preset(GenerateOptions& o) { o.sampler = SamplingOptions::Sampler::ddpm, o.steps = 0; }
+
+MOTIONLANG_NAMESPACE_END

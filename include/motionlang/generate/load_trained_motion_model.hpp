@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+/// Models that train-temos, train-tmr, train-sinc, train-teach and train-actor leave, and TMR as published, as a
+/// MotionModel. They are apart from load_motion_model.hpp, because they take as long to compile as all others.
+///
+///     const auto model = load_motion_model<B>("runs/temos", {.trained = load_trained_motion_model<B>});
+#pragma once
+
+#include <motionlang/generate/load_motion_model.hpp>
+#include <motionlang/weights/actor_checkpoint.hpp>
+#include <motionlang/weights/sinc_checkpoint.hpp>
+#include <motionlang/weights/teach_checkpoint.hpp>
+#include <motionlang/weights/temos_checkpoint.hpp>
+#include <motionlang/weights/tmr_checkpoint.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// ACTOR of our training.
+template <Backend B>
+std::unique_ptr<MotionModel> load_trained_actor_motion_model(const FilePath& folder) {
+  ActorModel<B> model = load_actor<B>(folder);
+  const ActorClipsConfig clips = model.file.config.clips;
+  return actor_motion_model<B>({.model = std::move(model.actor),
+                                .labels = std::move(model.file.labels),
+                                .fps = clips.fps,
+                                .longest = clips.num_frames > 0 ? clips.num_frames : clips.max_len,
+                                .motion_of =
+                                    [=](std::span<const typename B::scalar> rows) {
+                                      Motion out = actor_motion(std::vector<float>(rows.begin(), rows.end()), clips);
+                                      place_on_floor(out);  // its way counts from the first frame
+                                      return out;
+                                    },
+                                .rows_of = actor_row_maker(clips).rows});
+}
+
+/// Throws what the loaders of the systems throw.
+template <Backend B>
+std::unique_ptr<MotionModel> load_trained_motion_model(const MotionModelPlace& place, const ModelSources& sources) {
+  const CheckpointOptions options{.text_encoder = sources.text_encoder, .statistics = sources.statistics};
+  if (place.system == "trained actor") return load_trained_actor_motion_model<B>(place.path);
+  if (place.system == "trained sinc") return sinc_motion_model(text_latents(load_sinc<B>(place.path, options)));
+  if (place.system == "trained teach") return teach_motion_model(text_latents(load_teach<B>(place.path, options)));
+  if (place.system == "trained temos") return text_motion_model(text_latents(load_temos<B>(place.path, options)));
+  return text_motion_model(text_latents(load_tmr<B>(place.path, options)));
+}
+
+MOTIONLANG_NAMESPACE_END

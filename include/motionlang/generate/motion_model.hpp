@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+/// Any model that makes motions of texts or actions, behind one interface: STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TMR,
+/// TEACH, SINC, TM2T.
+///
+///     const auto model = load_motion_model<EigenBackend<float>>("exps/humanact12");    // load_motion_model.hpp
+///     const Motion motion = generate_motion(*model, whole_body_timeline("walk", 60), {.seed = 7});
+#pragma once
+
+#include <memory>  // models
+#include <span>    // timelines
+#include <string>  // texts
+#include <vector>  // motions
+
+#include <motionlang/compose/timeline.hpp>
+#include <motionlang/core/rng.hpp>
+#include <motionlang/generate/generate_options.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+class LatentMotionModel;
+
+/// The word pieces of a text, and how many of them a model reads.
+struct TextLength {
+  Index pieces = 0, read = 0;
+};
+
+/// A loaded model.
+class MotionModel {
+ public:
+  virtual ~MotionModel() = default;
+
+  /// One motion for each timeline, in their order. Throws what check_options and the system throw.
+  std::vector<Motion> generate(std::span<const Timeline> timelines, const GenerateOptions& options) const;
+
+  virtual double fps() const = 0;
+  /// What it is, for messages: "a diffusion model".
+  virtual std::string system() const = 0;
+  /// Steps of its diffusion; 0: it has none.
+  virtual Index steps() const { return 0; }
+  /// Whether it goes through STMC: texts at the same time, body parts, noise, record, reuse and keep.
+  virtual bool takes_timelines() const { return false; }
+  /// Whether its texts are names or numbers of actions.
+  virtual bool takes_actions() const { return false; }
+  /// Whether its motions come from latents with noise in them.
+  virtual bool draws_latents() const { return false; }
+  /// The words of the texts that it learned from; none where its weights do not list them.
+  virtual std::vector<std::string> words() const { return {}; }
+  /// How much of a text it reads; none where it has no such limit.
+  virtual TextLength length_of(const std::string&) const { return {}; }
+  /// The same model as one with a latent for every motion; null where it has none.
+  virtual const LatentMotionModel* latent() const { return nullptr; }
+
+ private:
+  virtual std::vector<Motion> make(std::span<const Timeline> timelines, const GenerateOptions& options) const = 0;
+};
+
+/// Throws option_error 102 for options that a model does not take, 105 for more steps than it has.
+void check_options(const MotionModel& model, const GenerateOptions& options);
+
+std::vector<Motion> generate_motions(const MotionModel& model, std::span<const Timeline> timelines,
+                                     const GenerateOptions& options = {});
+Motion generate_motion(const MotionModel& model, const Timeline& timeline, const GenerateOptions& options = {});
+
+/// A model that makes every motion alone, from its texts and from noise that depends on the seed and on the place of
+/// the motion in the list.
+class SeparateMotionModel : public MotionModel {
+ protected:
+  /// That of the motion at this place.
+  static Philox noise_of(const GenerateOptions& options, std::uint64_t place) {
+    return Philox{.seed = options.seed}.split("noise").split(place);
+  }
+
+ private:
+  std::vector<Motion> make(std::span<const Timeline> timelines, const GenerateOptions& options) const final;
+  virtual Motion motion(const Timeline& timeline, Philox noise, const GenerateOptions& options) const = 0;
+};
+
+/// One text for the whole body.
+Timeline whole_body_timeline(std::string text, Index frames);
+/// The only text of a timeline. Throws timeline_error 509.
+const Interval& only_text(const Timeline& timeline);
+/// The number of an action that is given by its name or its number. Throws config_error 103 for what is no class.
+Index action_of(const std::string& text, std::span<const std::string> labels, Index classes);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/generate/motion_model.ipp>
+#endif

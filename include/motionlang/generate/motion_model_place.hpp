@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+/// Where a model that makes motions is, of which system, and what it needs from elsewhere. Nothing of it is loaded.
+///
+///     const MotionModelPlace place = find_motion_model("exps/humanact12");       // place.system == "actor"
+#pragma once
+
+#include <filesystem>  // folders
+#include <string>      // systems
+
+#include <motionlang/file/file_path.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// What published models need from elsewhere; "": it is looked for beside them.
+struct ModelSources {
+  std::string text_encoder{};  // a folder or a file
+  std::string statistics{};    // a folder with mean and std
+  std::string tokenizer{};     // TM2T: the folder of its motion tokenizer
+
+  bool empty() const { return text_encoder.empty() && statistics.empty() && tokenizer.empty(); }
+};
+
+/// Where a model is, and of which system.
+struct MotionModelPlace {
+  std::filesystem::path path{};  // a file of ours, or the folder of a model
+  std::string system{};          // "": STMC of ours; of others that of the folder: "stmc", "mdm", "motiondiffuse",
+                                 // "actor", "temos", "teach", "sinc", "tmr", "tm2t", "mdm of actions"; of our trainings
+                                 // "trained actor", "trained temos", ...
+
+  /// Whether only a loader of `trained` models reads it.
+  bool is_trained() const { return system == "tmr" || system.starts_with("trained "); }
+  /// Whether it goes through STMC, over any backend.
+  bool is_diffusion() const;
+};
+
+/// Looks at a file or a folder; of a folder of a training that has the model inside, at that one. Throws io_error 401
+/// for a folder without a model, and what find_run throws.
+MotionModelPlace find_motion_model(const std::filesystem::path& path);
+
+/// The system of a folder as weights/run_folder.hpp finds it, where runs of TEACH and SINC look like those of TEMOS.
+std::string system_of_run(const FilePath& run);
+
+/// Throws option_error 102 if `sources` name something for a model that has its own.
+void require_no_sources(const MotionModelPlace& place, const ModelSources& sources);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/generate/motion_model_place.ipp>
+#endif

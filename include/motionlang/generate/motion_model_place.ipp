@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// Bodies of motion_model_place.hpp.
+#pragma once
+
+#include <algorithm>  // find
+
+#include <motionlang/generate/generate_options.hpp>
+#include <motionlang/generate/motion_model_place.hpp>
+#include <motionlang/weights/mdm_action_run.hpp>
+#include <motionlang/weights/run_folder.hpp>
+#include <motionlang/weights/vae_run.hpp>
+#include <motionlang/weights/weight_file.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The system of a folder; "" of one that only has a file of ours in it.
+inline std::string generating_system(const RunFolder& run) {
+  if (is_mdm_action_run(run)) return "mdm of actions";
+  if (run.system == "temos") return system_of_run(run.folder);
+  const FileValue* system = run.system == "motionlang" ? run.option("system") : nullptr;
+  const std::string own = system == nullptr ? "" : to_string(*system);
+  const bool trained = own == "actor" || own == "temos" || own == "tmr" || own == "sinc" || own == "teach";
+  return trained ? "trained " + own : run.system;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY bool MotionModelPlace::is_diffusion() const {
+  const std::string_view others[] = {"actor", "temos", "teach", "sinc", "tm2t", "mdm of actions"};
+  return !is_trained() && std::find(std::begin(others), std::end(others), system) == std::end(others);
+}
+
+MOTIONLANG_BODY std::string system_of_run(const FilePath& run) {
+  const RunFolder folder = find_run(run);
+  if (folder.system != "temos" || folder.weights.empty()) return folder.system;
+  return lightning_system(open_weights(folder.weights));
+}
+
+MOTIONLANG_BODY MotionModelPlace find_motion_model(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) return {path, ""};
+  RunFolder run = find_run(path);
+  std::filesystem::path model = path;
+  if (run.system.empty()) {
+    model = found_model_folder(path);
+    run = find_run(model);
+  }
+  return {model, detail::generating_system(run)};
+}
+
+MOTIONLANG_BODY void require_no_sources(const MotionModelPlace& place, const ModelSources& sources) {
+  if (!sources.empty())
+    raise<option_error>(102, place.path.string(),
+                        ": text_encoder, statistics and tokenizer are for published models; this one has its own");
+}
+
+MOTIONLANG_NAMESPACE_END

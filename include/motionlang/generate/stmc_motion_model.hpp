@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+/// A Stmc, of any denoiser and text encoder, as a MotionModel.
+#pragma once
+
+#include <motionlang/generate/generate_motion.ipp>
+#include <motionlang/generate/motion_model.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+class StmcMotionModel final : public MotionModel {
+ public:
+  /// words  of the texts that it learned from (text/known_words.hpp)
+  explicit StmcMotionModel(Stmc<B, D, E> model, std::vector<std::string> words = {})
+      : model_(std::move(model)), words_(std::move(words)) {}
+
+  double fps() const override { return model_.fps; }
+  std::string system() const override { return "a diffusion model"; }
+  Index steps() const override { return model_.diffusion.steps(); }
+  bool takes_timelines() const override { return true; }
+  std::vector<std::string> words() const override { return words_; }
+  TextLength length_of(const std::string& text) const override {
+    if constexpr (std::same_as<E, CaptionEncoder<B>>) {  // reads as far as it has positions; two are of the frame
+      const auto& encoder = model_.text_encoder;
+      const auto pieces = encoder.tokenizer.encode(text, static_cast<Index>(text.size()) + 2);
+      return {std::ssize(pieces) - 2, encoder.positions.rows().size(0) - 2};
+    } else {
+      return {};
+    }
+  }
+
+ private:
+  std::vector<Motion> make(std::span<const Timeline> timelines, const GenerateOptions& options) const override {
+    return generate_motions(model_, timelines, options);
+  }
+
+  Stmc<B, D, E> model_;
+  std::vector<std::string> words_;
+};
+
+template <Backend B, Denoiser<B> D, TextEncoder<B> E>
+std::unique_ptr<MotionModel> stmc_motion_model(Stmc<B, D, E> model, std::vector<std::string> words = {}) {
+  return std::make_unique<StmcMotionModel<B, D, E>>(std::move(model), std::move(words));
+}
+
+MOTIONLANG_NAMESPACE_END

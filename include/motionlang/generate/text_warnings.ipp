@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+// Bodies of text_warnings.hpp.
+#pragma once
+
+#include <algorithm>  // count, find_if
+
+#include <motionlang/compose/body_part_lexicon.hpp>
+#include <motionlang/compose/cut_texts.hpp>
+#include <motionlang/compose/in_turn.hpp>
+#include <motionlang/compose/plan.hpp>
+#include <motionlang/generate/text_warnings.hpp>
+#include <motionlang/text/known_words.hpp>
+#include <motionlang/text/word_piece.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Calls f(piece, owners) for every piece of a timeline that has texts: which of them moves each part.
+template <class F>
+void for_each_owned_piece(const Timeline& timeline, F f) {
+  FirstWins ties;
+  for (const Piece& piece : elementary_pieces(timeline)) {
+    if (!piece.intervals.empty()) f(piece, assign_parts(timeline, piece.intervals, ties));
+  }
+}
+
+/// "FILE:LINE:COLUMN: 'TEXT'"
+inline std::string placed_text(const Interval& i, const WarningNames& names) {
+  return concat_text(names.source, ":", i.place.line, ":", i.place.column, ": '", i.text, "'");
+}
+
+inline std::string in_quotes(const std::string& text) { return concat_text("'", text, "'"); }
+
+inline void append_all(std::vector<std::string>& to, const std::vector<std::string>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<BodyPart> listed_parts(BodyParts parts) {
+  std::vector<BodyPart> out;
+  for (int p = 0; p < body_part_count; ++p) {
+    if (const auto part = static_cast<BodyPart>(p); parts.has(part)) out.push_back(part);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> unknown_word_warnings(const std::string& text,
+                                                               const std::vector<std::string>& known) {
+  std::vector<std::string> out;
+  if (known.empty() || text.empty()) return out;
+  if (WordPiece::words(text).empty())
+    return {detail::in_quotes(text) + ": the model reads no word of it; it knows those of a-z and 0-9"};
+  if (const auto unreadable = unreadable_words(text); !unreadable.empty())
+    out.push_back(concat_text(detail::in_quotes(text), ": the model reads a-z and 0-9, not all of ",
+                              join_text(unreadable, ", ", detail::in_quotes)));
+  const auto unknown = unknown_words(text, known);
+  if (unknown.empty()) return out;
+  const auto with_like = [](const UnknownWord& w) {
+    return detail::in_quotes(w.word) + (w.like.empty() ? "" : " (did you mean '" + w.like + "'?)");
+  };
+  out.push_back(concat_text(detail::in_quotes(text), ": the model never learned the word",
+                            unknown.size() == 1 ? " " : "s ", join_text(unknown, ", ", with_like)));
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> text_warnings(const MotionModel& model, const std::string& text) {
+  auto out = unknown_word_warnings(text, model.words());
+  if (const auto [pieces, read] = model.length_of(text); pieces > read)
+    out.push_back(
+        concat_text(detail::in_quotes(text), ": the model reads the first ", read, " of its ", pieces, " word pieces"));
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> hidden_text_warnings(std::span<const Timeline> timelines,
+                                                              const WarningNames& names) {
+  std::vector<std::string> out;
+  for (const Timeline& t : timelines) {
+    std::vector<bool> moves(t.intervals.size());
+    detail::for_each_owned_piece(t, [&](const Piece&, const auto& owners) {
+      for (const Index owner : owners) moves[static_cast<std::size_t>(owner)] = true;
+    });
+    for (std::size_t i = 0; i < moves.size(); ++i) {
+      if (!moves[i])
+        out.push_back(detail::placed_text(t.intervals[i], names) +
+                      " moves nothing: other texts take all its body parts");
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> whole_body_warnings(std::span<const Timeline> timelines,
+                                                             const WarningNames& names) {
+  std::vector<std::string> out;
+  for (const Timeline& t : timelines) {
+    const auto interval = [&](Index i) -> const Interval& { return t.intervals[static_cast<std::size_t>(i)]; };
+    std::vector<bool> known(t.intervals.size());
+    detail::for_each_owned_piece(t, [&](const Piece& piece, const auto& owners) {
+      const Index owner = owners.front();
+      if (std::count(owners.begin(), owners.end(), owner) != std::ssize(owners) ||
+          known[static_cast<std::size_t>(owner)])
+        return;
+      const BodyParts guessed = guess_body_parts(interval(owner).text);
+      const auto other = std::find_if(piece.intervals.begin(), piece.intervals.end(), [&](Index i) {
+        return (guess_body_parts(interval(i).text).bits & ~guessed.bits) != 0;
+      });
+      if (other == piece.intervals.end()) return;
+      known[static_cast<std::size_t>(owner)] = true;
+      out.push_back(concat_text(detail::placed_text(interval(owner), names), " moves the whole body, also while '",
+                                interval(*other).text, "' lasts; with '# ", join_text(listed_parts(guessed), " # "),
+                                "' it would leave that the rest"));
+    });
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> several_action_warnings(std::span<const Timeline> timelines,
+                                                                 const WarningNames& names) {
+  std::vector<std::string> out;
+  for (const Timeline& t : timelines) {
+    for (const Interval& i : t.intervals) {
+      if (const auto count = actions_in_turn(i.text).size(); count > 1)
+        out.push_back(concat_text(detail::in_quotes(i.text), " is made as one text, of which a model may do a part; ",
+                                  names.in_turn, " makes its ", counted(count, "action"), " one after the other"));
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> long_text_warnings(std::span<const Timeline> timelines, double fps) {
+  std::vector<std::string> out;
+  for (const Timeline& t : timelines) {
+    for (const Interval& i : t.intervals) {
+      if (i.end - i.start > frame_at(longest_whole_text, fps))
+        out.push_back(concat_text(detail::in_quotes(i.text), ": ", static_cast<double>(i.end - i.start) / fps,
+                                  " s are made in parts of at most ", longest_whole_text,
+                                  " s, which is what models learn from"));
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> timeline_warnings(const MotionModel& model,
+                                                           std::span<const Timeline> timelines,
+                                                           const GenerateOptions& options, bool in_turn,
+                                                           const WarningNames& names) {
+  std::vector<std::string> out;
+  if (model.steps() == 0) return out;
+  detail::append_all(out, hidden_text_warnings(timelines, names));
+  detail::append_all(out, whole_body_warnings(timelines, names));
+  if (!in_turn && !model.words().empty()) detail::append_all(out, several_action_warnings(timelines, names));
+  if (options.cut_texts && !model.takes_actions()) detail::append_all(out, long_text_warnings(timelines, model.fps()));
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::string> in_turn_notes(std::span<const Timeline> timelines, double fps) {
+  std::vector<std::string> out;
+  for (const Timeline& t : timelines) {
+    for (const Interval& i : t.intervals) {
+      const auto actions = actions_in_turn(i.text);
+      if (actions.size() > 1)
+        out.push_back(concat_text(detail::in_quotes(i.text), ": ", static_cast<double>(i.end - i.start) / fps,
+                                  " s for ", join_text(actions, ", then ", detail::in_quotes)));
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END

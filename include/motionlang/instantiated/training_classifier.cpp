@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+// The training of classifiers of actions on the tape over the Eigen backend in float, compiled once for
+// motionlang::instantiated_training.
+#include <motionlang/backend/usual.hpp>
+#include <motionlang/train/classifier_training.hpp>
+
+namespace ml = motionlang;
+using A = ml::Autodiff<ml::EigenBackend<float>>;
+
+template class ml::ClassifierTraining<A>;
+template class ml::Trainer<ml::ClassifierTraining<A>>;

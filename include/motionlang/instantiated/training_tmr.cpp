@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: MIT
+// The training of TMR on the tape over the Eigen backend in float, compiled once for motionlang::instantiated_training.
+#include <motionlang/backend/usual.hpp>
+#include <motionlang/train/tmr_training.hpp>
+
+namespace ml = motionlang;
+using A = ml::Autodiff<ml::EigenBackend<float>>;
+
+template class ml::TmrTraining<A>;
+template class ml::Trainer<ml::TmrTraining<A>>;

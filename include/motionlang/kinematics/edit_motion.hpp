@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+/// Several edits of a clip in the order in which they make sense. Each is a function of its own as well.
+///
+///     const Motion loop = edit_motion(motion, {.mirror = true, .in_place = true, .loop = 0.5});
+#pragma once
+
+#include <utility>  // pair
+
+#include <motionlang/kinematics/on_smpl.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// What is done to a clip's time, first of all.
+struct TimeEdits {
+  double from = 0, to = 0;  // seconds; to = 0: to the end
+  double speed = 1;         // how much faster
+  double fps = 0;           // 0: as it is
+};
+/// The frames [first, last) of a clip from a time to a time, seconds, each rounded; to = 0: to the end.
+std::pair<Index, Index> frames_between(const Motion& motion, double from, double to);
+/// Throws config_error 101 if nothing of the clip is between `from` and `to`, and what change_speed and resample throw.
+Motion edit_time(Motion motion, const TimeEdits& edits);
+
+/// In this order.
+struct MotionEdits {
+  bool smpl = false;      // on SMPL's 24 joints
+  bool mirror = false;    // left becomes right
+  bool smooth = false;    // without trembling
+  bool fix_feet = false;  // on the floor, and feet that stand do not slide; on SMPL's 24 joints
+  bool in_place = false;  // the root stays over the origin
+  double loop = 0;        // so many seconds at the end are blended into the start; 0: no loop
+};
+/// report  is set if the joints were others than SMPL's and became these. Throws what the single edits throw.
+Motion edit_motion(Motion motion, const MotionEdits& edits, RetargetReport* report = nullptr);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/kinematics/edit_motion.ipp>
+#endif

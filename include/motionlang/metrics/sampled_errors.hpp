@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+/// Errors of the positions of joints (metrics/ape_ave.hpp) over several motions for each text, and of motions that know
+/// no text: what TEMOS, SINC and TEACH are measured by.
+///
+///     SampledErrors sampled(JointErrors(variant, 1.0), 10);
+///     for (const auto& [ten_motions_of_a_text, recorded] : items) sampled.add(ten_motions_of_a_text, recorded);
+///     sampled.mean().ape.root;
+#pragma once
+
+#include <cstdint>     // seed
+#include <functional>  // motions
+#include <vector>      // positions
+
+#include <motionlang/core/rng.hpp>
+#include <motionlang/metrics/ape_ave.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+using JointFrames = std::vector<Vec3<double>>;  // (frames, joints)
+using JointErrors = ApeAveMetric<double>;
+
+/// Errors of several motions for each text.
+class SampledErrors {
+ public:
+  SampledErrors(const JointErrors& none, Index samples)
+      : of_sample_(static_cast<std::size_t>(samples), none), best_(none), worst_(none) {}
+
+  /// samples  one motion for each of the samples
+  void add(const std::vector<JointFrames>& samples, const JointFrames& truth);
+
+  Index samples() const { return std::ssize(of_sample_); }
+  /// The errors of the first motion of each text.
+  ApeAve first() const { return of_sample_.front().result(); }
+  /// The mean over the samples.
+  ApeAve mean() const;
+  /// The errors of the best and of the worst motion of each text.
+  ApeAve best() const { return best_.result(); }
+  ApeAve worst() const { return worst_.result(); }
+
+ private:
+  std::vector<JointErrors> of_sample_;
+  JointErrors best_, worst_;
+};
+
+/// Errors of motions that know no text: the mean of all poses, seen from the body, standing still, and another, random
+/// motion.
+class BlindErrors {
+ public:
+  using Motions = std::function<JointFrames(Index)>;
+
+  /// joints_of(i): those of motion i of so many to train on
+  BlindErrors(const RifkeVariant& variant, const JointErrors& none, Index motions, Motions joints_of,
+              std::uint64_t seed);
+
+  /// own: the number of the motion itself, if it is among those to train on; it is not drawn where there are others.
+  void add(const JointFrames& truth, Index own = -1);
+
+  ApeAve mean_pose() const { return pose_.result(); }
+  ApeAve random_clip() const { return clip_.result(); }
+
+ private:
+  JointErrors pose_, clip_;
+  Index motions_;
+  Motions joints_of_;
+  JointFrames mean_;
+  Philox draws_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/metrics/sampled_errors.ipp>
+#endif

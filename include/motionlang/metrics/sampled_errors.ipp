@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// Bodies of sampled_errors.hpp.
+#pragma once
+
+#include <utility>  // move
+
+#include <motionlang/metrics/sampled_errors.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The mean of the poses of all motions, as a body that faces ahead is seen.
+inline JointFrames mean_pose(const RifkeVariant& variant, Index motions, const BlindErrors::Motions& joints_of) {
+  const auto n = static_cast<std::size_t>(variant.joints);
+  JointFrames sum(n);
+  double frames = 0;
+  for (Index i = 0; i < motions; ++i) {
+    const JointFrames joints = joints_of(i);
+    const auto c = canonical_motion(variant, std::span<const Vec3<double>>(joints));
+    for (Index t = 0; t < c.frames(); ++t, ++frames) {
+      const auto frame = static_cast<std::size_t>(t);
+      const Vec3<double>& root = c.root[frame];
+      sum[0] = sum[0] + (variant.z_up ? Vec3<double>{0, 0, root.z} : Vec3<double>{0, root.y, 0});
+      for (std::size_t j = 1; j < n; ++j) sum[j] = sum[j] + c.local[frame * (n - 1) + j - 1];
+    }
+  }
+  for (auto& p : sum) p = (1 / frames) * p;
+  return sum;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY void SampledErrors::add(const std::vector<JointFrames>& samples, const JointFrames& truth) {
+  const std::vector<JointErrors::Joints> all(samples.begin(), samples.end());
+  for (std::size_t k = 0; k < of_sample_.size(); ++k) of_sample_[k].add(all[k], truth);
+  best_.add_best(all, truth);
+  worst_.add_worst(all, truth);
+}
+
+MOTIONLANG_BODY ApeAve SampledErrors::mean() const {
+  std::vector<ApeAve> results;
+  for (const JointErrors& e : of_sample_) results.push_back(e.result());
+  return mean_errors(results);
+}
+
+MOTIONLANG_BODY BlindErrors::BlindErrors(const RifkeVariant& variant, const JointErrors& none, Index motions,
+                                         Motions joints_of, std::uint64_t seed)
+    : pose_(none),
+      clip_(none),
+      motions_(motions),
+      joints_of_(std::move(joints_of)),
+      mean_(detail::mean_pose(variant, motions, joints_of_)),
+      draws_(Philox{.seed = seed}.split("random clips")) {}
+
+MOTIONLANG_BODY void BlindErrors::add(const JointFrames& truth, Index own) {
+  JointFrames standing;
+  while (standing.size() < truth.size()) standing.insert(standing.end(), mean_.begin(), mean_.end());
+  pose_.add(standing, truth);
+  JointFrames other;  // that is long enough, if one of a hundred is
+  for (int tries = 0; tries < 100 && other.size() < truth.size(); ++tries) {
+    const Index any = draws_.below(static_cast<std::uint32_t>(motions_));
+    if (any != own || motions_ == 1) other = joints_of_(any);
+  }
+  clip_.add(other, truth);
+}
+
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+/// A model that puts texts and motions into one space, as an index and its searches use it. TMR is one
+/// (search/tmr_search_encoder.hpp); an index of another model is built the same way.
+#pragma once
+
+#include <span>    // texts
+#include <string>  // texts
+#include <vector>  // vectors
+
+#include <motionlang/features/frame_sampling.hpp>
+#include <motionlang/kinematics/motion.hpp>
+#include <motionlang/search/motion_index.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Laws  equal inputs give equal vectors, whatever else is encoded with them; all functions may be called by several
+///       threads at once
+class SearchEncoder {
+ public:
+  virtual ~SearchEncoder() = default;
+
+  /// Where the vectors come from: id of the weights, path, text encoder, width and frames per second. No windows.
+  virtual const IndexModel& model() const = 0;
+  /// (texts, width).
+  virtual std::vector<float> encode_texts(std::span<const std::string> texts) const = 0;
+  /// What the model sees of a clip on any skeleton that can be retargeted: normalised features, (frames, features).
+  virtual std::vector<float> rows_of(const Motion& motion) const = 0;
+  /// The frames of such rows.
+  virtual Index frames(std::span<const float> rows) const = 0;
+  /// (windows, width): windows of the frames of `rows`.
+  virtual std::vector<float> encode_windows(std::span<const float> rows, std::span<const FrameSlice> windows) const = 0;
+
+ protected:
+  SearchEncoder() = default;
+  SearchEncoder(const SearchEncoder&) = default;
+  SearchEncoder& operator=(const SearchEncoder&) = default;
+};
+
+/// (width): a whole clip. One of more than ten seconds, which is longer than what such models are trained on, is cut
+/// into equal parts and has the mean of their directions.
+std::vector<float> encode_clip(const SearchEncoder& encoder, std::span<const float> rows);
+/// The vector of a motion as a query or as a clip of an index. Throws what SearchEncoder::rows_of throws.
+std::vector<float> encode_motion(const SearchEncoder& encoder, const Motion& motion);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/search/search_encoder.ipp>
+#endif

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+/// What Stmc needs that depends on no backend.
+#pragma once
+
+#include <string>  // texts
+#include <vector>  // intervals
+
+#include <motionlang/compose/plan.hpp>
+#include <motionlang/kinematics/motion.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The texts of a plan, each once; "" is the first one.
+struct DifferentTexts {
+  std::vector<std::string> texts{""};
+  std::vector<Index> which;  // of every interval
+
+  explicit DifferentTexts(const BatchPlan& plan);
+};
+
+/// SMPL RIFKE features as a motion that starts facing pi.
+Motion published_motion(std::span<const double> features, double fps);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/systems/detail/stmc_parts.ipp>
+#endif

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+/// BERTScore (metrics/bert_score.hpp) of descriptions, by a language model from a folder.
+///
+///     BertJudge<B> judge("distilbert-base-uncased", 0);
+///     const double f = judge(pairs);
+#pragma once
+
+#include <filesystem>  // folders
+#include <map>         // states of texts
+#include <span>        // references
+#include <string>      // texts
+#include <utility>     // move
+#include <variant>     // networks
+#include <vector>      // texts
+
+#include <motionlang/core/text_lines.hpp>
+#include <motionlang/metrics/bert_score.hpp>
+#include <motionlang/metrics/captions.hpp>
+#include <motionlang/weights/text_encoder_folder.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// BERTScore by a language model of the BERT family: the mean of F over the descriptions, without a baseline.
+template <Backend B>
+class BertJudge {
+ public:
+  /// layers  that the model keeps; 0: all
+  /// Throws  config_error 102 for CLIP, 101 for more layers than the model has, and what load_text_encoder throws
+  BertJudge(const std::filesystem::path& folder, Index layers) : encoder_(load_text_encoder<B>(folder)) {
+    std::visit(
+        [&](auto& network) {
+          if constexpr (requires { network.words; }) {
+            const Index all = std::ssize(network.layers);
+            if (layers > all)
+              raise<config_error>(101, "--bert-layer ", layers, ": ", folder.string(), " has ", counted(all, "layer"));
+            if (layers > 0) network.layers.resize(static_cast<std::size_t>(layers));
+            layers_ = std::ssize(network.layers), all_layers_ = all;
+          } else {
+            raise<config_error>(102, "--bert ", folder.string(), " is CLIP; BERTScore needs one of the BERT family");
+          }
+        },
+        encoder_.network.network);
+  }
+
+  /// The layers that are used, and those that the model has.
+  Index layers() const { return layers_; }
+  Index all_layers() const { return all_layers_; }
+
+  double operator()(const std::vector<CaptionPair>& pairs) {
+    BertWeights weights;
+    for (const CaptionPair& pair : pairs) {
+      for (const std::string& r : pair.references) weights.add(encoded(r).ids);
+    }
+    double sum = 0;
+    for (const CaptionPair& pair : pairs) {
+      std::vector<BertSentence<typename B::scalar>> references;
+      for (const std::string& r : pair.references) references.push_back(encoded(r).sentence());
+      sum += bert_score(encoded(pair.candidate).sentence(),
+                        std::span<const BertSentence<typename B::scalar>>(references), weights)
+                 .f;
+    }
+    return sum / static_cast<double>(pairs.size());
+  }
+
+ private:
+  struct Encoded {
+    std::vector<Index> ids;
+    Tensor<B, 2> states;
+    BertSentence<typename B::scalar> sentence() const { return {ids, {states.span(), states.size(1)}}; }
+  };
+  /// Stripped and behind a blank, as the published program has sentences.
+  const Encoded& encoded(const std::string& text) {
+    auto found = known_.find(text);
+    if (found == known_.end()) {
+      const std::vector<std::string> sentence{" " + std::string(detail::trim(text))};
+      auto batch = tokenize(encoder_.tokenizer, std::span(sentence));
+      auto states = encoder_.network(batch).tokens.rows;
+      found = known_.emplace(text, Encoded{std::move(batch.ids), std::move(states)}).first;
+    }
+    return found->second;
+  }
+
+  AnyTextEncoder<B> encoder_;
+  Index layers_ = 0, all_layers_ = 0;
+  std::map<std::string, Encoded> known_;
+};
+
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+/// Mean and deviation of features, by which they are normalised: of the motions to train on, or of a folder.
+#pragma once
+
+#include <filesystem>  // folders
+#include <vector>      // values
+
+#include <motionlang/datasets/described_motions.hpp>
+#include <motionlang/features/normalizer.hpp>
+#include <motionlang/features/statistics.hpp>
+#include <motionlang/weights/detail/run_reader.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Mean and unbiased deviation of every feature over the frames of all motions; 1 where a feature never changes.
+template <Backend B>
+Normalizer<B> statistics_of(const std::vector<DescribedMotion>& motions, Index width) {
+  using S = typename B::scalar;
+  FeatureStatistics statistics;
+  for (const DescribedMotion& m : motions) statistics.add(std::span<const float>(m.rows), width);
+  std::vector<S> mean, std;
+  for (const double x : statistics.mean()) mean.push_back(static_cast<S>(x));
+  for (const double x : statistics.standard_deviation()) std.push_back(x < 1e-5 ? S(1) : static_cast<S>(x));
+  return {Tensor<B, 1>::from(mean, {width}), Tensor<B, 1>::from(std, {width})};
+}
+
+/// Mean and deviation in a folder: Mean.npy and Std.npy of HumanML3D and KIT-ML, mean.pt and std.pt of others.
+/// Throws  io_error 401 if there are none, 407 for features of another width
+template <Backend B>
+Normalizer<B> statistics_of(const std::filesystem::path& folder, Index width) {
+  return detail::folder_normalizer<B>(find_run(folder), width, {"", "stats.", "meta.", "motion_stats."},
+                                      "the motions: neither Mean.npy and Std.npy nor mean.pt and std.pt");
+}
+
+/// Those of a folder where one is named, otherwise of the motions to train on.
+template <Backend B>
+Normalizer<B> statistics_of(const std::filesystem::path& folder, const DescribedMotions& data) {
+  return folder.empty() ? statistics_of<B>(data.training, data.width) : statistics_of<B>(folder, data.width);
+}
+
+MOTIONLANG_NAMESPACE_END

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: MIT
+/// Measures motions of texts by the networks of Guo et al.: R-precision, distance from the texts, FID, diversity
+/// and multimodality over several replications.
+///
+///     const GuoJudge<B> judge({.evaluator = "text_mot_match"}, run.model.statistics);
+///     const GuoItems<B> items(data.test, "test", data.width);
+///     const GuoFigures figures = guo_figures(run.model, run.words, judge, items, {.replications = 20});
+///     figures.values.at("generated").at("FID");               // of each replication
+///
+/// Source   HumanML3D (Guo et al., CVPR 2022), section 5.2; TM2T (Guo et al., ECCV 2022), appendix C; text-to-motion
+///          final_evaluations.py
+#pragma once
+
+#include <algorithm>   // rotate
+#include <cstdint>     // seeds
+#include <filesystem>  // files
+#include <map>         // figures
+#include <span>        // texts
+#include <string>      // texts
+#include <utility>     // move
+#include <vector>      // vectors
+
+#include <motionlang/core/numpy_random.hpp>
+#include <motionlang/core/progress.hpp>
+#include <motionlang/core/python_random.hpp>
+#include <motionlang/datasets/guo_clip.hpp>
+#include <motionlang/metrics/diversity.hpp>
+#include <motionlang/metrics/frechet.hpp>
+#include <motionlang/metrics/guo_evaluator.hpp>
+#include <motionlang/metrics/matching.hpp>
+#include <motionlang/systems/tm2t.hpp>
+#include <motionlang/train/feature_statistics.hpp>
+#include <motionlang/train/text_entries.hpp>
+#include <motionlang/weights/glove_file.hpp>
+#include <motionlang/weights/guo_evaluator_file.hpp>
+#include <motionlang/weights/tm2t_run.hpp>
+#include <motionlang/weights/weight_file.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// "": word vectors in a folder above the networks; statistics of the motions of the model.
+struct GuoJudgeFiles {
+  std::filesystem::path evaluator{};  // finest.tar, or its folder
+  std::filesystem::path words{}, statistics{};
+};
+
+/// Vectors of texts or of motions, one behind the other.
+template <Backend B>
+struct Embedded {
+  std::vector<typename B::scalar> values;
+  Index width = 0;
+
+  void add(const Tensor<B, 2>& more) {
+    values.insert(values.end(), more.span().begin(), more.span().end());
+    width = more.size(1);
+  }
+  Rows<typename B::scalar> rows() const { return {values, width}; }
+};
+
+/// The networks of Guo et al. with what they need: `finest.tar` of text_mot_match, word vectors in a folder above it or
+/// where --text-encoder says, statistics of the features.
+template <Backend B>
+struct GuoJudge {
+  GuoEvaluator<B> networks;
+  GloVe words;
+  Normalizer<B> statistics;
+
+  /// usual   statistics that the motions of the model have, which the published program takes for its own, too
+  /// Throws  io_error 401 for what is missing, 406, 407 for other networks; config_error 102 for other features, words
+  GuoJudge(const GuoJudgeFiles& files, Normalizer<B> usual)
+      : GuoJudge(files, file_of(files.evaluator), std::move(usual)) {}
+
+  Tensor<B, 2> texts(std::span<const std::string> of) const { return networks.embed_texts(words.encode<B>(of).tokens); }
+  /// Motions without a movement count as one of the mean pose.
+  Tensor<B, 2> motions(const Sequences<B>& features) const {
+    const Index width = statistics.mean.size(0);
+    std::vector<typename B::scalar> values;
+    std::vector<Index> frames;
+    const auto normalized = statistics.normalize(features.rows);
+    const auto x = normalized.span();
+    std::size_t at = 0;
+    for (Index i = 0; i < features.count(); ++i) {
+      const Index length = features.offsets.length(i), seen = std::max<Index>(length, 4);
+      const auto own = x.subspan(at, static_cast<std::size_t>(length * width));
+      values.insert(values.end(), own.begin(), own.end());
+      values.resize(values.size() + static_cast<std::size_t>((seen - length) * width));
+      frames.push_back(seen);
+      at += own.size();
+    }
+    const Offsets offsets(frames);
+    return networks.embed_motions({Tensor<B, 2>::from(values, {offsets.rows(), width}), offsets});
+  }
+
+ private:
+  static std::filesystem::path file_of(const std::filesystem::path& given) {
+    if (!std::filesystem::is_directory(given)) return given;
+    for (const char* name : {"finest.tar", "model/finest.tar"}) {
+      if (std::filesystem::exists(given / name)) return given / name;
+    }
+    raise<io_error>(401, "--evaluator ", given.string(), ": no finest.tar and no model/finest.tar");
+  }
+  static GloVe words_near(const std::filesystem::path& file, const std::filesystem::path& named) {
+    RunFolder folder;
+    folder.folder = file.parent_path();
+    return read_glove(detail::tm2t_words(folder, {.words = named.string()}));
+  }
+
+  GuoJudge(const GuoJudgeFiles& files, const std::filesystem::path& file, Normalizer<B> usual)
+      : words(words_near(file, files.words)),
+        statistics(files.statistics.empty() ? std::move(usual)
+                                            : statistics_of<B>(files.statistics, usual.mean.size(0))) {
+    statistics.eps = 0;
+    const WeightFile weights = open_weights(file, {.path = ""});
+    const GuoEvaluatorConfig sizes = guo_evaluator_config(weights);
+    if (const Index width = statistics.mean.size(0); sizes.features != width)
+      raise<config_error>(102, weights.name(), ": reads features of ", counted(sizes.features, "number"),
+                          ", the motions have ", width);
+    if (sizes.word != words.width() || sizes.pos != speech_tags)
+      raise<config_error>(102, weights.name(), ": reads word vectors of ", counted(sizes.word, "number"), " and ",
+                          counted(sizes.pos, "part"), " of speech, those found have ", words.width(), " and ",
+                          speech_tags);
+    networks = load_guo_evaluator<B>(weights);
+  }
+};
+
+/// Texts as GloVe::encode reads them, with motions.
+template <Backend B>
+struct DrawnItems {
+  std::vector<std::string> texts;
+  Embedded<B> text, motion;
+};
+
+/// What the loader of Guo et al. hands out: a random text of every entry and a part of its motion, in random batches.
+/// The last batch is left out unless it is whole.
+template <Backend B>
+class GuoItems {
+ public:
+  /// Throws config_error 101 unless there are two or more entries of the lengths that the loader takes.
+  GuoItems(const std::vector<DescribedMotion>& part, const std::string& name, Index width)
+      : entries_(text_entries(part, name)), width_(width) {
+    std::vector<Index> lengths;
+    for (const TextEntry& e : entries_) lengths.push_back(e.frames.length);
+    const GuoClipLimits limits = guo_clip_limits(width == 251);
+    kept_ = guo_kept_clips(lengths, limits);
+    if (std::ssize(kept_) < 2)
+      raise<config_error>(101, "the part '", name, "' has ", counted(kept_.size(), "motion"), " of ", limits.least,
+                          " to ", counted(limits.below - 1, "frame"), ", of which two are needed");
+    batch = std::min<Index>(32, std::ssize(kept_));
+    count = std::ssize(kept_) / batch * batch;
+  }
+
+  static constexpr Index repeats = 30;  // motions of a text whose variety is measured
+
+  Index batch = 0, count = 0;
+  /// Texts whose variety is measured, and pairs of motions whose diversity is.
+  Index varied() const { return std::min<Index>(100, count); }
+  Index pairs() const { return std::min<Index>(300, count - 1); }
+
+  DrawnItems<B> draw(const GuoJudge<B>& judge, NumpyRandom& numpy, PythonRandom& python) const {
+    DrawnItems<B> out;
+    const auto order = numpy.permutation(std::ssize(kept_));
+    for (Index at = 0; at < count; at += batch) {
+      std::vector<typename B::scalar> values;
+      std::vector<Index> frames;
+      for (Index i = at; i < at + batch; ++i) {
+        const TextEntry& e =
+            entries_[static_cast<std::size_t>(kept_[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])])];
+        const DescribedText& t = *e.texts[static_cast<std::size_t>(python.randint(0, std::ssize(e.texts) - 1))];
+        out.texts.push_back(tagged(t));
+        const FrameSlice part = guo_item(e.frames.length, numpy, python);
+        const auto rows = entry_rows(e, part.first, part.length, width_);
+        values.insert(values.end(), rows.begin(), rows.end());
+        frames.push_back(part.length);
+      }
+      const Offsets offsets(frames);
+      out.text.add(judge.texts(std::span(out.texts).last(static_cast<std::size_t>(batch))));
+      out.motion.add(judge.motions({Tensor<B, 2>::from(values, {offsets.rows(), width_}), offsets}));
+    }
+    return out;
+  }
+
+ private:
+  static std::string tagged(const DescribedText& t) {
+    std::string out;
+    for (const TaggedWord& w : t.words) out += (out.empty() ? "" : " ") + w.word + "/" + w.tag;
+    return out.empty() ? t.text : out;
+  }
+
+  std::vector<TextEntry> entries_;
+  Index width_;
+  std::vector<Index> kept_;
+};
+
+struct GuoFigures {
+  using Row = std::map<std::string, std::vector<double>>;  // by column, of each replication
+  std::map<std::string, Row> values{};                     // "recorded", "recorded, of other texts", "generated"
+  Index empty = 0;  // motions without frames, which count as four of the mean pose
+};
+struct GuoFigureOptions {
+  Index replications = 20;
+  std::uint64_t seed = 0;
+};
+/// Columns: R@1, R@2, R@3, MM-Dist, FID, diversity, multimodality.
+template <Backend B>
+GuoFigures guo_figures(const Tm2t<B>& model, const GloVe& words, const GuoJudge<B>& judge, const GuoItems<B>& items,
+                       const GuoFigureOptions& options, Progress progress = {}) {
+  constexpr Index repeats = GuoItems<B>::repeats, compared = 10;  // motions of a text, and pairs of them
+  const Index batch = items.batch, count = items.count, varied = items.varied(), pairs = items.pairs();
+  GuoFigures figures;
+  Index steps = 0;
+  const auto add = [&](const std::string& row, const std::string& column, double value) {
+    figures.values[row][column].push_back(value);
+  };
+  const auto step = [&] { progress(++steps, options.replications * (1 + repeats)); };
+  for (Index s = 0; s < options.replications; ++s) {
+    const auto seed = static_cast<std::uint32_t>(options.seed) + static_cast<std::uint32_t>(s);
+    NumpyRandom numpy(seed);
+    PythonRandom python(static_cast<std::uint64_t>(seed));
+    const DrawnItems<B> real = items.draw(judge, numpy, python), reference = items.draw(judge, numpy, python);
+    const auto made = [&](std::span<const std::string> texts, const Philox& rng) {
+      Embedded<B> out;
+      for (Index at = 0; at < std::ssize(texts); at += batch) {
+        const auto some = texts.subspan(static_cast<std::size_t>(at),
+                                        static_cast<std::size_t>(std::min(batch, std::ssize(texts) - at)));
+        const auto motions = model.generate(words.encode<B>(some), rng.split(static_cast<std::uint64_t>(at)));
+        for (Index i = 0; i < motions.count(); ++i) figures.empty += motions.offsets.length(i) == 0 ? 1 : 0;
+        out.add(judge.motions(motions));
+      }
+      step();
+      return out;
+    };
+    const auto measure = [&](const char* row, const Embedded<B>& motions, bool own) {
+      MatchingMetric matching;
+      for (Index at = 0; at < count; at += batch)
+        matching.add(real.text.rows().slice(at, batch), motions.rows().slice(at, batch));
+      for (int k = 1; k <= 3; ++k) add(row, concat_text("R@", k), matching.r_precision(k));
+      add(row, "MM-Dist", matching.matching_score());
+      if (!own) return;
+      add(row, "FID", frechet_distance(reference.motion.rows(), motions.rows()));
+      add(row, "diversity", mean_pair_distance(motions.rows(), disjoint_draws(count, pairs, numpy)));
+    };
+    const auto noise = Philox{.seed = options.seed}.split("replications").split(static_cast<std::uint64_t>(s));
+    measure("recorded", real.motion, true);
+    Embedded<B> others = real.motion;
+    std::rotate(others.values.begin(), others.values.begin() + others.width, others.values.end());
+    measure("recorded, of other texts", others, false);
+    measure("generated", made(real.texts, noise.split("one")), true);
+
+    std::vector<Embedded<B>> of_repeat;
+    for (Index k = 0; k < repeats; ++k)
+      of_repeat.push_back(made(std::span(real.texts).first(static_cast<std::size_t>(varied)),
+                               noise.split("several").split(static_cast<std::uint64_t>(k))));
+    std::vector<typename B::scalar> by_text;
+    for (Index i = 0; i < varied; ++i) {
+      for (const Embedded<B>& e : of_repeat) {
+        const auto row = e.rows()[i];
+        by_text.insert(by_text.end(), row.begin(), row.end());
+      }
+    }
+    add("generated", "multimodality",
+        multimodality(Rows(std::span<const typename B::scalar>(by_text), of_repeat.front().width), repeats,
+                      disjoint_draws(repeats, compared, numpy)));
+  }
+  return figures;
+}
+
+MOTIONLANG_NAMESPACE_END

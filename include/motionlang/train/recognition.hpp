@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+/// Measures ACTOR: a classifier of actions judges generated motions next to recorded ones, over several seeds.
+///
+///     const ActorModel<B> model("run/model");
+///     ActionJudge<B> judge("classifier/model");
+///     judge.numbers = numbers_of(model.file.labels, judge.file.labels);
+///     const auto results = recognition_results(model, judge, data.test, {.seeds = 20});
+///     results.at("accuracy_gen");                            // of each seed
+///
+/// Source   ACTOR (Petrovich, Black, Varol, ICCV 2021), tables of its evaluation; thesis 3.3.1 and 3.3.4, table 3.8
+#pragma once
+
+#include <algorithm>   // min
+#include <cstdint>     // seeds
+#include <filesystem>  // files
+#include <map>         // results
+#include <memory>      // points of a body
+#include <span>        // classes
+#include <string>      // labels
+#include <utility>     // names
+#include <vector>      // features
+
+#include <motionlang/core/numpy_random.hpp>
+#include <motionlang/core/progress.hpp>
+#include <motionlang/metrics/accuracy.hpp>
+#include <motionlang/metrics/diversity.hpp>
+#include <motionlang/metrics/frechet.hpp>
+#include <motionlang/train/action_batch.hpp>
+#include <motionlang/train/body_points.hpp>
+#include <motionlang/weights/classifier_model.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The answers of the classifier to a set of motions.
+struct JudgedMotions {
+  std::vector<float> features;
+  Index width = 0;
+  double accuracy = 0;
+  Rows<float> rows() const { return {features, width}; }
+};
+
+/// A classifier with the clips that it reads.
+template <Backend B>
+struct ActionJudge {
+  ActionModelFile<ClassifierConfig> file;
+  Classifier<B> classifier;
+  std::vector<Index> numbers{};  // that it gives to the classes of the motions
+
+  /// A classifier of train-classifier.
+  explicit ActionJudge(const std::filesystem::path& folder)
+      : file(read_action_config<ClassifierConfig>(folder, "classifier")) {
+    const auto weights = open_action_weights(folder);
+    const auto room = detail::room_of(weights);
+    classifier = Classifier<B>(file.config, std::ssize(file.labels), Philox{});
+    load_action_weights(classifier, weights);
+  }
+  /// The file of a published one: ST-GCN, or a GRU that reads the 24 joints of SMPL with the way of the root, or the 18
+  /// points of NTU-13 without it. It sees motions of the rate of the model and as they face, in the world of a camera.
+  /// body, regressor  of the user (body_points.hpp); without them a GRU is given the joints of our own skeleton
+  /// Throws  io_error 404 for another file, 407 for other joints, config_error 102 for a body that is missing or not
+  ///         read
+  ActionJudge(const std::filesystem::path& path, const ActorClipsConfig& clips, const std::filesystem::path& body,
+              const std::filesystem::path& regressor) {
+    const WeightFile weights = open_weights(path);
+    Index classes = 0, read = 0, wanted = 0;  // numbers a frame
+    if (const TensorView* const gates = weights.find("recurrent.weight_ih_l0")) {
+      classifier.gru = load_gru_classifier<B>(weights);
+      classifier.drawn_state = true;
+      classes = classifier.gru->linear2.out(), read = gates->shape[1], wanted = 24 * 3;
+      if (read == 18 * 3) {
+        if (body.empty())
+          raise<config_error>(102, path.string(),
+                              " reads 18 points of a body: --body SMPL, --joint-regressor J_regressor_extra.npy");
+        wanted = 18 * 3;
+      }
+      if (!body.empty()) read_body_points(wanted == 18 * 3 ? "a2m" : "smpl", body, regressor);
+    } else if (const TensorView* const norm = weights.find("data_bn.weight")) {
+      classifier.stgcn = load_stgcn<B>(weights);
+      classes = classifier.stgcn->fcn.out(), read = norm->shape[0], wanted = 24 * 6;
+    } else {
+      raise<io_error>(404, path.string(), ": neither the GRU of Action2Motion nor ST-GCN");
+    }
+    if (read != wanted)
+      raise<io_error>(407, path.string(), ": a classifier of ", counted(read, "number"), " a frame, expected ", wanted,
+                      ": SMPL's 24 joints");
+    if (!classifier.points && !(body.empty() && regressor.empty()))
+      raise<config_error>(102, path.string(), " has no use for --body '", body.string(), "', --joint-regressor '",
+                          regressor.string(), "'");
+    prepare(classifier);
+    file.config.clips = clips;
+    file.config.clips.pose = "rot6d", file.config.clips.camera = true;
+    file.config.clips.translation = classifier.gru.has_value();
+    file.labels = class_names("humanact12", classes);
+  }
+
+ private:
+  /// One motion after the other, since a surface is large.
+  void read_body_points(const char* name, const std::filesystem::path& body, const std::filesystem::path& regressor) {
+    const auto points = std::make_shared<const BodyPoints<B>>(name, body, regressor);
+    const bool translate = points->points == ActorPoints::smpl;
+    classifier.points = [points, translate](const Sequences<B>& x, const ActorClipsConfig& clips) {
+      std::vector<typename B::scalar> values;
+      for (Index s = 0; s < x.count(); ++s) {
+        const auto one = (*points)({x[s], Offsets{x.offsets.length(s)}}, clips, translate).rows;
+        values.insert(values.end(), one.span().begin(), one.span().end());
+      }
+      const Index frames = x.offsets.rows();
+      return x.with(Tensor<B, 2>::from(values, {frames, std::ssize(values) / std::max<Index>(1, frames)}));
+    };
+  }
+};
+
+/// Classifies motions in batches: batch(numbers) gives them with their classes.
+template <Backend B, class Batch>
+JudgedMotions judge_motions(const ActionJudge<B>& who, Index motions, const Philox& rng, Batch batch) {
+  JudgedMotions out;
+  constexpr Index at_once = 64;
+  double right = 0;
+  for (Index at = 0; at < motions; at += at_once) {
+    std::vector<Index> which;
+    for (Index i = at; i < std::min(at + at_once, motions); ++i) which.push_back(i);
+    ActionBatch<B> b = batch(which);
+    for (Index& y : b.classes) y = who.numbers[static_cast<std::size_t>(y)];
+    const auto said = who.classifier(b.x, who.file.config.clips, rng.split(static_cast<std::uint64_t>(at)));
+    const auto confusion =
+        confusion_matrix(Rows(said.logits.span(), said.logits.size(1)), std::span<const Index>(b.classes));
+    right += accuracy(confusion) * static_cast<double>(which.size());
+    out.features.insert(out.features.end(), said.features.span().begin(), said.features.span().end());
+    out.width = said.features.size(1);
+  }
+  out.accuracy = right / static_cast<double>(motions);
+  return out;
+}
+
+/// Classes numbered without those of which there is no motion and so no pair, and how many are left.
+std::pair<std::vector<Index>, Index> present_classes(std::span<const Index> classes, Index kinds);
+
+struct RecognitionOptions {
+  Index seeds = 20;
+  std::uint64_t seed = 0;  // the first one
+};
+/// accuracy_X, diversity_X, multimodality_X and fid_X of every seed. X: gt, recorded motions; gt2, other windows of
+/// these (their FID is against gt); gen, generated; denoised; between, between two motions of an action.
+/// part     motions with a label each. Throws config_error 103 for a label that is no class of the model.
+template <Backend B>
+std::map<std::string, std::vector<double>> recognition_results(const ActorModel<B>& model, const ActionJudge<B>& who,
+                                                               const std::vector<DescribedMotion>& part,
+                                                               const RecognitionOptions& options,
+                                                               Progress progress = {}) {
+  const ActorClipsConfig &clips = model.file.config.clips, &seen = who.file.config.clips;
+  const std::vector<Index> classes = classes_of(part, model.file.labels);
+  const auto [numbered, present] = present_classes(classes, std::ssize(model.file.labels));
+  const RecognitionSets<B> motions{model, part, classes, clips, seen};
+  std::map<std::string, std::vector<double>> results;
+  for (Index s = 0; s < options.seeds; ++s) {
+    const auto seed = Philox{.seed = options.seed + static_cast<std::uint64_t>(s)};
+    const auto first = seed.split("gt"), second = seed.split("gt2");
+    const auto of_batch = [&](const char* name, std::span<const Index> which) {
+      return seed.split(name).split(static_cast<std::uint64_t>(which.front()));
+    };
+    const auto judged = [&](const char* name, auto batch) {
+      return std::pair(std::string(name), judge_motions(who, std::ssize(part), seed.split("judge").split(name), batch));
+    };
+    const std::map<std::string, JudgedMotions> sets{
+        judged("gt", [&](auto which) { return motions.recorded(which, first); }),
+        judged("gt2", [&](auto which) { return motions.recorded(which, second); }),
+        judged("gen",
+               [&](auto which) {
+                 return motions.sampled(which, first, of_batch("noise", which));  // as long as "gt"
+               }),
+        judged("denoised", [&](auto which) { return motions.denoised(which, first); }),
+        judged("between", [&](auto which) {
+          return motions.interpolated(which, first, seed.split("others"), of_batch("between", which));
+        })};
+    for (const auto& [name, set] : sets) {
+      NumpyRandom random(static_cast<std::uint32_t>(options.seed) + static_cast<std::uint32_t>(s));
+      results["accuracy_" + name].push_back(set.accuracy);
+      results["diversity_" + name].push_back(
+          mean_pair_distance(set.rows(), random_pairs(set.rows().size(), 200, random)));
+      results["multimodality_" + name].push_back(
+          mean_pair_distance(set.rows(), pairs_within_classes(numbered, present, 20, random)));
+      if (name != "gt") results["fid_" + name].push_back(frechet_distance(sets.at("gt").rows(), set.rows()));
+    }
+    progress(s + 1, options.seeds);
+  }
+  return results;
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/train/recognition.ipp>
+#endif

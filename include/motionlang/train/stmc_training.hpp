@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: MIT
+/// The training of the bundled model: denoiser and caption encoder together. It is what `motionlang train` does.
+///
+///     const TrainingSet data("captions.tsv", "clips", {});
+///     Trainer trainer(StmcTraining<A>({}, data));
+///     trainer.run({.out = "run"}, {.prepare = [&] { trainer.task().learn_texts(); }});
+///     trainer.task().export_model("run/stmc.safetensors", {{"license", "MIT"}});
+#pragma once
+
+#include <algorithm>   // fill_n, max
+#include <cmath>       // pow, sqrt
+#include <filesystem>  // the model
+#include <map>         // settings
+#include <string>      // captions
+#include <vector>      // samples
+
+#include <motionlang/datasets/training_set.hpp>
+#include <motionlang/diffusion/gaussian.hpp>
+#include <motionlang/diffusion/schedule.hpp>
+#include <motionlang/features/smplrifke.hpp>
+#include <motionlang/features/statistics.hpp>
+#include <motionlang/loss/foot_velocity.hpp>
+#include <motionlang/loss/reconstruction.hpp>
+#include <motionlang/nn/linear.hpp>
+#include <motionlang/optim/lr_schedule.hpp>
+#include <motionlang/train/learner.hpp>
+#include <motionlang/train/trainer.hpp>
+#include <motionlang/weights/stmc_file.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct StmcTrainingConfig {
+  StmcModelConfig model{
+      .denoiser = {.latent_dim = 256, .ff_size = 768, .num_layers = 6, .num_heads = 4, .dropout = 0.05},
+      .sampling_steps = 20,  // the judge finds most done so, and it takes a fifth of the time of all steps
+      .guidance = 2};        // and more with 2 than with 3
+  Index vocabulary = 800;
+  Index steps = 16000;
+  Index batch = 32;
+  double lr = 4e-4;
+  Index warmup = 500;
+  double weight_decay = 0.01;
+  double clip_norm = 1;
+  double ema = 0.999;
+  double velocity_weight = 1;  // of the loss on differences between neighbouring frames
+  double noise_focus = 0.5;    // share of the samples that come from the noisiest fifth of the diffusion
+  double root_weight = 8;      // of the four numbers that move the figure, against 1 for each of the others
+  double foot_weight = 0.2;    // of the loss on the velocity of the feet, (m/s)^2
+  double text_weight = 0.2;    // of the loss that asks a caption's vector for a summary of the motion
+  Index text_steps = 3000;     // of the text encoder alone, before the denoiser is trained
+  std::uint64_t seed = 1;
+  SampleOptions samples{};
+};
+
+namespace detail {
+
+/// Samples, each with a generator of its own, on several threads.
+std::vector<TrainingSample> draw_batch(const TrainingSet& data, const StmcTrainingConfig& config, Philox rng,
+                                       Index count);
+
+/// Mean and deviation of every feature over samples as training sees them. A feature that never changes gets deviation
+/// 1.
+template <Backend B>
+Normalizer<B> measure(const TrainingSet& data, const StmcTrainingConfig& config) {
+  FeatureStatistics statistics;
+  for (const TrainingSample& s : draw_batch(data, config, Philox{.seed = config.seed}.split("statistics"), 2000)) {
+    const std::vector<double> values(s.features.begin(), s.features.end());
+    statistics.add(std::span<const double>(values), smplrifke_size);
+  }
+  std::vector<float> mean, std;
+  for (double m : statistics.mean()) mean.push_back(static_cast<float>(m));
+  for (double d : statistics.standard_deviation()) std.push_back(d < 1e-4 ? 1.0f : static_cast<float>(d));
+  return {Tensor<B, 1>::from(mean, {std::ssize(mean)}), Tensor<B, 1>::from(std, {std::ssize(std)})};
+}
+
+inline constexpr Index summary_parts = 4, summary_size = (summary_parts + 1) * smplrifke_size;
+/// Appends what a caption should tell about rows (frames, 205) of normalised features: the mean of every feature over
+/// each quarter of the time ("sit down" is not "sit"), and its deviation over all of it.
+void append_summary(std::vector<float>& out, std::span<const float> rows);
+
+/// Four numbers say where the figure goes, 201 how it holds itself: the four count more. (205), mean of the squares
+/// about 1.
+template <Backend B>
+Tensor<B, 1> feature_weights(double root_weight) {
+  std::vector<typename B::scalar> weights(smplrifke_size, 1);
+  std::fill_n(weights.begin(), 4, static_cast<typename B::scalar>(std::sqrt(root_weight)));
+  return Tensor<B, 1>::from(weights, {smplrifke_size});
+}
+
+/// The diffusion step of a sample. Over all frames together, what a motion will be (where it goes, when it sits down)
+/// shows through much more noise than any single frame: with 60 frames and features that move together, the signal of
+/// such a whole is as strong as the noise when alpha_bar is still about 1e-3. It is decided in the first few of a
+/// hundred steps, so `focus` of the samples come from the noisiest fifth, the noisier the more.
+Index draw_t(Philox& rng, Index steps, double focus);
+
+/// The sizes of the model with what follows from others.
+StmcModelConfig completed(const StmcTrainingConfig& c);
+
+/// The settings of a run, except those of the model.
+std::map<std::string, std::string> stmc_settings(const StmcTrainingConfig& config, const std::string& fingerprint);
+
+}  // namespace detail
+
+/// All state of the training but the losses.
+template <AutodiffBackend Tape>
+class StmcTraining {
+ public:
+  using A = Tape;
+  using B = typename A::inner;
+
+  /// For a run that begins anew: learns the vocabulary, measures mean and deviation of the features, draws the weights.
+  /// `data` has to outlive the training.
+  StmcTraining(const StmcTrainingConfig& config, const TrainingSet& data);
+
+  /// Teaches the text encoder alone what captions mean: the mean of every feature of their motions over each quarter of
+  /// the time, and its deviation. Without it the denoiser learns to move long before it learns to listen. For a run
+  /// that begins anew, before the first step. Returns the last loss.
+  double learn_texts(Progress progress = {});
+  /// Takes denoiser and normaliser of a trained model, so that only texts are learnt anew. For a run that begins anew.
+  void take_denoiser(const std::filesystem::path& model);
+  /// Writes the averaged weights in half precision.
+  void export_model(const std::filesystem::path& path, const std::map<std::string, std::string>& about) const;
+
+  std::uint64_t seed() const { return config_.seed; }
+  Index steps() const { return config_.steps; }
+  /// Everything that decides what a step computes, except the number of steps: a run may be made longer, and its
+  /// learning rate then follows the new number.
+  std::map<std::string, std::string> settings() const;
+  LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
+  void update(const Gradients<A>& gradients, Index step);
+  void add_to(TensorStore& store) const;
+  void load(const SafetensorsFile& file, Index steps);
+
+ private:
+  StmcTrainingConfig config_;
+  const TrainingSet* data_;
+  GaussianDiffusion diffusion_;
+  Learner<Stmc<A>, Stmc<B>> learner_;
+  Linear<A> summary_;  // from a caption's vector to the summary of its motion; not part of the model
+  AdamW<A> adam_summary_;
+};
+
+template <AutodiffBackend A>
+StmcTraining<A>::StmcTraining(const StmcTrainingConfig& config, const TrainingSet& data)
+    : config_(config), data_(&data), diffusion_(CosineSchedule{.steps = config_.model.diffusion_steps}) {
+  config_.model = detail::completed(config_);
+  const auto captions = data.all_captions();
+  learner_.average = make_stmc<B>(config_.model, WordPiece::learn(captions, config_.vocabulary),
+                                  Philox{.seed = config_.seed}.split("init"));
+  learner_.average.motion_normalizer = detail::measure<B>(data, config_);
+  learner_.model = convert_stmc<A>(learner_.average);
+  learner_.ema = config_.ema;
+  learner_.clip_norm = config_.clip_norm;
+  auto rng = Philox{.seed = config_.seed}.split("summary");
+  summary_ = convert<A>(Linear<B>(config_.model.text.out, detail::summary_size, rng));
+  learner_.adam.config.weight_decay = adam_summary_.config.weight_decay = config_.weight_decay;
+}
+
+template <AutodiffBackend A>
+double StmcTraining<A>::learn_texts(Progress progress) {
+  const auto rng = Philox{.seed = config_.seed}.split("texts");
+  const auto samples =
+      detail::draw_batch(*data_, config_, rng.split("samples"), std::min<Index>(20000, 8 * config_.text_steps));
+  std::vector<float> summaries;
+  for (const TrainingSample& s : samples) {
+    const auto rows =
+        learner_.average.motion_normalizer.normalize(Tensor<B, 2>::from(s.features, {s.frames, smplrifke_size}));
+    detail::append_summary(summaries, rows.span());
+  }
+  AdamW<A> adam_text{{.weight_decay = config_.weight_decay}}, adam_summary = adam_text;
+  double value = 0;
+  for (Index k = 0; k < config_.text_steps; ++k) {
+    auto pick = rng.split("batch").split(static_cast<std::uint64_t>(k));
+    std::vector<std::string> captions;
+    std::vector<float> wanted;
+    for (int i = 0; i < 128; ++i) {
+      const auto n = static_cast<std::ptrdiff_t>(pick.below(static_cast<std::uint32_t>(samples.size())));
+      captions.push_back(samples[static_cast<std::size_t>(n)].caption);
+      wanted.insert(wanted.end(), summaries.begin() + n * detail::summary_size,
+                    summaries.begin() + (n + 1) * detail::summary_size);
+    }
+    const Context context{.dropout = pick.split("dropout")};
+    const auto said = summary_(learner_.model.text_encoder(captions, context));
+    const auto loss = mse(said, Tensor<A, 2>::from(wanted, said.shape()));
+    const auto gradients = backward(loss);
+    adam_text.config.lr = adam_summary.config.lr =
+        WarmupCosine{.peak = 1e-3, .floor = 5e-5, .warmup = 100, .total = config_.text_steps}(k);
+    adam_text.step(learner_.model.text_encoder, gradients);
+    adam_summary.step(summary_, gradients);
+    value = k == 0 ? static_cast<double>(loss.item()) : 0.98 * value + 0.02 * static_cast<double>(loss.item());
+    progress(k + 1, config_.text_steps);
+  }
+  learner_.average.text_encoder = to_inner(learner_.model.text_encoder);
+  return value;
+}
+
+template <AutodiffBackend A>
+void StmcTraining<A>::take_denoiser(const std::filesystem::path& model) {
+  const auto trained = load_stmc<B>(model);
+  learner_.average.denoiser = convert<B>(trained.denoiser);
+  learner_.average.motion_normalizer = trained.motion_normalizer;
+  learner_.model.denoiser = convert<A>(learner_.average.denoiser);
+  learner_.model.motion_normalizer = convert<A>(learner_.average.motion_normalizer);
+}
+
+template <AutodiffBackend A>
+LossTerms<A> StmcTraining<A>::loss(Philox rng, Index, const Context& context) const {
+  const auto batch = detail::draw_batch(*data_, config_, rng.split("samples"), config_.batch);
+
+  // x0, packed; one t per sequence; noise
+  std::vector<float> values;
+  std::vector<Index> lengths, t, t_of_row;
+  std::vector<std::string> captions;
+  auto t_rng = rng.split("t");
+  for (const TrainingSample& s : batch) {
+    values.insert(values.end(), s.features.begin(), s.features.end());
+    lengths.push_back(s.frames);
+    captions.push_back(s.caption);
+    t.push_back(detail::draw_t(t_rng, diffusion_.steps(), config_.noise_focus));
+    t_of_row.insert(t_of_row.end(), static_cast<std::size_t>(s.frames), t.back());
+  }
+  const Offsets offsets(lengths);
+  const auto x0 =
+      learner_.model.motion_normalizer.normalize(Tensor<A, 2>::from(values, {offsets.rows(), smplrifke_size}));
+  auto noise_rng = rng.split("noise");
+  const auto eps = Tensor<A, 2>::randn(x0.shape(), noise_rng);
+
+  const auto text = TextFeatures<A>::pooled(learner_.model.text_encoder(captions, context));
+  const auto out =
+      learner_.model.denoiser(Sequences<A>(q_sample(diffusion_, x0, t_of_row, eps), offsets), t, text, context).rows;
+  const auto error = (out - x0) * detail::feature_weights<A>(config_.root_weight);
+  LossTerms<A> loss;
+  loss.add("features", 1, mean(square(error)));
+  if (config_.velocity_weight > 0) {  // differences between frames that follow each other in a sequence
+    std::vector<Index> now, next;
+    for (Index s = 0; s < offsets.count(); ++s) {
+      for (Index r = offsets.begin(s); r + 1 < offsets.end(s); ++r) now.push_back(r), next.push_back(r + 1);
+    }
+    loss.add("velocities", config_.velocity_weight, mean(square(gather(error, next) - gather(error, now))));
+  }
+  if (config_.foot_weight > 0) {
+    const auto truth = Tensor<B, 2>::from(values, {offsets.rows(), smplrifke_size});
+    loss.add("feet", config_.foot_weight,
+             foot_velocity_loss<A>(learner_.model.motion_normalizer.denormalize(out), truth, offsets, training_fps));
+  }
+  if (config_.text_weight > 0) {
+    std::vector<float> wanted;
+    const auto width = static_cast<std::size_t>(smplrifke_size);
+    for (Index s = 0; s < offsets.count(); ++s)
+      detail::append_summary(wanted, x0.span().subspan(static_cast<std::size_t>(offsets.begin(s)) * width,
+                                                       static_cast<std::size_t>(offsets.length(s)) * width));
+    const auto said = summary_(text.tokens.rows);
+    loss.add("text", config_.text_weight, mse(said, Tensor<A, 2>::from(wanted, said.shape())));
+  }
+  return loss;
+}
+
+template <AutodiffBackend A>
+void StmcTraining<A>::update(const Gradients<A>& gradients, Index step) {
+  const WarmupCosine rate{
+      .peak = config_.lr, .floor = config_.lr * 0.02, .warmup = config_.warmup, .total = config_.steps};
+  learner_.update(gradients, rate(step), step);
+  adam_summary_.config.lr = rate(step);
+  adam_summary_.step(summary_, gradients);
+}
+
+template <AutodiffBackend A>
+std::map<std::string, std::string> StmcTraining<A>::settings() const {
+  auto out = stmc_metadata(config_.model, learner_.average.text_encoder.tokenizer);
+  out["model"] = "stmc training";
+  out.erase("sampling");  // decides nothing here
+  out.merge(detail::stmc_settings(config_, data_->fingerprint()));
+  return out;
+}
+
+template <AutodiffBackend A>
+void StmcTraining<A>::add_to(TensorStore& store) const {
+  learner_.add_to(store);
+  store.add_module(summary_, "summary.");
+  add_moments(store, "adam_summary.", adam_summary_);
+}
+
+template <AutodiffBackend A>
+void StmcTraining<A>::load(const SafetensorsFile& file, Index steps) {
+  learner_.load(file, steps);
+  load_module(summary_, file, "summary.");
+  restore_moments(adam_summary_, summary_, file, "adam_summary.", steps);
+}
+
+template <AutodiffBackend A>
+void StmcTraining<A>::export_model(const std::filesystem::path& path,
+                                   const std::map<std::string, std::string>& about) const {
+  save_stmc(path, learner_.average, config_.model, about);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/train/stmc_training.ipp>
+#endif
+#ifdef MOTIONLANG_INSTANTIATED_TRAINING
+#include <motionlang/backend/detail/eigen_class.hpp>
+extern template class motionlang::StmcTraining<motionlang::Autodiff<motionlang::EigenBackend<float>>>;
+extern template class motionlang::Trainer<
+    motionlang::StmcTraining<motionlang::Autodiff<motionlang::EigenBackend<float>>>>;
+#endif

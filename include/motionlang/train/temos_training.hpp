@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+/// The training of TEMOS: motions from texts. It is what `motionlang train-temos` does; see train/tmr_training.hpp for
+/// its use.
+///
+/// Source   TEMOS (Petrovich, Black, Varol, ECCV 2022), section 3.3; thesis 4.2.3
+#pragma once
+
+#include <filesystem>  // folders
+#include <span>        // numbers of motions
+#include <utility>     // move
+#include <vector>      // measures
+
+#include <motionlang/systems/temos.hpp>
+#include <motionlang/train/presets.hpp>
+#include <motionlang/train/text_motion_batch.hpp>
+#include <motionlang/train/text_motion_texts.hpp>
+#include <motionlang/train/text_task.hpp>
+#include <motionlang/train/trainer.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The losses of a configuration. Throws config_error 102 for a contrastive loss.
+TemosLossOptions temos_loss_options(const TextMotionConfig& c);
+
+template <AutodiffBackend A>
+class TemosTraining : public TextTask<A, Temos> {
+ public:
+  using Base = TextTask<A, Temos>;
+  using typename Base::B;
+
+  /// `texts` has all texts of `data`, which has to outlive the training.
+  /// statistics   a folder with those of the features; empty: of the motions to train on
+  /// Throws       config_error 101, 102, 103 for a configuration that cannot be
+  TemosTraining(TextMotionConfig config, const DescribedMotions& data, TextMotionTexts<B> texts,
+                const std::filesystem::path& statistics = {});
+  /// With the word pieces of the data (text.encoder = word_pieces).
+  TemosTraining(const TextMotionConfig& config, const DescribedMotions& data)
+      : TemosTraining(config, data, text_motion_texts<B>(config.text, {}, data)) {}
+
+  LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
+  /// The loss without dropout, of first captions and with the same noise every time.
+  std::vector<Measure> validate();
+
+ private:
+  template <Backend T>
+  LossTerms<T> loss_of(const TemosModel<T>& model, const TextMotionBatch<T>& batch, const Philox& rng,
+                       const Context& context) const;
+
+  using Base::batches_, Base::config_, Base::data_, Base::learner_;
+  TextMotionTexts<B> texts_;
+};
+
+template <AutodiffBackend A>
+TemosTraining<A>::TemosTraining(TextMotionConfig config, const DescribedMotions& data, TextMotionTexts<B> texts,
+                                const std::filesystem::path& statistics)
+    : Base(std::move(config), data), texts_(std::move(texts)) {
+  temos_loss_options(config_);
+  if (config_.validation.watch != "loss")
+    raise<config_error>(103, "validation.watch '", config_.validation.watch, "' is not loss");
+  std::optional<Index> width;
+  if (texts_.language)
+    width = texts_.language->files.sizes.width;
+  else if (texts_.states)
+    width = texts_.states->width();
+  Base::begin_model(width, Base::training_texts(), statistics, std::exchange(texts_.language, {}));
+}
+
+template <AutodiffBackend A>
+LossTerms<A> TemosTraining<A>::loss(Philox rng, Index step, const Context& context) const {
+  auto choose = rng.split("captions");
+  const auto batch = text_motion_batch<A>(
+      data_->training, batches_(step, this->seed()), learner_.model.motion_normalizer,
+      [&](const DescribedMotion& m) { return choose.below(static_cast<std::uint32_t>(m.texts.size())); });
+  return loss_of(learner_.model, batch, rng.split("noise"), context);
+}
+
+template <AutodiffBackend A>
+std::vector<Measure> TemosTraining<A>::validate() {
+  return {{"loss", Base::over_validation([&](std::span<const Index> which, const Philox& rng) {
+             const auto& model = learner_.average;
+             const auto batch = text_motion_batch<B>(data_->validation, which, model.motion_normalizer,
+                                                     [](const auto&) { return 0u; });
+             return static_cast<double>(loss_of(model, batch, rng, {}).total().item());
+           })}};
+}
+
+template <AutodiffBackend A>
+template <Backend T>
+LossTerms<T> TemosTraining<A>::loss_of(const TemosModel<T>& model, const TextMotionBatch<T>& batch, const Philox& rng,
+                                       const Context& context) const {
+  const auto noise = TextMotionNoise<T>::draw(batch.motions.count(), config_.network.latent_dim, rng);
+  const auto tokens = model.tokens(batch.texts, texts_.states ? &*texts_.states : nullptr, context);
+  const auto branches = model.system.branches(tokens, batch.motions, noise, context);
+  return temos_losses(branches, batch.motions, temos_loss_options(config_));
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/train/temos_training.ipp>
+#endif
+#ifdef MOTIONLANG_INSTANTIATED_TRAINING
+#include <motionlang/backend/detail/eigen_class.hpp>
+extern template class motionlang::TemosTraining<motionlang::Autodiff<motionlang::EigenBackend<float>>>;
+extern template class motionlang::Trainer<
+    motionlang::TemosTraining<motionlang::Autodiff<motionlang::EigenBackend<float>>>>;
+#endif

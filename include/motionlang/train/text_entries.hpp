@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+/// Motions with all the texts about the same frames, as descriptions of motions are measured.
+#pragma once
+
+#include <span>    // rows
+#include <string>  // names
+#include <vector>  // texts
+
+#include <motionlang/datasets/described_motions.hpp>
+#include <motionlang/datasets/described_words.hpp>
+#include <motionlang/metrics/captions.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Some frames of a motion, and the texts about them.
+struct TextEntry {
+  const DescribedMotion* motion;
+  FrameSlice frames;
+  std::vector<const DescribedText*> texts{};
+};
+/// The entries of a part, which has to outlive them. `name` stands in messages. Throws config_error 101 if there are
+/// none.
+std::vector<TextEntry> text_entries(const std::vector<DescribedMotion>& part, const std::string& name);
+
+/// `length` frames of an entry from one on.
+std::span<const float> entry_rows(const TextEntry& e, Index first, Index length, Index width);
+
+/// Three of its texts, with what is to be compared with them.
+CaptionPair entry_references(const TextEntry& e, const GloVe& words);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/train/text_entries.ipp>
+#endif

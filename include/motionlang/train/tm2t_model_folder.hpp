@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+/// The folder of a TM2T: what a stage has trained, with what was trained before. It has the form of
+/// weights/pack_run.hpp, which load_tm2t_run and its like read.
+#pragma once
+
+#include <filesystem>  // folders
+#include <map>         // the record of a training
+#include <string>      // the record of a training
+
+#include <motionlang/features/normalizer.hpp>
+#include <motionlang/file/fields_json.hpp>
+#include <motionlang/nn/seq2seq_gru.hpp>
+#include <motionlang/nn/seq2seq_transformer.hpp>
+#include <motionlang/train/tm2t_config.hpp>
+#include <motionlang/vae/motion_tokenizer.hpp>
+#include <motionlang/weights/glove_file.hpp>
+#include <motionlang/weights/trained_model.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Parts that there are not yet are null.
+template <Backend B>
+struct Tm2tParts {
+  const MotionTokenizer<B>& tokenizer;
+  const Normalizer<B>& statistics;
+  const GloVe* words = nullptr;
+  const Seq2SeqTransformer<B>* describer = nullptr;  // from motions to texts
+  const Seq2SeqGru<B>* writer = nullptr;             // from texts to motions
+};
+
+/// Writes the folder over the one that is there. Throws what overwrite_model throws.
+template <Backend B>
+void save_tm2t(const std::filesystem::path& folder, const Tm2tTrainingConfig& config, double fps,
+               const std::map<std::string, std::string>& about, const Tm2tParts<B>& m) {
+  TensorStore store;
+  store.add_module(m.tokenizer);
+  store.add_module(m.statistics, "motion_normalizer.");
+  if (m.describer != nullptr) store.add_module(*m.describer, "m2t_transformer.");
+  if (m.writer != nullptr) store.add_module(*m.writer, "t2m_model.");
+  auto model = described_model("tm2t", about);
+  model.features = "guoh3dfeats";
+  model.fps = fps;
+  model.text_encoder = m.words != nullptr ? "glove" : "";
+  if (m.describer != nullptr)
+    model.config["n_head"] = m.describer->encoder.layer_stack.at(0).slf_attn.heads;  // which no tensor shows
+  model.others["training"] = config_json(config);
+  if (m.words != nullptr) {
+    std::filesystem::create_directories(folder / "text_encoder");
+    write_glove(folder / "text_encoder/our_vab", *m.words);
+  }
+  overwrite_model(folder, model, store);
+}
+
+MOTIONLANG_NAMESPACE_END

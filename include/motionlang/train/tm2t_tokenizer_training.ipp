@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// Bodies of tm2t_tokenizer_training.hpp.
+#pragma once
+
+#include <motionlang/features/guoh3d.hpp>
+#include <motionlang/train/tm2t_tokenizer_training.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+MOTIONLANG_BODY std::vector<ClipWindow> tm2t_training_windows(const Tm2tTrainingConfig& config,
+                                                              const DescribedMotions& data) {
+  std::vector<Index> lengths;
+  for (const DescribedMotion& m : data.training) lengths.push_back(std::ssize(m.rows) / data.width);
+  auto out = tm2t_windows(lengths, config.tokenizer.window);
+  if (out.empty())
+    raise<config_error>(
+        102, "no motion to train on has more than tokenizer.window = ", counted(config.tokenizer.window, "frame"),
+        "; the longest has ", *std::max_element(lengths.begin(), lengths.end()));
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<double> tm2t_training_deviation(std::vector<double> std, double bias, bool grouped) {
+  const Index joints = (std::ssize(std) + 1) / 12;
+  if (!grouped) std = group_means(std::move(std), Guoh3dSlots{joints}.groups());
+  return tm2t_deviation(std::move(std), joints, bias);
+}
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END

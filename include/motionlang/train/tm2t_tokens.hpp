@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+/// The data of the stages of TM2T behind the tokenizer: motions as tokens, with the words of their texts.
+#pragma once
+
+#include <algorithm>  // min
+#include <cstdint>    // draws
+#include <map>        // settings
+#include <span>       // numbers of motions
+#include <string>     // words
+#include <utility>    // move
+#include <vector>     // tokens
+
+#include <motionlang/core/progress.hpp>
+#include <motionlang/datasets/described_words.hpp>
+#include <motionlang/datasets/motion_tokens.hpp>
+#include <motionlang/datasets/tm2t_data.hpp>
+#include <motionlang/file/detail/content_hash.hpp>
+#include <motionlang/systems/tm2t.hpp>
+#include <motionlang/tensor/arg_max.hpp>
+#include <motionlang/train/epoch_task.hpp>
+#include <motionlang/train/tm2t_model_folder.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A text and the motion that it is about, as both are learnt.
+struct TokenizedText {
+  TokenLines lines;  // from one frame on, from the next ...
+  std::vector<Index> words;
+};
+using TokenizedMotions = std::vector<std::vector<TokenizedText>>;  // texts of each motion
+
+/// Tokens of every text's frames from each of the first four frames on that leave as many whole tokens, and its
+/// words. What is longer than 196 frames is cut. Differs from the published program, which draws the first frame
+/// five times for the whole clip.
+template <Backend B>
+TokenizedMotions tokenized(const std::vector<DescribedMotion>& motions, const Tm2t<B>& model, const GloVe& words,
+                           Progress progress) {
+  const Index width = model.statistics.mean.size(0);
+  TokenizedMotions out(motions.size());
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const DescribedMotion& m = motions[i];
+    for (std::size_t k = 0; k < m.texts.size(); ++k) {
+      const FrameSlice frames = m.texts[k].frames;
+      TokenizedText t{{}, marked_words(words, words_of(m.texts[k], words))};
+      const bool same = k > 0 && m.texts[k - 1].frames == frames;
+      if (same) t.lines = out[i].back().lines;
+      const Index length = std::min(frames.length / 4 * 4, tm2t_longest);
+      for (Index first = 0; !same && first < std::min<Index>(4, frames.length - length + 1); ++first) {
+        const auto begin = m.rows.begin() + (frames.first + first) * width;
+        const std::vector<typename B::scalar> rows(begin, begin + length * width);
+        const Sequences<B> x{Tensor<B, 2>::from(rows, {length, width}), Offsets{length}};
+        t.lines.push_back(model.tokens(x).ids);
+      }
+      out[i].push_back(std::move(t));
+    }
+    progress(static_cast<Index>(i) + 1, std::ssize(motions));
+  }
+  return out;
+}
+
+struct TokenizedBatch {
+  IdSequences tokens, words;  // with their marks
+};
+
+/// Tokens and words of a batch.
+/// draw  which text, which line, and whether a token is dropped; null: the first ones, and none
+TokenizedBatch tokenized_batch(const TokenizedMotions& of, const MotionVocabulary& vocabulary,
+                               std::span<const Index> which, Philox* draw);
+
+template <Backend B>
+struct TokenizedData {
+  Tm2t<B> model;  // the tokenizer; for inverse alignment the transformer, too
+  GloVe words;
+  TokenizedMotions training{}, validation{};
+
+  void tokenize(const DescribedMotions& data, Progress progress = {}) {
+    training = tokenized(data.training, model, words, progress);
+    validation = tokenized(data.validation, model, words, progress);
+  }
+  TokenizedBatch batch(const TokenizedMotions& of, std::span<const Index> which, Philox* draw) const {
+    return tokenized_batch(of, model.vocabulary(), which, draw);
+  }
+  /// Adds what a checkpoint has to have been trained with.
+  void add_to(std::map<std::string, std::string>& settings) const {
+    const auto codes = model.tokenizer.quantizer.embedding.weight.span();
+    settings["tokenizer"] = detail::hexadecimal(detail::content_hash(std::as_bytes(codes)));
+    std::string& all = settings["words"];
+    for (const std::string& word : words.words()) all += word + "\n";
+  }
+};
+
+/// The number of symbols that are written in sequences: all but the marks of beginning.
+inline double written_symbols(const IdSequences& x) { return static_cast<double>(std::ssize(x.ids) - x.count()); }
+
+/// Share of the symbols that logits find most probable.
+template <Backend B>
+double right_symbols(const Tensor<B, 2>& logits, const IdSequences& written) {
+  const auto found = arg_max(logits), wanted = written.without_ends(1, 0).ids;
+  double right = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) right += found[i] == wanted[i] ? 1 : 0;
+  return right / static_cast<double>(found.size());
+}
+
+/// The common part of both stages behind the tokenizer.
+template <Module Taped, Module Plain>
+class TokenTask : public EpochTask<Tm2tTrainingConfig, Taped, Plain> {
+ public:
+  using Base = EpochTask<Tm2tTrainingConfig, Taped, Plain>;
+  using typename Base::B;
+
+  std::map<std::string, std::string> settings() const {
+    auto out = Base::settings();
+    tokens_->add_to(out);
+    return out;
+  }
+
+ protected:
+  /// data, tokens  have to outlive the task
+  TokenTask(std::string system, const Tm2tTrainingConfig& config, const DescribedMotions& data,
+            const TokenizedData<B>& tokens)
+      : Base(std::move(system), config, data), tokens_(&tokens) {}
+
+  TokenizedBatch batch(const Philox& rng, Index step) const {
+    auto draw = rng.split("texts");
+    return tokens_->batch(tokens_->training, this->batches_(step, this->seed()), &draw);
+  }
+  /// logits_and_written(batch): logits of what is written and the written; name: of the loss for each symbol.
+  template <class F>
+  std::vector<Measure> measured(const char* name, F logits_and_written) {
+    double right = 0;
+    const double loss = this->over_validation([&](std::span<const Index> which, const Philox&) {
+      const auto [logits, written] = logits_and_written(tokens_->batch(tokens_->validation, which, nullptr));
+      right += right_symbols(logits, written) * static_cast<double>(which.size());
+      return static_cast<double>(next_symbol_loss(logits, written).item()) / written_symbols(written);
+    });
+    return {{name, loss}, {"accuracy", right / static_cast<double>(tokens_->validation.size()), true}};
+  }
+
+  const TokenizedData<B>* tokens_;
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/train/tm2t_tokens.ipp>
+#endif

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+/// The training of TMR: texts and motions in one space.
+///
+///     using A = Autodiff<EigenBackend<float>>;
+///     const TextMotionConfig config = tmr_preset("small");
+///     const auto data = read_described_motions({.data = "clips", .captions = "captions.tsv"}, config.data,
+///                                              row_maker(config.features));
+///     train(TmrTraining<A>(config, data), {.out = "run"}, {{"license", "MIT"}, {"provenance", "own recordings"}});
+///
+/// It is what `motionlang train-tmr` does.
+/// Source   TMR (Petrovich, Black, Varol, ICCV 2023), sections 3.2 to 3.4; thesis 5.2
+#pragma once
+
+#include <filesystem>  // folders
+#include <span>        // numbers of motions
+#include <utility>     // move
+#include <vector>      // measures
+
+#include <motionlang/metrics/retrieval.hpp>
+#include <motionlang/systems/tmr.hpp>
+#include <motionlang/train/presets.hpp>
+#include <motionlang/train/text_motion_batch.hpp>
+#include <motionlang/train/text_motion_texts.hpp>
+#include <motionlang/train/text_task.hpp>
+#include <motionlang/train/trainer.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The losses of a configuration. Throws config_error 102, 103.
+TmrLossOptions tmr_loss_options(const TextMotionConfig& c);
+
+template <AutodiffBackend A>
+class TmrTraining : public TextTask<A, Tmr> {
+ public:
+  using Base = TextTask<A, Tmr>;
+  using typename Base::B;
+
+  /// `texts` has all texts of `data`, which has to outlive the training.
+  /// statistics   a folder with those of the features; empty: of the motions to train on
+  /// Throws       config_error 101, 102, 103 for a configuration that cannot be
+  TmrTraining(TextMotionConfig config, const DescribedMotions& data, TextMotionTexts<B> texts,
+              const std::filesystem::path& statistics = {});
+  /// With the word pieces of the data (text.encoder = word_pieces). Texts that are about the same frames count as
+  /// alike.
+  TmrTraining(const TextMotionConfig& config, const DescribedMotions& data)
+      : TmrTraining(config, data, text_motion_texts<B>(config.text, {}, data)) {}
+
+  LossTerms<A> loss(Philox rng, Index step, const Context& context) const;
+  /// The loss without dropout, of first captions and with the same noise every time; recalls among the motions of the
+  /// validation part, where motions with a text that means the same count as found.
+  std::vector<Measure> validate();
+
+ private:
+  template <Backend T>
+  TextMotionBranches<T> branches_of(const TmrModel<T>& model, const TextMotionBatch<T>& batch, const Philox& rng,
+                                    const Context& context) const;
+  template <Backend T>
+  LossTerms<T> loss_of(const TmrModel<T>& model, const TextMotionBatch<T>& batch,
+                       const TextMotionBranches<T>& branches) const;
+  const EmbeddingCache* states() const { return texts_.states ? &*texts_.states : nullptr; }
+
+  using Base::batches_, Base::config_, Base::data_, Base::learner_;
+  TextMotionTexts<B> texts_;
+};
+
+template <AutodiffBackend A>
+TmrTraining<A>::TmrTraining(TextMotionConfig config, const DescribedMotions& data, TextMotionTexts<B> texts,
+                            const std::filesystem::path& statistics)
+    : Base(std::move(config), data), texts_(std::move(texts)) {
+  tmr_loss_options(config_);
+  if (config_.validation.watch != "loss" && config_.validation.watch != "retrieval")
+    raise<config_error>(103, "validation.watch '", config_.validation.watch, "' is not loss or retrieval");
+  std::optional<Index> width;
+  if (texts_.language)
+    width = texts_.language->files.sizes.width;
+  else if (texts_.states)
+    width = texts_.states->width();
+  Base::begin_model(width, Base::training_texts(), statistics, std::exchange(texts_.language, {}));
+}
+
+template <AutodiffBackend A>
+LossTerms<A> TmrTraining<A>::loss(Philox rng, Index step, const Context& context) const {
+  auto choose = rng.split("captions");
+  const auto batch = text_motion_batch<A>(
+      data_->training, batches_(step, this->seed()), learner_.model.motion_normalizer,
+      [&](const DescribedMotion& m) { return choose.below(static_cast<std::uint32_t>(m.texts.size())); });
+  return loss_of(learner_.model, batch, branches_of(learner_.model, batch, rng.split("noise"), context));
+}
+
+template <AutodiffBackend A>
+std::vector<Measure> TmrTraining<A>::validate() {
+  LatentTable table;
+  const double loss = Base::over_validation([&](std::span<const Index> which, const Philox& rng) {
+    const auto& model = learner_.average;
+    const auto batch =
+        text_motion_batch<B>(data_->validation, which, model.motion_normalizer, [](const auto&) { return 0u; });
+    const auto branches = branches_of(model, batch, rng, {});
+    table.add(batch.texts, branches.text.distribution.mu, branches.motion->distribution.mu);
+    return static_cast<double>(loss_of(model, batch, branches).total().item());
+  });
+  std::vector<Measure> out{{"loss", loss}};
+  const auto e = texts_.sentences.template encode<B>(table.texts).tokens.rows;
+  const auto r = retrieve(RetrievalProtocol::threshold, Rows(std::span<const float>(table.text), table.width),
+                          Rows(std::span<const float>(table.motion), table.width), Rows(e.span(), e.size(1)));
+  double sum = 0;
+  for (const auto* m : {&r.text_to_motion, &r.motion_to_text}) {
+    for (const double recall : m->recall) sum += recall;
+  }
+  out.push_back({"t2m R@1", r.text_to_motion.recall[0], true});
+  out.push_back({"m2t R@1", r.motion_to_text.recall[0], true});
+  const Measure recalls{"sum of recalls", sum, true};
+  out.insert(config_.validation.watch == "retrieval" ? out.begin() : out.end(), recalls);
+  return out;
+}
+
+template <AutodiffBackend A>
+template <Backend T>
+TextMotionBranches<T> TmrTraining<A>::branches_of(const TmrModel<T>& model, const TextMotionBatch<T>& batch,
+                                                  const Philox& rng, const Context& context) const {
+  const auto noise = TextMotionNoise<T>::draw(batch.motions.count(), config_.network.latent_dim, rng);
+  const auto tokens = model.tokens(batch.texts, states(), context);
+  return model.system.branches(tokens, batch.motions, noise, context, config_.losses.recons > 0);
+}
+
+template <AutodiffBackend A>
+template <Backend T>
+LossTerms<T> TmrTraining<A>::loss_of(const TmrModel<T>& model, const TextMotionBatch<T>& batch,
+                                     const TextMotionBranches<T>& branches) const {
+  const auto sentences = texts_.sentences.template encode<T>(batch.texts).tokens.rows;
+  std::optional<Tensor<T, 0>> temperature;
+  if (model.log_temperature) temperature = exp(*model.log_temperature);
+  return tmr_losses(branches, batch.motions, &sentences, tmr_loss_options(config_),
+                    temperature ? &*temperature : nullptr);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/train/tmr_training.ipp>
+#endif
+#ifdef MOTIONLANG_INSTANTIATED_TRAINING
+#include <motionlang/backend/detail/eigen_class.hpp>
+extern template class motionlang::TmrTraining<motionlang::Autodiff<motionlang::EigenBackend<float>>>;
+extern template class motionlang::Trainer<
+    motionlang::TmrTraining<motionlang::Autodiff<motionlang::EigenBackend<float>>>>;
+#endif

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+/// What the folder of a model says about motions, texts or actions, and networks: for people who look at it.
+#pragma once
+
+#include <string>   // names and values
+#include <utility>  // pairs
+#include <vector>   // lines
+
+#include <motionlang/weights/run_folder.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Lines of a name and a value each.
+using ModelSummary = std::vector<std::pair<std::string, std::string>>;
+
+/// For ACTOR, TEMOS, TEACH, SINC, TMR, TM2T and MDM's models of actions as published, sizes from their tensors; for
+/// folders of our own trainings what their config.json says; nothing for others. Throws what the readers of these
+/// folders throw.
+ModelSummary model_summary(const RunFolder& run);
+
+/// The same as text with the system, its files and its licence, a line each: "  system                   tmr". "" for
+/// a folder of no system. Throws what find_run and read_model_folder throw.
+std::string describe_folder(const FilePath& folder);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/weights/model_summary.ipp>
+#endif

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+/// Weights of whatever format as one safetensors file, with what else the file says in the metadata.
+///
+///     write_safetensors_copy("model.safetensors", open_weights("last.ckpt"), DType::F16);
+#pragma once
+
+#include <optional>  // element type
+
+#include <motionlang/weights/weight_file.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// stored  element type to which tensors of floating-point numbers are rounded; none: as they are
+/// Throws  io_error 401, and what write_safetensors throws
+void write_safetensors_copy(const FilePath& path, const WeightFile& weights, std::optional<DType> stored = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/weights/safetensors_copy.ipp>
+#endif

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+/// What the loaders of TEMOS, TMR, TEACH and SINC give: a network with everything that turns texts and motions into
+/// what it reads, and its rows into motions. It does not matter whether the network was trained by us or published.
+///
+///     const auto tmr = load_tmr<B>("examples/models/tmr_free");
+///     const Tensor<B, 2> text = tmr.encode_text("a person jumps");               // (1, latent)
+///     const Tensor<B, 2> motion = tmr.encode_motion(read_motion("jump.bvh"));    // (1, latent)
+#pragma once
+
+#include <functional>  // tokens of texts
+#include <memory>      // states that were read
+#include <span>        // texts
+#include <string>      // texts
+
+#include <motionlang/features/feature_rows.hpp>
+#include <motionlang/features/normalizer.hpp>
+#include <motionlang/weights/text_motion_model.hpp>
+#include <motionlang/weights/text_states.hpp>
+#include <motionlang/weights/vae_run.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Where a model finds what its folder lacks.
+struct CheckpointOptions {
+  /// Folder of the language model that the network reads (DistilBERT), or the .npy file of a cache of its states.
+  /// Unless given, a published TEMOS, TEACH or SINC looks beside the model. Models with word pieces of their own need
+  /// none.
+  FilePath text_encoder = "";
+  /// Folder with mean and std of the features of a published model, if they are not beside it.
+  FilePath statistics = "";
+};
+
+template <Backend B, class Model>
+struct TextMotionCheckpoint {
+  Model model;                               // with encode_text, encode_motion and decode
+  Normalizer<B> normalizer;                  // of the features
+  const MotionFeatures* features = nullptr;  // that it reads and writes
+  double fps = 0;                            // of its motions
+  double longest = 10;                       // seconds of the longest motions that it learned from
+  /// What the text encoder of the model reads. Throws config_error 102 if it reads the states of a language model and
+  /// the options named none.
+  std::function<Sequences<B>(std::span<const std::string>)> tokens{};
+  std::string folder{}, text_encoder{};  // where it was loaded from
+  std::string id{};                      // of the weights (tensors_checksum); of TMR alone
+
+  /// The means of the latents, (texts, latent).
+  Tensor<B, 2> encode_text(std::span<const std::string> texts) const { return model.encode_text(tokens(texts)).mu; }
+  Tensor<B, 2> encode_text(const std::string& text) const { return encode_text(std::span(&text, 1)); }
+  /// The mean of the latent of a whole motion on any joints, (1, latent). Throws what rows_of_motion throws.
+  Tensor<B, 2> encode_motion(const Motion& motion) const {
+    const auto rows = rows_of_motion(*features, motion, fps);
+    const std::vector<typename B::scalar> values(rows.begin(), rows.end());
+    const Index frames = std::ssize(values) / features->width;
+    const auto x = normalizer.normalize(Tensor<B, 2>::from(values, {frames, features->width}));
+    return model.encode_motion(Sequences<B>(x, Offsets{frames})).mu;
+  }
+};
+
+/// The features of a published TEMOS, TEACH or SINC of so many numbers a frame.
+inline const MotionFeatures& published_temos_features(Index width) {
+  return motion_features(width == 64 ? "rifke64" : "smplvelp-published");
+}
+
+namespace detail {
+
+/// System of a folder: "tmr" as published, "trained tmr" of our own trainings, ... "" if it is none that is known.
+std::string checkpoint_system(const RunFolder& run);
+
+/// Asks a language model or a cache once for each text, in whatever order.
+template <Backend B>
+std::function<Sequences<B>(std::span<const std::string>)> remembered_states(const std::string& text_encoder) {
+  return [states = std::make_shared<EmbeddingCache>(0), asked = std::make_shared<TextStates>(),
+          text_encoder](std::span<const std::string> texts) {
+    const auto is_known = [&](const std::string& text) { return states->contains(text); };
+    if (!std::all_of(texts.begin(), texts.end(), is_known)) {
+      if (!*asked) *asked = text_states<B>(text_encoder);
+      *states = (*asked)(texts);
+    }
+    return states->template encode<B>(texts).tokens;
+  };
+}
+
+/// Of a model of our trainings, or of a published TMR.
+template <Backend B, template <class> class System, class Config>
+TextMotionCheckpoint<B, System<B>> checkpoint_of(TextMotionModel<B, System> model, const TextModelFile<Config>& file,
+                                                 double longest, const std::filesystem::path& folder,
+                                                 const CheckpointOptions& options) {
+  TextMotionCheckpoint<B, System<B>> out{.model = std::move(model.system),
+                                         .normalizer = std::move(model.motion_normalizer),
+                                         .features = &motion_features(file.config.features),
+                                         .fps = file.fps,
+                                         .longest = longest,
+                                         .folder = folder.string(),
+                                         .text_encoder = options.text_encoder.string()};
+  if (model.words) {
+    out.tokens = [words = std::move(*model.words)](std::span<const std::string> texts) { return words(texts).tokens; };
+  } else if (model.language) {
+    out.tokens = [language = std::move(*model.language)](std::span<const std::string> texts) {
+      return language(texts, {});
+    };
+  } else if (out.text_encoder.empty()) {
+    out.tokens = [folder = out.folder,
+                  encoder = file.config.text.encoder](std::span<const std::string>) -> Sequences<B> {
+      raise<config_error>(102, folder, ": this model reads the states of ", encoder, ": --text-encoder names it");
+    };
+  } else {
+    out.tokens = remembered_states<B>(out.text_encoder);
+  }
+  return out;
+}
+
+/// Of a published TEMOS, TEACH or SINC.
+template <Backend B, class Model>
+TextMotionCheckpoint<B, Model> checkpoint_of(TextMotionRun<B, Model> run, const FilePath& folder,
+                                             const CheckpointOptions& options) {
+  const MotionFeatures& features = published_temos_features(run.width());
+  return {.model = std::move(run.model),
+          .normalizer = std::move(run.normalizer),
+          .features = &features,
+          .fps = run.fps,
+          .tokens = [encoder = std::move(run.text_encoder)](
+                        std::span<const std::string> texts) { return encoder.template encode<B>(texts).tokens; },
+          .folder = folder.string(),
+          .text_encoder = options.text_encoder.string()};
+}
+
+/// Throws config_error 102 if a folder of our trainings is of another system.
+void require_trained(const std::filesystem::path& folder, const std::string& found, const char* wanted);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/weights/text_motion_checkpoint.ipp>
+#endif

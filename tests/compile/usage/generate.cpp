@@ -1,0 +1,68 @@
+// What the usage examples of generate/, Stmc, its baseline and the words of models take for granted.
+#include "usage.hpp"
+
+#include <cstdio>
+#include <iostream>
+
+#include <motionlang/file/file.hpp>
+#include <motionlang/generate/finish_motion.hpp>
+#include <motionlang/generate/judged_prompts.hpp>
+#include <motionlang/generate/latent_motion_model.hpp>
+#include <motionlang/generate/load_trained_motion_model.hpp>
+#include <motionlang/generate/samples.hpp>
+#include <motionlang/generate/text_warnings.hpp>
+#include <motionlang/generate/timeline_tracks.hpp>
+#include <motionlang/generate/timelines_of_text.hpp>
+#include <motionlang/stmc.hpp>
+#include <motionlang/systems/sinc_baseline.hpp>
+#include <motionlang/view/viewer.hpp>
+
+void finish(const Stmc<B>& stmc, const std::vector<double>& rows) {
+#include "generate/finish_motion.1.inc"
+}
+void generate() {
+#include "generate/generate_motion.1.inc"
+}
+void options_(const Stmc<B>& stmc, const Timeline& timeline) {
+#include "generate/generate_options.1.inc"
+}
+void judge_(const std::unique_ptr<MotionModel>& model) {
+#include "generate/judged_prompts.1.inc"
+}
+void latent_model(const std::unique_ptr<MotionModel>& model, const Timeline& walk, const Timeline& run) {
+#include "generate/latent_motion_model.1.inc"
+}
+void load() {
+#include "generate/load_motion_model.1.inc"
+}
+void load_trained() {
+#include "generate/load_trained_motion_model.1.inc"
+}
+void any_model() {
+#include "generate/motion_model.1.inc"
+}
+void place_() {
+#include "generate/motion_model_place.1.inc"
+}
+void samples(const Stmc<B>& stmc, const std::vector<Timeline>& timelines) {
+#include "generate/samples.1.inc"
+}
+void warnings(const std::unique_ptr<MotionModel>& model, const std::vector<Timeline>& timelines,
+              const GenerateOptions& options) {
+#include "generate/text_warnings.1.inc"
+}
+void tracks(const Motion& motion, const Timeline& timeline) {
+#include "generate/timeline_tracks.1.inc"
+}
+void timelines_() {
+#include "generate/timelines_of_text.1.inc"
+}
+void baseline(const Stmc<B>& stmc, const Timeline& timeline) {
+#include "systems/sinc_baseline.1.inc"
+}
+void stmc_() {
+#include "systems/stmc.1.inc"
+}
+void words() {
+#include "text/known_words.1.inc"
+}

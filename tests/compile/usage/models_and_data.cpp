@@ -1,0 +1,125 @@
+// What the usage examples of trained models, search, pages, and data sets take for granted.
+#include "usage.hpp"
+
+#include <iostream>
+
+#include <motionlang/compose/timeline_text.hpp>
+#include <motionlang/core/require_value.hpp>
+#include <motionlang/datasets/annotated_texts.hpp>
+#include <motionlang/datasets/data_set_form.hpp>
+#include <motionlang/datasets/described_motions.hpp>
+#include <motionlang/datasets/humanml3d_clip.hpp>
+#include <motionlang/features/feature_rows.hpp>
+#include <motionlang/file/fields_json.hpp>
+#include <motionlang/formats/body_file.hpp>
+#include <motionlang/formats/features_npy.hpp>
+#include <motionlang/formats/motion_file.hpp>
+#include <motionlang/formats/motion_folder.hpp>
+#include <motionlang/kinematics/body_partition.hpp>
+#include <motionlang/kinematics/edit_motion.hpp>
+#include <motionlang/search/index_folder.hpp>
+#include <motionlang/search/search.hpp>
+#include <motionlang/search/tmr_search_encoder.hpp>
+#include <motionlang/view/body_view.hpp>
+#include <motionlang/view/view_file.hpp>
+#include <motionlang/weights/actor_checkpoint.hpp>
+#include <motionlang/weights/actor_model.hpp>
+#include <motionlang/weights/classifier_model.hpp>
+#include <motionlang/weights/safetensors_copy.hpp>
+#include <motionlang/weights/sinc_checkpoint.hpp>
+#include <motionlang/weights/teach_checkpoint.hpp>
+#include <motionlang/weights/temos_checkpoint.hpp>
+#include <motionlang/weights/text_motion_checkpoint.hpp>
+#include <motionlang/weights/text_motion_model.hpp>
+#include <motionlang/weights/text_states.hpp>
+#include <motionlang/weights/tm2t_checkpoint.hpp>
+#include <motionlang/weights/tmr_checkpoint.hpp>
+
+void require_() {
+  const double lr = -1;
+#include "core/require_value.1.inc"
+}
+void annotated() {
+#include "datasets/annotated_texts.1.inc"
+}
+void form(const std::filesystem::path& folder) {
+#include "datasets/data_set_form.1.inc"
+}
+void described() {
+#include "datasets/described_motions.1.inc"
+}
+void clip() {
+#include "datasets/humanml3d_clip.1.inc"
+}
+void rows() {
+#include "features/feature_rows.1.inc"
+}
+void fields_() {
+#include "file/fields_json.1.inc"
+}
+void features_npy() {
+#include "formats/features_npy.1.inc"
+}
+void motion_file() {
+#include "formats/motion_file.1.inc"
+}
+void motion_folder(const MotionReadOptions& options) {
+#include "formats/motion_folder.1.inc"
+}
+void partition() {
+#include "kinematics/body_partition.1.inc"
+}
+void edit(const Motion& motion) {
+#include "kinematics/edit_motion.1.inc"
+}
+void index_folder(const TmrSearchEncoder<B>& tmr) {
+#include "search/index_folder.1.inc"
+}
+void search_(const TmrSearchEncoder<B>& tmr) {
+#include "search/search.1.inc"
+}
+void search_encoder() {
+#include "search/tmr_search_encoder.1.inc"
+}
+void body_view(const Motion& motion) {
+#include "view/body_view.1.inc"
+}
+void view_file(char** argv, const Motion& motion) {
+#include "view/view_file.1.inc"
+}
+void actor_checkpoint(const std::vector<Index>& classes, const std::vector<Index>& lengths) {
+#include "weights/actor_checkpoint.1.inc"
+}
+void actor_model(const std::filesystem::path& folder) {
+#include "weights/actor_model.1.inc"
+}
+void classifier_model(const std::filesystem::path& folder) {
+#include "weights/classifier_model.1.inc"
+}
+void copy() {
+#include "weights/safetensors_copy.1.inc"
+}
+void sinc_() {
+#include "weights/sinc_checkpoint.1.inc"
+}
+void teach_() {
+#include "weights/teach_checkpoint.1.inc"
+}
+void temos_() {
+#include "weights/temos_checkpoint.1.inc"
+}
+void text_motion_checkpoint() {
+#include "weights/text_motion_checkpoint.1.inc"
+}
+void text_motion_model(const std::filesystem::path& folder, const std::vector<std::string>& texts) {
+#include "weights/text_motion_model.1.inc"
+}
+void text_states_(const std::vector<std::string>& texts, const DescribedMotions& data) {
+#include "weights/text_states.1.inc"
+}
+void tm2t_(const std::vector<std::string>& texts) {
+#include "weights/tm2t_checkpoint.1.inc"
+}
+void tmr_() {
+#include "weights/tmr_checkpoint.1.inc"
+}

@@ -1,0 +1,40 @@
+// What the usage examples of text/ take for granted.
+#include "usage.hpp"
+
+#include <motionlang/file/json.hpp>
+#include <motionlang/systems/tmr.hpp>
+#include <motionlang/text/bert.hpp>
+#include <motionlang/text/bert_tokenizer.hpp>
+#include <motionlang/text/clip_text.hpp>
+#include <motionlang/text/clip_tokenizer.hpp>
+#include <motionlang/text/glove.hpp>
+#include <motionlang/text/tokenized_encoder.hpp>
+#include <motionlang/text/word_piece_tokens.hpp>
+#include <motionlang/weights/glove_file.hpp>
+#include <motionlang/weights/text_network_file.hpp>
+#include <motionlang/weights/tokenizer_files.hpp>
+#include <motionlang/weights/weight_file.hpp>
+
+void bert_(const JsonView& config, const WeightFile& weights, const BertTokenizer& tokenizer,
+           const std::vector<std::string>& texts) {
+#include "text/bert.1.inc"
+}
+void bert_tokenizer_() {
+#include "text/bert_tokenizer.1.inc"
+}
+void clip_(const WeightFile& weights, const ClipTokenizer& tokenizer, const std::vector<std::string>& texts) {
+#include "text/clip_text.1.inc"
+}
+void clip_tokenizer_(const std::vector<std::string>& texts) {
+#include "text/clip_tokenizer.1.inc"
+}
+void glove_(const std::vector<std::string>& texts) {
+#include "text/glove.1.inc"
+}
+void encoders(const ClipTokenizer& clip_tokenizer, const BertTokenizer& bert_tokenizer, const JsonView& config,
+              const WeightFile& weights) {
+#include "text/tokenized_encoder.1.inc"
+}
+void word_pieces(const Tmr<B>& tmr, const std::vector<std::string>& captions, Philox& rng) {
+#include "text/word_piece_tokens.1.inc"
+}

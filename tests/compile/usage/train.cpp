@@ -1,0 +1,74 @@
+// What the usage examples of train/, and of losses and metrics that trainings have, take for granted.
+#include "usage.hpp"
+
+#include <motionlang/backend/autodiff.hpp>
+#include <motionlang/loss/foot_velocity.hpp>
+#include <motionlang/metrics/sampled_errors.hpp>
+#include <motionlang/train/actor_training.hpp>
+#include <motionlang/train/bert_judge.hpp>
+#include <motionlang/train/epoch_batches.hpp>
+#include <motionlang/train/guo_evaluation.hpp>
+#include <motionlang/train/presets.hpp>
+#include <motionlang/train/recognition.hpp>
+#include <motionlang/train/retrieval_evaluation.hpp>
+#include <motionlang/train/sinc_training.hpp>
+#include <motionlang/train/stmc_training.hpp>
+#include <motionlang/train/tm2t_describer_training.hpp>
+#include <motionlang/train/tm2t_tokenizer_training.hpp>
+#include <motionlang/train/tmr_training.hpp>
+#include <motionlang/train/trainer.hpp>
+
+#include <atomic>
+
+using A = Autodiff<B>;
+using About = std::map<std::string, std::string>;
+
+void actor_training() {
+#include "train/actor_training.1.inc"
+}
+void bert_judge(const std::vector<CaptionPair>& pairs) {
+#include "train/bert_judge.1.inc"
+}
+void epoch_batches(std::uint64_t seed) {
+#include "train/epoch_batches.1.inc"
+}
+void guo_evaluation(const Tm2tRun<B>& run, const DescribedMotions& data) {
+#include "train/guo_evaluation.1.inc"
+}
+void presets() {
+#include "train/presets.1.inc"
+}
+void recognition(const DescribedMotions& data) {
+#include "train/recognition.1.inc"
+}
+void retrieval_evaluation(const TmrModel<B>& model, const DescribedMotions& data, const EmbeddingCache& sentences,
+                          const RetrievalOptions& options) {
+#include "train/retrieval_evaluation.1.inc"
+}
+void sinc_training(const SincTrainingConfig& config, const About& about) {
+#include "train/sinc_training.1.inc"
+}
+void stmc_training() {
+#include "train/stmc_training.1.inc"
+}
+void describer_training(const Tm2tTrainingConfig& config, const DescribedMotions& data, const GloVe& words,
+                        const About& about) {
+#include "train/tm2t_describer_training.1.inc"
+}
+void tokenizer_training(const DescribedMotions& data, const About& about) {
+#include "train/tm2t_tokenizer_training.1.inc"
+}
+void tmr_training(){
+#include "train/tmr_training.1.inc"
+} std::atomic<bool> asked_to_stop;
+void trainer_(const TextMotionConfig& config, const DescribedMotions& data) {
+#include "train/trainer.1.inc"
+}
+void foot_velocity(const Normalizer<A>& normaliser, const Tensor<A, 2>& out, const Tensor<B, 2>& truth,
+                   const Offsets& offsets) {
+#include "loss/foot_velocity.1.inc"
+}
+void sampled_errors(const RifkeVariant& variant,
+                    const std::vector<std::pair<std::vector<JointFrames>, JointFrames>>& items) {
+#include "metrics/sampled_errors.1.inc"
+}

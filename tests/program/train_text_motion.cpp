@@ -1,0 +1,375 @@
+// The commands train-tmr and train-temos on a few made-up clips, in seconds, and what all trainings share.
+#include <doctest/doctest.h>
+
+#include <map>
+
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/datasets/humanml3d_folder.hpp>
+#include <motionlang/features/motion_features.hpp>
+#include <motionlang/file/npz.hpp>
+#include <motionlang/file/safetensors.hpp>
+#include <motionlang/formats/bvh.hpp>
+#include <motionlang/metrics/ape_ave.hpp>
+#include <motionlang/weights/text_motion_model.hpp>
+
+#include "training_clips.hpp"
+
+TEST_CASE(
+    "each training lowers its loss, leaves a model, a checkpoint and curves; two halves, one recomputed, make the same "
+    "weights") {
+  const Clips clips;
+  for (const std::string command : {"train-tmr", "train-temos", "train-actor", "train-classifier"}) {
+    CAPTURE(command);
+    const std::string whole = command + "_whole", halves = command + "_halves";
+    const auto done = clips.train(command, whole, {"--set", "optimiser.epochs=50"});
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+    CHECK(contains(done.text, "4 motions to train on, 2 for validation, 2 for tests"));
+    CHECK_MESSAGE(contains(done.text, "trained  100 steps in 0:"), done.text);
+    const auto losses = clips.losses(whole);
+    REQUIRE(losses.size() == 100);
+    CHECK(mean(std::span(losses).last(10)) < 0.9 * mean(std::span(losses).first(10)));
+    const std::string curves = ml::read_file(clips / (whole + "/loss.svg"));
+    CHECK(contains(curves, "validation"));
+    const std::vector<std::string> terms = clips.terms(whole);
+    CHECK(terms ==
+          std::map<std::string, std::vector<std::string>>{
+              {"train-tmr", {"recons", "kl", "latent", "contrastive"}},
+              {"train-temos",
+               {"recons_jfeats2jfeats", "recons_text2jfeats", "kl_text2motion", "kl_motion2text", "kl_text",
+                "kl_motion", "latent_manifold"}},
+              {"train-actor", {"rc", "rcxyz", "kl"}},
+              {"train-classifier", {"cross entropy"}}}
+              .at(command));
+    CHECK(contains(curves, "terms of the training loss") == (terms.size() > 1));
+    const auto values = clips.term_values(whole);
+    REQUIRE(values.size() == 100 * terms.size());
+    for (std::size_t step = 0; step < losses.size(); ++step) {  // they are what the loss is made of
+      double sum = 0;
+      for (std::size_t k = 0; k < terms.size(); ++k) sum += static_cast<double>(values[step * terms.size() + k]);
+      CHECK(sum == doctest::Approx(losses[step]).epsilon(1e-5));
+    }
+    for (std::size_t k = 0; k < terms.size() && terms.size() > 1; ++k)  // the legend
+      CHECK_MESSAGE(contains(curves, ">" + terms[k] + " "), terms[k]);
+    CHECK(run({"info", whole + "/model/weights.safetensors"}, clips.path).code == 0);
+
+    REQUIRE(clips.train(command, halves, {"--set", "optimiser.epochs=24"}).code == 0);
+    const auto rest = clips.train(command, halves, {"--set", "optimiser.epochs=50", "--recompute"});
+    REQUIRE_MESSAGE(rest.code == 0, rest.text);
+    CHECK(contains(rest.text, "going on at step 48 of 100"));
+    CHECK_MESSAGE(contains(rest.text, "trained  52 steps in 0:"), rest.text);
+    const auto shorter = clips.train(command, halves, {"--set", "optimiser.epochs=24"});
+    CHECK(shorter.code == 1);
+    CHECK(contains(shorter.text, "checkpoint.safetensors has 100 steps, 48 are asked for"));
+    CHECK(clips.losses(halves) == losses);
+    CHECK(clips.term_values(halves) == values);
+    CHECK(clips.weights(halves) == clips.weights(whole));
+  }
+  auto evaluate = [&](const std::string& name, std::vector<std::string> more) {
+    more.insert(more.begin(), {"evaluate", name + "_whole/model", "--data", "."});
+    return run(more, clips.path);
+  };
+  const auto tmr = evaluate("train-tmr", {"--captions", "captions.tsv"});
+  CHECK_MESSAGE(tmr.code == 0, tmr.text);
+  for (const char* word : {"text to motion", "all, texts alike", "by chance", "dissimilar"})
+    CHECK_MESSAGE(contains(tmr.text, word), tmr.text);
+  CHECK(!contains(tmr.text, "generated"));
+  ml::write_file(clips / "dissimilar.txt", "elsewhere\n");
+  const auto none_of_list = evaluate("train-tmr", {"--captions", "captions.tsv", "--nsim", "dissimilar.txt"});
+  CHECK(none_of_list.code == 1);
+  CHECK_MESSAGE(contains(none_of_list.text, "--nsim dissimilar.txt names no motion of the test part"),
+                none_of_list.text);
+  CHECK(!contains(none_of_list.text, "text to motion"));
+  const auto row = [](const std::string& text, const std::string& name) {  // the last one that begins so
+    const auto at = text.rfind("  " + name);
+    return at == text.npos ? name + " is missing in\n" + text : text.substr(at, text.find('\n', at) - at);
+  };
+  const auto synthesis = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"--captions", "captions.tsv", "--part", "training", "--synthesis"});
+    const auto out = evaluate("train-tmr", more);
+    REQUIRE_MESSAGE(out.code == 0, out.text);
+    CHECK_MESSAGE(!contains(row(out.text, "generated "), "is missing"), out.text);
+    return out.text;
+  };
+  const auto by_itself = synthesis({});
+  CHECK(row(synthesis({}), "generated ") == row(by_itself, "generated "));
+  const auto by_temos = synthesis({"--generator", "train-temos_whole/model"});
+  CHECK(row(by_temos, "dissimilar ") == row(by_itself, "dissimilar "));  // of recorded motions
+  CHECK(evaluate("train-tmr", {"--captions", "captions.tsv", "--generator", "train-temos_whole/model"}).code != 0);
+  const auto temos = evaluate("train-temos", {"--captions", "captions.tsv", "--samples", "2", "--strips", "strips"});
+  CHECK_MESSAGE(temos.code == 0, temos.text);
+  for (const char* word : {"APE", "best of 2 samples", "worst of 2 samples", "mean pose", "random clip"})
+    CHECK_MESSAGE(contains(temos.text, word), temos.text);
+  CHECK(std::filesystem::exists(clips / "strips/1.svg"));
+  const auto no_folder = evaluate("train-temos", {"--captions", "captions.tsv", "--strips", "captions.tsv"});
+  CHECK(no_folder.code == 1);
+  CHECK_MESSAGE(contains(no_folder.text, "[motionlang.io.401] --strips captions.tsv: "), no_folder.text);
+  const auto actor = evaluate("train-actor", {"--labels", "labels.tsv", "--classifier", "train-classifier_whole/model",
+                                              "--seeds", "2", "--part", "training"});
+  CHECK_MESSAGE(actor.code == 0, actor.text);
+  for (const char* word : {"accuracy", "FID", "recorded", "generated", "  denoised  ", "  between two of an action "})
+    CHECK_MESSAGE(contains(actor.text, word), actor.text);
+  std::string walks;  // a part without one of the classes
+  for (int i = 0; i < 8; i += 2) walks += "clip" + std::to_string(i) + "\t0\t2\twalk\n";
+  ml::write_file(clips / "walks.tsv", walks);
+  const auto one_class = evaluate(
+      "train-actor",
+      {"--labels", "walks.tsv", "--classifier", "train-classifier_whole/model", "--seeds", "2", "--part", "training"});
+  CHECK_MESSAGE(one_class.code == 0, one_class.text);
+  CHECK_MESSAGE(contains(one_class.text, "  generated"), one_class.text);
+  const auto classifier = evaluate("train-classifier", {"--labels", "labels.tsv", "--seeds", "2", "--part", "training",
+                                                        "--threads", "1", "--precision", "bf16"});
+  CHECK_MESSAGE(classifier.code == 0, classifier.text);
+  CHECK_MESSAGE(contains(classifier.text, "accuracy"), classifier.text);
+
+  const auto moments = evaluate("train-tmr", {"--captions", "captions.tsv", "--part", "training", "--moments", "3",
+                                              "--joined", "2", "--windows", "0.5,1.5", "--stride", "0.5"});
+  CHECK_MESSAGE(moments.code == 0, moments.text);
+  for (const char* word :
+       {"6 texts in 3 motions of 2 clips of the training part", "0.5 s", "1.5 s", "all lengths", "a random window"})
+    CHECK_MESSAGE(contains(moments.text, word), moments.text);
+  CHECK(evaluate("train-tmr", {"--captions", "captions.tsv", "--moments", "3", "--windows", "99"}).code == 2);
+  CHECK(evaluate("train-tmr", {"--captions", "captions.tsv", "--moments", "3", "--stride", "0"}).code == 2);
+
+  // what was trained makes motions
+  const auto generate = [&](const std::string& name, std::vector<std::string> more) {
+    more.insert(more.begin(), {"generate", "--model", name + "_whole/model"});
+    return run(more, clips.path);
+  };
+  for (const std::string name : {"train-temos", "train-tmr"}) {
+    const auto made = generate(name, {"--text", "a person turns left", "--seconds", "1", "--out", name + "_made"});
+    REQUIRE_MESSAGE(made.code == 0, made.text);
+    CHECK(std::filesystem::exists(clips / (name + "_made/a_person_turns_left.html")));
+    const auto motion = ml::read_bvh_motion(clips / (name + "_made/a_person_turns_left.bvh"));
+    CHECK(motion.seconds() == doctest::Approx(1).epsilon(0.1));
+    CHECK(motion.skeleton.size() == 24);
+    const auto steps = generate(name, {"--text", "a person turns left", "--steps", "5"});
+    CHECK(steps.code == 2);
+    CHECK_MESSAGE(contains(steps.text, "--steps, --sampler, --preset and --guidance are for diffusion models"),
+                  steps.text);
+  }
+  REQUIRE(generate("train-actor", {"--action", "walk", "--seconds", "0.8", "--out", "made"}).code == 0);
+  REQUIRE(generate("train-actor", {"--action", "1", "--seconds", "0.8", "--out", "made"}).code == 0);
+  CHECK(ml::read_bvh_motion(clips / "made/walk.bvh").frames() == 12);
+  CHECK(ml::read_file(clips / "made/1.bvh") == ml::read_file(clips / "made/walk.bvh"));
+  CHECK(contains(generate("train-actor", {"--action", "fly"}).text,
+                 "action 'fly' is not one of 0 ... 1; they are called turn, walk"));
+
+  // towards another text or action, and a recorded motion as the model knows it
+  for (const std::string name : {"train-temos", "train-tmr", "train-actor"}) {
+    CAPTURE(name);
+    const bool acts = name == "train-actor";
+    const std::string kind = acts ? "--action" : "--text", walk = acts ? "walk" : "a person walks ahead",
+                      turn = acts ? "turn" : "a person turns left",
+                      line = acts ? "walk_to_turn" : "a_person_walks_ahead_to_a_person_turns_left";
+    const auto made =
+        generate(name, {kind, walk, "--towards", turn, "--samples", "3", "--seconds", "0.8", "--out", "line"});
+    REQUIRE_MESSAGE(made.code == 0, made.text);
+    for (const char* end : {"_1.bvh", "_2.svg", "_3.npz", ".html"})
+      CHECK_MESSAGE(std::filesystem::exists(clips / ("line/" + line + end)), end);
+    CHECK(ml::read_file(clips / ("line/" + line + "_1.bvh")) != ml::read_file(clips / ("line/" + line + "_2.bvh")));
+
+    std::vector<std::string> convert{"convert", "clip1.bvh", name + ".bvh", "--denoise", name + "_whole/model"};
+    if (acts) convert.insert(convert.end(), {"--action", "turn"});
+    const auto cleaned = run(convert, clips.path);
+    REQUIRE_MESSAGE(cleaned.code == 0, cleaned.text);
+    const auto before = ml::read_bvh_motion(clips / "clip1.bvh"), after = ml::read_bvh_motion(clips / (name + ".bvh"));
+    CHECK(after.fps == doctest::Approx(before.fps));
+    CHECK(after.seconds() == doctest::Approx(before.seconds()).epsilon(0.1));
+  }
+
+  const auto info = [&](const std::string& name) { return run({"info", name + "_whole/model"}, clips.path).text; };
+  for (const char* line :
+       {"model of                 actor", "actions                  turn, walk", "latent_dim 8", "pose rot6d"})
+    CHECK_MESSAGE(contains(info("train-actor"), line), line);
+  for (const char* line : {"model of                 tmr", "temperature 0.1", "guoh3d, 20 frames per second"})
+    CHECK_MESSAGE(contains(info("train-tmr"), line), line);
+
+  // sizes that the file of weights has no room for
+  const auto enlarge = [&](const std::string& name, const nlohmann::json& sizes) {
+    const auto path = clips / (name + "_whole/model/config.json");
+    auto config = nlohmann::json::parse(ml::read_file(path));
+    config["config"].merge_patch(sizes);
+    ml::write_file(path, std::string_view(config.dump()));
+  };
+  const auto refused = [](const Outcome& out) {
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, "[motionlang.config.102] "), out.text);
+    CHECK_MESSAGE(contains(out.text, "65536"), out.text);
+  };
+  for (const std::string name : {"train-temos", "train-tmr", "train-actor"}) {
+    enlarge(name, {{"network", {{"latent_dim", 65536}}}});
+    refused(generate(name, {name == "train-actor" ? "--action" : "--text", "walk", "--seconds", "0.8"}));
+  }
+  enlarge("train-classifier", {{"hidden_size", 65536}});
+  refused(evaluate("train-classifier", {"--labels", "labels.tsv"}));
+}
+
+TEST_CASE(
+    "the rows of thesis table 4.3, each one setting; the same terms of TMR's loss, which weights of 0 switch off, "
+    "too") {
+  const Clips clips;
+  const auto losses = [&](const std::string& command, std::vector<std::string> more) {
+    more.insert(more.begin(), {"--fresh", "--set", "optimiser.epochs=1", "--set", "optimiser.lr=0", "--set",
+                               "losses.kl=1", "--set", "losses.latent=1", "--set", "losses.threshold=0"});
+    const auto done = clips.train(command, "row", more);
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+    return clips.losses("row");
+  };
+  const auto row = [&](const std::string& command, const std::string& set) { return losses(command, {"--set", set}); };
+  const auto whole = losses("train-temos", {});
+  CHECK(row("train-temos", "network.motion_encoder=transformer") == whole);
+  std::vector<std::vector<float>> rows{whole};
+  for (const char* set :
+       {R"(network={"motion_encoder": "gru", "motion_decoder": "gru"})", "network.motion_encoder=none",
+        "losses.embedding=false", R"(losses={"cross_modal_kl": false, "embedding": false})",
+        "losses.cross_modal_kl=false", "losses.gaussian_kl=false", "network.vae=false", "network.activation=relu"}) {
+    CAPTURE(set);
+    rows.push_back(row("train-temos", set));
+    for (std::size_t i = 0; i + 1 < rows.size(); ++i) CHECK(rows[i] != rows.back());
+  }
+  for (const std::string command : {"train-temos", "train-tmr"}) {
+    CAPTURE(command);
+    CHECK(row(command, "losses.embedding=false") == row(command, "losses.latent=0"));
+    const auto both = row(command, R"(losses={"cross_modal_kl": false, "gaussian_kl": false})");
+    CHECK(both == row(command, "losses.kl=0"));
+    const auto all = losses(command, {});
+    const auto across = row(command, "losses.gaussian_kl=false"), priors = row(command, "losses.cross_modal_kl=false");
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      CHECK(across[i] > both[i]);
+      CHECK(priors[i] > both[i]);
+      CHECK(all[i] - both[i] == doctest::Approx(across[i] - both[i] + priors[i] - both[i]).epsilon(1e-4));
+    }
+  }
+  const auto refused = clips.train("train-tmr", "row", {"--set", "network.activation=gelo"});
+  CHECK(refused.code == 1);
+  CHECK_MESSAGE(contains(refused.text, "activation 'gelo' is not one of none, relu, gelu"), refused.text);
+}
+
+TEST_CASE("text.finetune trains DistilBERT with TMR and TEMOS; its weights and tokenizer are the model's own") {
+  const Clips clips;
+  const auto network = write_distilbert(clips / "bert");
+  const auto train = [&](const std::string& command, const std::string& out, std::vector<std::string> more) {
+    more.insert(more.begin(),
+                {"--set", "text.encoder=distilbert", "--text-encoder", "bert", "--set", "losses.threshold=0"});
+    return clips.train(command, out, more);
+  };
+  const std::string key = "textencoder.text_model.transformer.layer.1.attention.q_lin.weight";
+  for (const std::string command : {"train-tmr", "train-temos"}) {
+    CAPTURE(command);
+    const std::string frozen = command + "_frozen", whole = command + "_whole", halves = command + "_halves",
+                      model = whole + "/model";
+    REQUIRE(train(command, frozen, {}).code == 0);
+    CHECK(!contains(clips.weights(frozen), "text_model"));
+    const auto done = train(command, whole, {"--set", "text.finetune=true"});
+    REQUIRE_MESSAGE(done.code == 0, done.text);
+    CHECK(clips.losses(whole) != clips.losses(frozen));
+    const auto weights = ml::SafetensorsFile::open(clips / (model + "/weights.safetensors"));
+    CHECK(ml::values_of<float>(weights.tensor(key)) != network.layers[1].query.weight.to_vector());
+    CHECK(ml::values_of<float>(weights.tensor("textencoder.text_model.embeddings.word_embeddings.weight")) !=
+          network.words.weight.to_vector());
+
+    REQUIRE(train(command, halves, {"--set", "text.finetune=true", "--set", "optimiser.epochs=2"}).code == 0);
+    const auto rest = train(command, halves, {"--set", "text.finetune=true"});
+    REQUIRE_MESSAGE(rest.code == 0, rest.text);
+    CHECK(contains(rest.text, "going on at step 4 of 8"));
+    CHECK(clips.losses(halves) == clips.losses(whole));
+    CHECK(clips.weights(halves) == clips.weights(whole));
+
+    // it needs no --text-encoder, and what it says is what its own DistilBERT makes of a text
+    std::filesystem::rename(clips / "bert", clips / "elsewhere");
+    const auto used = [&](std::vector<std::string> arguments) {
+      const auto out = run(arguments, clips.path);
+      CHECK_MESSAGE(out.code == 0, out.text);
+      return out.text;
+    };
+    used({"generate", "--model", model, "--text", "a person turns left", "--seconds", "1", "--out", command + "_made"});
+    used({"evaluate", model, "--data", ".", "--captions", "captions.tsv"});
+    if (command == "train-tmr") {
+      used({"index", ".", "--model", model, "-o", "moves.index"});
+      CHECK(contains(used({"search", "moves.index", "a person turns left"}), ".bvh"));
+      used({"evaluate", model, "--data", ".", "--captions", "captions.tsv", "--moments", "2", "--joined", "2", "--part",
+            "training"});
+      const auto read = ml::load_text_motion<ml::Tmr, ml::EigenBackend<float>>(
+          clips / model, ml::read_text_motion_config(clips / model));
+      const std::vector<std::string> text{"someone walks"};
+      auto trained = network;
+      ml::load_module(trained, weights, "textencoder.text_model.");
+      const std::vector<ml::Index> ids{2, 7, 8, 3};
+      CHECK(read.tokens(text, nullptr).rows.to_vector() == trained({ids, {4}}).tokens.rows.to_vector());
+    }
+    std::filesystem::rename(clips / "elsewhere", clips / "bert");
+  }
+
+  const auto refused = [&](const std::string& set, const std::string& encoder, const std::string& message) {
+    std::vector<std::string> more{"--set", "text.finetune=true", "--set", set};
+    if (!encoder.empty()) more.insert(more.end(), {"--text-encoder", encoder});
+    const auto out = clips.train("train-tmr", "refused", more);
+    CHECK(out.code == 1);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  ml::EmbeddingCache cache(8);
+  cache.add("a person walks ahead", std::vector<float>(16));
+  cache.write(clips / "states", "bert");
+  refused("text.encoder=distilbert", "states/bert.npy",
+          "--text-encoder 'states/bert.npy', expected distilbert and its folder");
+  refused("text.encoder=word_pieces", "",
+          "[motionlang.config.102] text.finetune trains DistilBERT: text.encoder is 'word_pieces'");
+  std::filesystem::create_directories(clips / "strangers");
+  ml::write_file(clips / "strangers/config.json", std::string_view(R"({"model_type": "bert"})"));
+  refused("text.encoder=distilbert", "strangers",
+          "[motionlang.config.103] strangers/config.json: model_type 'bert', expected 'distilbert'");
+}
+
+TEST_CASE("Ctrl-C keeps a checkpoint, from which the same command goes on; early stop") {
+  const Clips clips;
+  const auto stopped = clips.train("train-tmr", "run", {"--set", "optimiser.epochs=20000"}, "training [");
+  CHECK_MESSAGE(stopped.code == 130, stopped.text);
+  CHECK(contains(stopped.text, "the same command goes on from run/checkpoint.safetensors"));
+  CHECK(!std::filesystem::exists(clips / "run/model"));
+  const auto steps = clips.losses("run").size();
+  CHECK(steps > 0);
+  const auto other = clips.train("train-tmr", "run", {"--set", "optimiser.lr=0.1"});
+  CHECK(other.code == 1);
+  CHECK_MESSAGE(contains(other.text, "this run began with another training.optimiser.lr (0.01, not 0.1)"), other.text);
+  // nothing is learnt: two validations that are not better than the first end it
+  const auto early =
+      clips.train("train-classifier", "early",
+                  {"--set", "optimiser.lr=0", "--set", "validation.patience=2", "--set", "optimiser.epochs=2000"});
+  REQUIRE_MESSAGE(early.code == 0, early.text);
+  CHECK_MESSAGE(contains(early.text, "stopped early at step"), early.text);
+  CHECK(clips.losses("early").size() == 6);  // three epochs of two steps
+}
+
+TEST_CASE("hyperparameters: presets, files, single ones; unknown names with the nearest") {
+  const Clips clips;
+  auto print = [&](const std::string& command, std::vector<std::string> more) {
+    more.insert(more.begin(), {command, "--print-config"});
+    return run(more, clips.path);
+  };
+  const auto tmr = print("train-tmr", {});
+  CHECK(tmr.code == 0);
+  for (const char* line : {"\"latent_dim\": 256", "\"num_layers\": 6", "\"contrastive\": 0.1", "\"temperature\": 0.1",
+                           "\"threshold\": 0.8", "\"batch\": 32", "\"epochs\": 500", "\"seed\": 1234"})
+    CHECK_MESSAGE(contains(tmr.text, line), line);
+  const auto temos = print("train-temos", {"--preset", "temos-published"});
+  for (const char* line : {"\"features\": \"rifke64\"", "\"epochs\": 1001", "\"min_seconds\": 0.8"})
+    CHECK_MESSAGE(contains(temos.text, line), temos.text);
+  for (const char* line : {"\"num_layers\": 8", "\"batch\": 20", "\"epochs\": 5000", "\"num_frames\": 60"})
+    CHECK_MESSAGE(contains(print("train-actor", {}).text, line), line);
+  ml::write_file(clips / "mine.json", "{\"losses\": {\"kl\": 0.5}, \"optimiser\": {\"batch\": 7}}");
+  const auto mine =
+      print("train-tmr", {"--config", "mine.json", "--set", "optimiser.batch=9", "--set", "features=rifke"});
+  for (const char* line : {"\"kl\": 0.5", "\"batch\": 9", "\"features\": \"rifke\""})
+    CHECK_MESSAGE(contains(mine.text, line), line);
+
+  auto refused = [&](std::vector<std::string> more, const std::string& message, int code = 1) {
+    const auto out = print("train-tmr", std::move(more));
+    CHECK(out.code == code);
+    CHECK_MESSAGE(contains(out.text, message), out.text);
+  };
+  ml::write_file(clips / "wrong.json", "{\"losses\": {\"kll\": 0.5}}");
+  refused({"--config", "wrong.json"}, "wrong.json: losses: has no member 'kll'; did you mean 'kl'?");
+  refused({"--set", "optimizer.lr=1"}, "has no member 'optimizer'; did you mean 'optimiser'?");
+  refused({"--set", "network.num_layers=many"}, "network.num_layers");
+  refused({"--preset", "large"}, "--preset 'large' is not tmr-published or small", 2);
+}

@@ -1,0 +1,97 @@
+// generate_motion is the sum of its parts, and refuses options that contradict each other.
+#include <doctest/doctest.h>
+
+#include <motionlang/backend/eigen.hpp>
+#include <motionlang/compose/cut_texts.hpp>
+#include <motionlang/generate/samples.hpp>
+#include <motionlang/generate/stmc_motion_model.hpp>
+#include <motionlang/kinematics/foot_lock.hpp>
+#include <motionlang/kinematics/smooth_motion.hpp>
+
+#include "../support/check_error.hpp"
+#include "../support/small_denoisers.hpp"
+#include "../support/small_model.hpp"
+#include "../support/synthetic_motion.hpp"
+
+namespace ml = motionlang;
+using ml::Timeline;
+using B = ml::EigenBackend<float>;
+
+namespace {
+
+ml::Stmc<B> model() {
+  auto m = small::model<B>();
+  ml::prepare(m);
+  return m;
+}
+bool same(const ml::Motion& a, const ml::Motion& b) { return a.local == b.local && a.root == b.root && a.fps == b.fps; }
+
+}  // namespace
+
+TEST_CASE("texts are cut, motions sampled, smoothed and put on their feet") {
+  const auto stmc = model();
+  const Timeline timeline = small::several_tracks();
+  const ml::Philox rng{.seed = 3};
+  const auto features = stmc.generate(ml::cut_texts(timeline, stmc.fps), rng, {.hidden = ml::HiddenTexts::ignore});
+  const ml::Motion expected = ml::fix_feet(ml::smooth_motion(ml::stmc_motion(features, stmc.fps)));
+  CHECK(same(ml::generate_motion(stmc, timeline, {.seed = 3}), expected));
+  const auto whole = stmc.generate(timeline, rng, {.guidance = 1.5, .steps = 4, .hidden = ml::HiddenTexts::ignore});
+  CHECK(same(ml::generate_motion(
+                 stmc, timeline,
+                 {.seed = 3, .steps = 4, .guidance = 1.5, .cut_texts = false, .smooth = false, .fix_feet = false}),
+             ml::stmc_motion(whole, stmc.fps)));
+  CHECK_FALSE(same(ml::generate_motion(stmc, timeline, {.seed = 4}), expected));
+
+  // several timelines, samples, and the same model behind the interface of all models
+  const std::vector<Timeline> two{timeline, small::one_track()};
+  ml::GenerateNotes notes;
+  const auto motions = ml::generate_motions(stmc, two, {.seed = 3, .notes = &notes});
+  REQUIRE(motions.size() == 2);
+  CHECK(same(motions[0], expected));
+  CHECK(notes.layout == "smplrifke");
+  CHECK(notes.features.size() == 2);
+  const auto samples = ml::generate_samples(stmc, two, 2, {.seed = 3});
+  for (const std::size_t t : {0u, 1u}) {
+    CHECK(same(samples[t][0], motions[t]));
+    CHECK_FALSE(same(samples[t][1], motions[t]));
+  }
+  const auto any = ml::stmc_motion_model(model(), {"walk"});
+  CHECK(same(ml::generate_motion(*any, timeline, {.seed = 3}), expected));
+  CHECK(any->steps() == 8);
+  CHECK(any->takes_timelines());
+  CHECK(any->words() == std::vector<std::string>{"walk"});
+  CHECK(any->length_of("walk forward").pieces > 0);
+  CHECK_ERROR(ml::generate_motion(*any, timeline, {.fact = 1}), "this is a diffusion model, which draws none");
+}
+
+TEST_CASE_TEMPLATE("any denoiser and text encoder", D, ml::MdmDenoiser<small::B>, ml::MotionDiffuseDenoiser<small::B>) {
+  const auto stmc = small::model_of<D>();
+  const Timeline text = small::one_text(20);
+  const auto features = stmc.generate(text, ml::Philox{.seed = 3});
+  const ml::Motion expected = ml::fix_feet(ml::smooth_motion(ml::stmc_motion(features, stmc.fps)));
+  CHECK(same(ml::generate_motion(stmc, text, {.seed = 3}), expected));
+}
+
+TEST_CASE("options that contradict each other, or that the model cannot do, are option errors") {
+  const auto stmc = model();
+  const Timeline timeline = small::one_track();
+  const auto refused = [&](const ml::GenerateOptions& options, const char* message) {
+    CHECK_THROWS_WITH_AS(ml::generate_motion(stmc, timeline, options), doctest::Contains(message), ml::option_error);
+  };
+  refused({.steps = 9}, "[motionlang.config.105] 9 steps are asked for, this model has 8");
+  const ml::KeptClip walk{synthetic::walk({.frames = 20})};
+  refused({.noise = "n", .keep = walk}, "[motionlang.config.102] keep excludes noise, record and reuse");
+  refused({.record = "r", .keep = walk}, "[motionlang.config.102] keep excludes");
+  refused({.reuse = "r", .keep = walk}, "[motionlang.config.102] keep excludes");
+  refused({.noise = "n", .record = "r"}, "[motionlang.config.102] noise excludes record and reuse");
+  refused({.keep_beyond = 1}, "[motionlang.config.102] keep_beyond needs reuse");
+  ml::KeptClip late = walk;
+  late.seconds = {{0.5, 1.5}};
+  refused({.keep = late},
+          "[motionlang.config.101] keep: 0.5-1.5 is frames 10:30 at 20 per second; the motion to keep "
+          "has 20, the timeline 40");
+  late.seconds = {{0.5, 0.51}};
+  refused({.keep = late}, "0.5-0.51 is frames 10:10");
+  CHECK_ERROR(ml::generate_motion(stmc, timeline, {.noise = "nowhere"}), "[motionlang.io.401]");
+  CHECK_ERROR(ml::generate_motion(stmc, timeline, {.reuse = "nowhere"}), "[motionlang.io.401]");
+}

@@ -1,0 +1,77 @@
+#include <motionlang/generate/text_warnings.hpp>
+
+#include <doctest/doctest.h>
+
+#include <motionlang/compose/timeline_text.hpp>
+
+#include "fake_models.hpp"
+
+namespace ml = motionlang;
+using Lines = std::vector<std::string>;
+
+namespace {
+
+std::vector<ml::Timeline> timelines(const char* text) { return ml::parse_timelines(text); }
+
+}  // namespace
+
+TEST_CASE("words that a model does not know, and texts that are too long for it") {
+  const Lines known{"forward", "walk"};
+  CHECK(ml::unknown_word_warnings("Walk forwad, dance", known) ==
+        Lines{"'Walk forwad, dance': the model never learned the words 'forwad' (did you mean 'forward'?), 'dance'"});
+  CHECK(ml::unknown_word_warnings("dance", known) == Lines{"'dance': the model never learned the word 'dance'"});
+  CHECK(ml::unknown_word_warnings("\xD0\xB8", known).front().find("reads no word of it") != std::string::npos);
+  CHECK(ml::unknown_word_warnings("walk \xD0\xB8", known) ==
+        Lines{"'walk \xD0\xB8': the model reads a-z and 0-9, not all of '\xD0\xB8'"});
+  CHECK(ml::unknown_word_warnings("walk", known).empty());
+  CHECK(ml::unknown_word_warnings("dance", {}).empty());
+  CHECK(ml::unknown_word_warnings("", known).empty());
+
+  fake::Model model;
+  CHECK(ml::text_warnings(model, "dance").empty());
+  model.known = known, model.length = {5, 3};
+  CHECK(ml::text_warnings(model, "dance") == Lines{"'dance': the model never learned the word 'dance'",
+                                                   "'dance': the model reads the first 3 of its 5 word pieces"});
+}
+
+TEST_CASE("texts that others hide, and texts that take more than they need") {
+  CHECK(ml::hidden_text_warnings(timelines("walk # 0 # 3 # legs\nrun # 1 # 2 # legs\nhop # 1 # 2 # legs\n"),
+                                 {.source = "moves.txt"}) ==
+        Lines{"moves.txt:2:1: 'run' moves nothing: other texts take all its body parts"});
+  CHECK(ml::hidden_text_warnings(timelines("walk # 0 # 3 # legs\nrun # 1 # 2 # legs\n")).empty());
+  CHECK(ml::whole_body_warnings(timelines("walk # 0 # 3\nwave with the right hand # 1 # 2\n")) ==
+        Lines{"timeline:2:1: 'wave with the right hand' moves the whole body, also while 'walk' lasts; with '# right "
+              "arm' it would leave that the rest"});
+  CHECK(ml::whole_body_warnings(timelines("walk # 0 # 3\nwave with the right hand # 1 # 2 # right arm\n")).empty());
+}
+
+TEST_CASE("texts of several actions, and long texts") {
+  const auto several = timelines("walk, then turn # 0 # 2\n");
+  CHECK(
+      ml::several_action_warnings(several, {.in_turn = "--in-turn"}) ==
+      Lines{"'walk, then turn' is made as one text, of which a model may do a part; --in-turn makes its 2 actions one "
+            "after the other"});
+  CHECK(ml::in_turn_notes(several, 20) == Lines{"'walk, then turn': 2 s for 'walk', then 'turn'"});
+  CHECK(ml::several_action_warnings(timelines("walk # 0 # 2\n")).empty());
+  CHECK(ml::in_turn_notes(timelines("walk # 0 # 2\n"), 20).empty());
+  CHECK(ml::long_text_warnings(timelines("walk # 0 # 17\n"), 20) ==
+        Lines{"'walk': 17 s are made in parts of at most 8 s, which is what models learn from"});
+  CHECK(ml::long_text_warnings(timelines("walk # 0 # 8\n"), 20).empty());
+}
+
+TEST_CASE("a model gets the warnings that concern it") {
+  const auto long_and_several = timelines("walk, then turn # 0 # 17\n");
+  fake::Model model;
+  const auto count = [&](const ml::GenerateOptions& options = {}, bool in_turn = false) {
+    return ml::timeline_warnings(model, long_and_several, options, in_turn).size();
+  };
+  CHECK(count() == 0);  // no diffusion model
+  model.diffusion_steps = 10;
+  CHECK(count() == 1);  // its words are not known: long only
+  model.known = {"walk"};
+  CHECK(count() == 2);
+  CHECK(count({.cut_texts = false}) == 1);
+  CHECK(count({}, true) == 1);
+  model.actions = true;
+  CHECK(count() == 1);
+}

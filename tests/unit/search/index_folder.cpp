@@ -1,0 +1,209 @@
+// The index of a folder: what an update reads, keeps, renames, removes and skips; and a search in one call. The encoder
+// counts how often it is asked, so that a test sees which files were read again.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <atomic>
+
+#include <motionlang/core/parallel.hpp>
+#include <motionlang/search/index_folder.hpp>
+#include <motionlang/search/search.hpp>
+#include <motionlang/search/search_encoder.hpp>
+
+#include "../../support/check_error.hpp"
+#include "../../support/synthetic_motion.hpp"
+#include "../../support/temporary_folder.hpp"
+
+namespace ml = motionlang;
+namespace fs = std::filesystem;
+using ml::Index;
+
+namespace {
+
+/// A motion becomes its speed and its turning; "walk N" is a text of the speed N.
+class SpeedEncoder final : public ml::SearchEncoder {
+ public:
+  const ml::IndexModel& model() const override { return model_; }
+  std::vector<float> encode_texts(std::span<const std::string> texts) const override {
+    std::vector<float> out;
+    for (const std::string& t : texts) {
+      const auto speed = static_cast<float>(std::stod(t.substr(t.find(' '))));
+      out.insert(out.end(), {speed, 1});
+    }
+    return out;
+  }
+  std::vector<float> rows_of(const ml::Motion& motion) const override {
+    std::vector<float> rows;
+    for (Index f = 1; f < motion.frames(); ++f)
+      rows.push_back(static_cast<float>(motion.fps * ml::norm(motion.root_at(f) - motion.root_at(f - 1))));
+    ++asked;
+    return rows;
+  }
+  Index frames(std::span<const float> rows) const override { return std::ssize(rows); }
+  std::vector<float> encode_windows(std::span<const float> rows,
+                                    std::span<const ml::FrameSlice> windows) const override {
+    std::vector<float> out;
+    for (const ml::FrameSlice& w : windows) {
+      float sum = 0;
+      for (Index f = w.first; f < w.first + w.length; ++f) sum += rows[static_cast<std::size_t>(f)];
+      out.insert(out.end(), {sum / static_cast<float>(w.length), 1});
+    }
+    return out;
+  }
+
+  mutable std::atomic<int> asked = 0;
+
+ private:
+  ml::IndexModel model_{.id = "0123456789abcdef", .path = "models/speed", .width = 2, .fps = 20};
+};
+
+void write_clip(const fs::path& path, double steps) {
+  ml::write_motion(path, synthetic::walk({.frames = 60, .fps = 20, .steps_per_second = steps}));
+}
+std::vector<std::string> names(const ml::MotionIndex& index) {
+  std::vector<std::string> out;
+  for (const auto& c : index.clips()) out.push_back(fs::path(c.path).filename().string());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("an update reads what is new or has changed, and nothing else") {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "sub");
+  write_clip(folder / "slow.bvh", 1);
+  write_clip(folder / "sub/fast.npz", 3);
+  ml::write_file(folder / "broken.bvh", std::string_view("HIERARCHY"));
+  ml::write_file(folder / "LICENSE", std::string_view("# CC0\nmore"));
+  const SpeedEncoder encoder;
+  ml::MotionIndex index(ml::index_model(encoder));
+  CHECK(index.model().windows == std::vector<Index>{20, 40, 60});
+  CHECK(index.model().stride == 10);
+  CHECK(ml::index_model(encoder, {.windows = {}}).windows.empty());
+
+  auto report = ml::update_index(index, folder.path, encoder);
+  CHECK(report.added == 2);
+  REQUIRE(report.skipped.size() == 1);
+  CHECK(report.skipped[0].find("broken.bvh: [motionlang.io.") != std::string::npos);
+  CHECK(report.changed());
+  CHECK(names(index) == std::vector<std::string>{"fast.npz", "slow.bvh"});
+  CHECK(index.clips()[0].license == "CC0");
+  CHECK(index.clips()[0].end == doctest::Approx(3));
+  CHECK_FALSE(index.moments().empty());
+  CHECK(encoder.asked == 2);
+
+  report = ml::update_index(index, folder.path, encoder);
+  CHECK(encoder.asked == 2);
+  CHECK(report.unchanged == 2);
+  CHECK_FALSE(report.changed());
+
+  fs::rename(folder / "sub/fast.npz", folder / "sub/quick.npz");
+  report = ml::update_index(index, folder.path, encoder);
+  CHECK(encoder.asked == 2);
+  CHECK(report.renamed == 1);
+  CHECK(names(index) == std::vector<std::string>{"quick.npz", "slow.bvh"});
+
+  ml::write_file(folder / "LICENSE", std::string_view("MIT"));
+  report = ml::update_index(index, folder.path, encoder);
+  CHECK(report.relicensed == 2);
+  CHECK(index.clips()[0].license == "MIT");
+  CHECK(ml::update_index(index, folder.path, encoder, {.license = "own"}).relicensed == 2);
+
+  fs::remove(folder / "sub/quick.npz");
+  report = ml::update_index(index, folder.path, encoder, {.again = true});
+  CHECK(report.removed == 2);
+  CHECK(report.added == 1);
+  CHECK(encoder.asked == 3);
+  CHECK(ml::remove_below(index, folder / "nothing") == 0);
+  CHECK(ml::remove_below(index, folder.path) == 1);
+  CHECK_ERROR(ml::update_index(index, folder / "nothing", encoder), "[motionlang.io.401]");
+}
+
+TEST_CASE("captions name the parts of a clip that are indexed, and clips that are not there are reported") {
+  const TemporaryFolder folder;
+  write_clip(folder / "a.bvh", 2);
+  const SpeedEncoder encoder;
+  ml::MotionIndex index(ml::index_model(encoder, {.windows = {}}));
+  ml::IndexOptions options;
+  ml::ClipLine inside, elsewhere;
+  inside.clip = "a", inside.start = 0.5, inside.end = 1.5, inside.texts = {"walk 1", "walk 2"};
+  inside.file = ml::indexed_path(folder / "a.bvh");
+  elsewhere.clip = "b", elsewhere.end = 1, elsewhere.texts = {"walk 3"};
+  options.captions = {inside, elsewhere};
+  const auto report = ml::update_index(index, folder.path, encoder, options);
+  CHECK(report.added == 1);
+  CHECK(report.unknown_clips == std::vector<std::string>{(ml::indexed_path(folder.path) / "b").string()});
+  REQUIRE(index.count() == 1);
+  CHECK(index.clips()[0].start == 0.5);
+  CHECK(index.clips()[0].end == doctest::Approx(1.5));
+  CHECK(index.clips()[0].captions == std::vector<std::string>{"walk 1", "walk 2"});
+  CHECK(index.caption_clips().size() == 2);
+  CHECK(ml::update_index(index, folder.path, encoder, options).unchanged == 1);
+}
+
+TEST_CASE("an update that is stopped keeps what was encoded") {
+  const TemporaryFolder folder;
+  const int many = static_cast<int>(8 * ml::thread_count()) + 1;
+  for (int i = 0; i < many; ++i) write_clip(folder / ("c" + std::to_string(i) + ".npz"), 1);
+  const SpeedEncoder encoder;
+  ml::MotionIndex index(ml::index_model(encoder));
+  ml::IndexUpdate update(index, folder.path, encoder);
+  CHECK(update.files() == many);
+  CHECK(update.fresh_files() == many);
+  Index last = 0;
+  const auto stop = [&](Index done, Index total) {
+    CHECK(total == many);
+    last = done;
+    return false;
+  };
+  CHECK_THROWS_AS(update.run(stop), ml::cancelled);
+  CHECK(last == many - 1);
+  CHECK(index.count() == many - 1);
+  CHECK(update.report().added == many - 1);
+  CHECK(ml::update_index(index, folder.path, encoder).added == 1);
+}
+
+TEST_CASE("a search in one call gives what the classes give") {
+  const TemporaryFolder folder;
+  write_clip(folder / "slow.bvh", 0.5);
+  write_clip(folder / "fast.bvh", 3);
+  const SpeedEncoder encoder;
+  ml::MotionIndex index(ml::index_model(encoder));
+  ml::update_index(index, folder.path, encoder);
+  ml::write_motion_index(folder / "moves.index", index);
+  const auto file = ml::MotionIndexFile::open(folder / "moves.index");
+  const ml::MotionSearch classes(file.index());
+  const std::string text = "walk 9";
+  const auto query = encoder.encode_texts(std::span(&text, 1));
+  const auto hits = ml::search(file, query, {.top = 1});
+  REQUIRE(hits.size() == 1);
+  CHECK(hits == classes.clips(query, 1));
+  CHECK(fs::path(ml::clip_of(file.index(), hits[0]).path).filename() == "fast.bvh");
+  CHECK(ml::score_of(hits[0]) == doctest::Approx((static_cast<double>(hits[0].score) + 1) / 2));
+  CHECK(ml::search(file, query, {.top = 4, .what = ml::SearchFor::moments}) == classes.moments(query, 4));
+  CHECK(ml::search(classes, query, {.top = 4, .what = ml::SearchFor::moments, .most_overlap = 1}) ==
+        classes.moments(query, 4, 1));
+  CHECK(ml::search(file, query, {.what = ml::SearchFor::captions}).empty());
+  CHECK(ml::gallery_size(index, ml::SearchFor::clips) == 2);
+  CHECK(ml::gallery_size(index, ml::SearchFor::moments) == std::ssize(index.moments()));
+  CHECK(ml::gallery_size(index, ml::SearchFor::captions) == 0);
+  CHECK_ERROR(ml::search(file, query, {.top = -1}), "[motionlang.config.101]");
+
+  const ml::Motion fast = ml::read_motion(folder / "fast.bvh");
+  CHECK(fs::path(ml::clip_of(index, ml::search(file, ml::encode_motion(encoder, fast))[0]).path).filename() ==
+        "fast.bvh");
+}
+
+TEST_CASE("a clip of more than ten seconds has the mean of the directions of its parts") {
+  const SpeedEncoder encoder;
+  std::vector<float> rows(300, 1.0f);
+  std::fill(rows.begin() + 150, rows.end(), 3.0f);
+  const auto vector = ml::encode_clip(encoder, rows);
+  const std::vector<ml::FrameSlice> halves{{0, 150}, {150, 150}};
+  const auto unit = ml::unit_rows(encoder.encode_windows(rows, halves), 2);
+  CHECK(vector[0] == doctest::Approx((unit[0] + unit[2]) / 2));
+  CHECK(vector[1] == doctest::Approx((unit[1] + unit[3]) / 2));
+  CHECK(ml::encode_clip(encoder, std::span(rows).first(150)) ==
+        encoder.encode_windows(rows, std::span(halves).first(1)));
+}

@@ -1,0 +1,32 @@
+#include <doctest/doctest.h>
+
+#include <motionlang/text/known_words.hpp>
+
+namespace ml = motionlang;
+
+TEST_CASE("the words of captions, listed for the metadata and read from there") {
+  const std::vector<std::string> captions{"Walk forward", "walk, then jump"};
+  const std::string listed = ml::listed_words(captions);
+  CHECK(listed == "forward\njump\nthen\nwalk");
+  CHECK(ml::known_words({{ml::known_words_entry, listed}}) ==
+        std::vector<std::string>{"forward", "jump", "then", "walk"});
+  CHECK(ml::known_words({{"license", "MIT"}}).empty());
+}
+
+TEST_CASE("words that are not known, each once, with a known one like it") {
+  const std::vector<std::string> known{"forward", "walk"};
+  const auto found = ml::unknown_words("Walk forwad, dance, forwad", known);
+  REQUIRE(found.size() == 2);
+  CHECK(found[0].word == "forwad");
+  CHECK(found[0].like == "forward");
+  CHECK(found[1].word == "dance");
+  CHECK(found[1].like.empty());
+  CHECK(ml::unknown_words("walk", known).empty());
+  CHECK(ml::unknown_words("dance", {}).empty());
+}
+
+TEST_CASE("words that the tokenizer cannot read") {
+  CHECK(ml::unreadable_words("walk \xC3\xA9t\xC3\xA9 \xE2\x80\x94 forward") ==
+        std::vector<std::string>{"\xC3\xA9t\xC3\xA9"});  // a dash is no letter
+  CHECK(ml::unreadable_words("walk 2 steps").empty());
+}
