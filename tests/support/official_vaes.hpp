@@ -8,6 +8,15 @@
 
 namespace official {
 
+/// Every value of a module, in the order of its tensors.
+template <class M>
+std::vector<float> all_numbers(const M& model) {
+  std::vector<float> out;
+  ml::visit_tensors(
+      model, [&](const std::string&, const auto& t) { out.insert(out.end(), t.span().begin(), t.span().end()); });
+  return out;
+}
+
 inline ml::ActorConfig small_actor() { return {.latent_dim = 16, .ff_size = 24, .num_layers = 2}; }
 inline ml::Actor<B> actor(const ml::ActorConfig& c) {
   ml::Philox rng{.seed = 51};

@@ -10,19 +10,8 @@
 namespace ml = motionlang;
 namespace fs = std::filesystem;
 using ml::Index;
+using official::all_numbers;
 using official::B;
-
-namespace {
-
-template <class M>
-std::vector<float> all_numbers(const M& model) {
-  std::vector<float> out;
-  ml::visit_tensors(
-      model, [&](const std::string&, const auto& t) { out.insert(out.end(), t.span().begin(), t.span().end()); });
-  return out;
-}
-
-}  // namespace
 
 TEST_CASE("ACTOR: opt.yaml and the last checkpoint") {
   const TemporaryFolder folder;

@@ -11,11 +11,7 @@
 #include <vector>      // measures
 
 #include <motionlang/systems/temos.hpp>
-#include <motionlang/train/presets.hpp>
-#include <motionlang/train/text_motion_batch.hpp>
-#include <motionlang/train/text_motion_texts.hpp>
-#include <motionlang/train/text_task.hpp>
-#include <motionlang/train/trainer.hpp>
+#include <motionlang/train/text_motion_task.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -23,9 +19,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 TemosLossOptions temos_loss_options(const TextMotionConfig& c);
 
 template <AutodiffBackend A>
-class TemosTraining : public TextTask<A, Temos> {
+class TemosTraining : public TextMotionTask<A, Temos> {
  public:
-  using Base = TextTask<A, Temos>;
+  using Base = TextMotionTask<A, Temos>;
   using typename Base::B;
 
   /// `texts` has all texts of `data`, which has to outlive the training.
@@ -46,41 +42,30 @@ class TemosTraining : public TextTask<A, Temos> {
   LossTerms<T> loss_of(const TemosModel<T>& model, const TextMotionBatch<T>& batch, const Philox& rng,
                        const Context& context) const;
 
-  using Base::batches_, Base::config_, Base::data_, Base::learner_;
-  TextMotionTexts<B> texts_;
+  using Base::config_, Base::learner_;
 };
 
 template <AutodiffBackend A>
 TemosTraining<A>::TemosTraining(TextMotionConfig config, const DescribedMotions& data, TextMotionTexts<B> texts,
                                 const std::filesystem::path& statistics)
-    : Base(std::move(config), data), texts_(std::move(texts)) {
+    : Base(std::move(config), data, std::move(texts)) {
   temos_loss_options(config_);
   if (config_.validation.watch != "loss")
     raise<config_error>(103, "validation.watch '", config_.validation.watch, "' is not loss");
-  std::optional<Index> width;
-  if (texts_.language)
-    width = texts_.language->files.sizes.width;
-  else if (texts_.states)
-    width = texts_.states->width();
-  Base::begin_model(width, Base::training_texts(), statistics, std::exchange(texts_.language, {}));
+  Base::begin_with_texts(statistics);
 }
 
 template <AutodiffBackend A>
 LossTerms<A> TemosTraining<A>::loss(Philox rng, Index step, const Context& context) const {
-  auto choose = rng.split("captions");
-  const auto batch = text_motion_batch<A>(
-      data_->training, batches_(step, this->seed()), learner_.model.motion_normalizer,
-      [&](const DescribedMotion& m) { return choose.below(static_cast<std::uint32_t>(m.texts.size())); });
+  const auto batch = Base::training_batch(step, rng.split("captions"));
   return loss_of(learner_.model, batch, rng.split("noise"), context);
 }
 
 template <AutodiffBackend A>
 std::vector<Measure> TemosTraining<A>::validate() {
   return {{"loss", Base::over_validation([&](std::span<const Index> which, const Philox& rng) {
-             const auto& model = learner_.average;
-             const auto batch = text_motion_batch<B>(data_->validation, which, model.motion_normalizer,
-                                                     [](const auto&) { return 0u; });
-             return static_cast<double>(loss_of(model, batch, rng, {}).total().item());
+             const auto batch = Base::validation_batch(which);
+             return static_cast<double>(loss_of(learner_.average, batch, rng, {}).total().item());
            })}};
 }
 
@@ -88,9 +73,8 @@ template <AutodiffBackend A>
 template <Backend T>
 LossTerms<T> TemosTraining<A>::loss_of(const TemosModel<T>& model, const TextMotionBatch<T>& batch, const Philox& rng,
                                        const Context& context) const {
-  const auto noise = TextMotionNoise<T>::draw(batch.motions.count(), config_.network.latent_dim, rng);
-  const auto tokens = model.tokens(batch.texts, texts_.states ? &*texts_.states : nullptr, context);
-  const auto branches = model.system.branches(tokens, batch.motions, noise, context);
+  const auto branches =
+      model.system.branches(Base::tokens(model, batch, context), batch.motions, Base::noise(batch, rng), context);
   return temos_losses(branches, batch.motions, temos_loss_options(config_));
 }
 

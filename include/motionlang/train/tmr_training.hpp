@@ -18,11 +18,7 @@
 
 #include <motionlang/metrics/retrieval.hpp>
 #include <motionlang/systems/tmr.hpp>
-#include <motionlang/train/presets.hpp>
-#include <motionlang/train/text_motion_batch.hpp>
-#include <motionlang/train/text_motion_texts.hpp>
-#include <motionlang/train/text_task.hpp>
-#include <motionlang/train/trainer.hpp>
+#include <motionlang/train/text_motion_task.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -30,9 +26,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 TmrLossOptions tmr_loss_options(const TextMotionConfig& c);
 
 template <AutodiffBackend A>
-class TmrTraining : public TextTask<A, Tmr> {
+class TmrTraining : public TextMotionTask<A, Tmr> {
  public:
-  using Base = TextTask<A, Tmr>;
+  using Base = TextMotionTask<A, Tmr>;
   using typename Base::B;
 
   /// `texts` has all texts of `data`, which has to outlive the training.
@@ -57,33 +53,23 @@ class TmrTraining : public TextTask<A, Tmr> {
   template <Backend T>
   LossTerms<T> loss_of(const TmrModel<T>& model, const TextMotionBatch<T>& batch,
                        const TextMotionBranches<T>& branches) const;
-  const EmbeddingCache* states() const { return texts_.states ? &*texts_.states : nullptr; }
 
-  using Base::batches_, Base::config_, Base::data_, Base::learner_;
-  TextMotionTexts<B> texts_;
+  using Base::config_, Base::learner_, Base::texts_;
 };
 
 template <AutodiffBackend A>
 TmrTraining<A>::TmrTraining(TextMotionConfig config, const DescribedMotions& data, TextMotionTexts<B> texts,
                             const std::filesystem::path& statistics)
-    : Base(std::move(config), data), texts_(std::move(texts)) {
+    : Base(std::move(config), data, std::move(texts)) {
   tmr_loss_options(config_);
   if (config_.validation.watch != "loss" && config_.validation.watch != "retrieval")
     raise<config_error>(103, "validation.watch '", config_.validation.watch, "' is not loss or retrieval");
-  std::optional<Index> width;
-  if (texts_.language)
-    width = texts_.language->files.sizes.width;
-  else if (texts_.states)
-    width = texts_.states->width();
-  Base::begin_model(width, Base::training_texts(), statistics, std::exchange(texts_.language, {}));
+  Base::begin_with_texts(statistics);
 }
 
 template <AutodiffBackend A>
 LossTerms<A> TmrTraining<A>::loss(Philox rng, Index step, const Context& context) const {
-  auto choose = rng.split("captions");
-  const auto batch = text_motion_batch<A>(
-      data_->training, batches_(step, this->seed()), learner_.model.motion_normalizer,
-      [&](const DescribedMotion& m) { return choose.below(static_cast<std::uint32_t>(m.texts.size())); });
+  const auto batch = Base::training_batch(step, rng.split("captions"));
   return loss_of(learner_.model, batch, branches_of(learner_.model, batch, rng.split("noise"), context));
 }
 
@@ -92,8 +78,7 @@ std::vector<Measure> TmrTraining<A>::validate() {
   LatentTable table;
   const double loss = Base::over_validation([&](std::span<const Index> which, const Philox& rng) {
     const auto& model = learner_.average;
-    const auto batch =
-        text_motion_batch<B>(data_->validation, which, model.motion_normalizer, [](const auto&) { return 0u; });
+    const auto batch = Base::validation_batch(which);
     const auto branches = branches_of(model, batch, rng, {});
     table.add(batch.texts, branches.text.distribution.mu, branches.motion->distribution.mu);
     return static_cast<double>(loss_of(model, batch, branches).total().item());
@@ -117,9 +102,8 @@ template <AutodiffBackend A>
 template <Backend T>
 TextMotionBranches<T> TmrTraining<A>::branches_of(const TmrModel<T>& model, const TextMotionBatch<T>& batch,
                                                   const Philox& rng, const Context& context) const {
-  const auto noise = TextMotionNoise<T>::draw(batch.motions.count(), config_.network.latent_dim, rng);
-  const auto tokens = model.tokens(batch.texts, states(), context);
-  return model.system.branches(tokens, batch.motions, noise, context, config_.losses.recons > 0);
+  return model.system.branches(Base::tokens(model, batch, context), batch.motions, Base::noise(batch, rng), context,
+                               config_.losses.recons > 0);
 }
 
 template <AutodiffBackend A>
