@@ -5,10 +5,17 @@ if(TARGET Eigen3::Eigen AND TARGET nlohmann_json::nlohmann_json)  # not componen
   add_library(motionlang_c SHARED EXCLUDE_FROM_ALL ${CMAKE_CURRENT_LIST_DIR}/motionlang_c.cpp)
   add_library(motionlang::c ALIAS motionlang_c)
   set_target_properties(motionlang_c PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
-  target_link_libraries(motionlang_c PRIVATE motionlang::motionlang)
+  # It turns exceptions into ids. A project that compiles motionlang::instantiated without them pays for one large unit.
+  get_target_property(options motionlang_instantiated COMPILE_OPTIONS)
+  if("${CMAKE_CXX_FLAGS} ${options}" MATCHES "-fno-exceptions")
+    target_link_libraries(motionlang_c PRIVATE motionlang::motionlang)
+  else()
+    target_link_libraries(motionlang_c PRIVATE motionlang_instantiated)
+    set_target_properties(motionlang_instantiated PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  endif()
   target_include_directories(motionlang_c INTERFACE
                              $<TARGET_PROPERTY:motionlang::motionlang,INTERFACE_INCLUDE_DIRECTORIES>)
-  target_compile_options(motionlang_c PRIVATE -O3 -fexceptions)  # what is thrown ends in it, so it may serve programs without exceptions
+  target_compile_options(motionlang_c PRIVATE -O3 -fexceptions)
   if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
     target_link_options(motionlang_c PRIVATE LINKER:--version-script=${CMAKE_CURRENT_LIST_DIR}/exports.map)
   endif()

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// motionlang_c.h in terms of the templates. Header-only inside: one unit makes the whole shared library.
+// motionlang_c.h in terms of the templates. Without MOTIONLANG_INSTANTIATED this unit makes the whole shared library.
 #define MOTIONLANG_C_BUILD
 #include <motionlang/c/motionlang_c.h>
 

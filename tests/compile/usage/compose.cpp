@@ -48,7 +48,7 @@ void annotations() {
 void babel(const SpellingTable& spelling, Index frames) {
 #include "datasets/babel.1.inc"
 }
-void folder(){
+void folder_of_clips(){
 #include "datasets/humanml3d_folder.1.inc"
 } std::vector<Vec3<double>> posed_joints(int model, int sequence, std::span<const Index> numbers);
 void source(const HumanMl3dSource& row, Index frames, double fps, int model, int sequence) {
