@@ -8,7 +8,7 @@
 ///                                              "raise both arms # 2.0 # 5.0 # left arm # right arm\n");
 ///     const ml::Motion motion = ml::generate_motion(stmc, timeline, {.seed = 7});
 ///
-/// What the model itself makes, before it is smoothed and put on its feet: stmc.generate and stmc_motion. Writers of
+/// stmc.generate and stmc_motion give the model's own output, without smoothing and foot fixing. Writers of
 /// BVH, GLB, NPZ and pages are in <motionlang/formats/...> and <motionlang/view/...>. Who calculates with the features
 /// (exp, max, ...) includes <motionlang/backend/eigen.hpp> as well; the compiler says so.
 ///

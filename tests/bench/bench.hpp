@@ -110,8 +110,8 @@ double report(const std::string& work, const std::string& config, double gflop, 
   return median;
 }
 
-/// A number that is no time: memory in MB, a factor, milliseconds of something that happens once. Its place is that of
-/// the times.
+/// A number that is not a time: memory in MB, a factor, milliseconds of something that happens once. Its place is
+/// that of the times.
 inline void report_value(const std::string& work, const std::string& config, double value) {
   std::printf("%s,%s,motionlang,%d,%.4f,%.4f,%.4f,0,0,0\n", work.c_str(), config.c_str(), ml::thread_count(), value,
               value, value);

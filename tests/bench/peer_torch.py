@@ -3,7 +3,7 @@
 usage: peer_torch.py THREADS [--bf16] [WORK ...]      all works of the table WORKS at the end unless said;
        settings: what run.py chooses torch's settings by
 Prints work,config,variant,threads,min_ms,median_ms for both memory layouts of torch's transformer; run.py takes the faster. Works that
-are no times print their number in the place of the times. --bf16: under autocast, as torch's mixed precision is meant, and the denoising
+are not times print their number in the place of the times. --bf16: under autocast, as torch's mixed precision is meant, and the denoising
 step also with everything in bfloat16.
 """
 import contextlib, os, subprocess, sys, tempfile, time

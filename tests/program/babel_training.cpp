@@ -290,7 +290,7 @@ TEST_CASE("what train-sinc and train-teach refuse") {
   refused("train-teach", {"--babel", "elsewhere.json", "--set", "data.test_share=0"},
           "elsewhere.json: 7: there is no ./CMU/01/07_poses.bvh");
   ml::write_file(w / "outside.json", R"({"7": {"babel_sid": 7, "feat_p": "../07_poses.npz", "dur": 8.0}})");
-  refused("train-teach", {"--babel", "outside.json"}, "'../07_poses' is no path of a clip");
+  refused("train-teach", {"--babel", "outside.json"}, "'../07_poses' is not a path of a clip");
 }
 
 TEST_CASE("the published settings of SINC and TEACH") {

@@ -77,7 +77,7 @@ TEST_CASE("samples are reused like any motion") {
     CHECK(w.bytes(std::string("a") + file) == w.bytes(std::string("b") + file));
 }
 
-TEST_CASE("--keep-beyond keeps what is further away and the program says that it is no whole run") {
+TEST_CASE("--keep-beyond keeps what is further away and the program says that it is not a whole run") {
   const Edited w;
   const std::vector<std::string> raw{"--no-smooth", "--no-fix-feet"};
   auto recorded = raw, kept = raw;
@@ -120,7 +120,7 @@ TEST_CASE("judge compares numbers of steps in a table") {
   for (const char* row :
        {"| ddpm | 12 | ", "| ddpm | 4 | ", "| ddim | 12 | ", "| ddim | 4 | ", "between two seeds: ddpm "})
     CHECK_MESSAGE(contains(out.text, row), row, " in ", out.text);
-  CHECK(contains(out.text, "| 0 | "));  // the first is no distance away from itself
+  CHECK(contains(out.text, "| 0 | "));  // the distance of the first from itself
   CHECK(run({"judge", "--compare", "10", "--steps", "4"}, w.path).code == 2);
   const auto more = run({"judge", "--model", "model.safetensors", "--compare", "4", "13"}, w.path);
   CHECK(more.code == 2);

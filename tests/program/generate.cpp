@@ -191,7 +191,7 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
   }
   // in whatever order, with spaces
   CHECK(synthetic::largest_distance(keeping("again", {"--keep-seconds", "0.8-1, 0-0.25"}), begun) < 1e-3);
-  // a T-pose that was put in front is no part of it
+  // a T-pose that was put in front is not part of it
   ml::Motion pose = ml::crop(walk, 0, 1);
   std::fill(pose.local.begin(), pose.local.end(), ml::Quaternion<double>::identity());
   ml::write_bvh(w / "exported.bvh", ml::concatenate(pose, walk));
@@ -239,9 +239,9 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
   };
   refused({}, "say what is kept: --keep-seconds or --keep-parts");
   refused({"--keep-parts", "tail"}, "--keep-parts: 'tail' is not one of left arm");
-  refused({"--keep-seconds", "3-1"}, "'3-1' is no stretch of time like 0-1.5");
+  refused({"--keep-seconds", "3-1"}, "'3-1' is not a stretch of time like 0-1.5");
   for (const char* none : {"-1", "-1-1", "1-", "1", "-", "nan-1", "0-inf", "0-1x"})
-    refused({std::string("--keep-seconds=") + none}, "is no stretch of time like 0-1.5");
+    refused({std::string("--keep-seconds=") + none}, "is not a stretch of time like 0-1.5");
   refused({"--keep-seconds", "0-1.5"},
           "0-1.5 is frames 0:30 at 20 per second; the motion to keep has 40, the timeline 20");
   refused({"--keep-seconds", "0.5-0.51"}, "0.5-0.51 is frames 10:10 at 20 per second");

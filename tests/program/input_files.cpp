@@ -70,7 +70,7 @@ TEST_CASE("a character, weights and texts are not written over") {
   w.keeps("babel.json", {"convert", "babel.json", "babel.json"});
 }
 
-TEST_CASE("what an earlier run wrote is no input: weights into their own folder, copies below the originals") {
+TEST_CASE("what an earlier run wrote is not an input: weights into their own folder, copies below the originals") {
   const Originals w;
   ml::TensorStore store;
   store.add<double>("weight", ml::Shape{2}, std::vector<double>{1, 2}, ml::DType::F32);

@@ -82,7 +82,7 @@ TEST_CASE("tables that cannot be used are refused with file and line") {
           "wrong.tsv:2: expected " + forms + ", separated by tabs; columns here: 1");
   refused("train-tmr", "--captions", "# no clip", "wrong.tsv: no line with " + forms);
   refused("train-tmr", "--captions", "clip0\ta person walks | ", "wrong.tsv:2: an empty text");
-  refused("train-temos", "--captions", "clip0\t0\t2\twings\ta person flies", "wrong.tsv:2: 'wings' is no body part");
+  refused("train-temos", "--captions", "clip0\t0\t2\twings\ta person flies", "wrong.tsv:2: 'wings' is not a body part");
   refused("train-tmr", "--captions", "clip0\t0\t2\tlegs\ta person walks | ", "wrong.tsv:2: an empty text");
   refused("train-tmr", "--captions", "clip9\t0\t2\tlegs\ta person walks", "wrong.tsv:2: there is no ./clip9.bvh");
   refused("train-actor", "--labels", "clip0\tsoon\t2\twalk", "wrong.tsv:2: 'soon' is not a time");

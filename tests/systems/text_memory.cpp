@@ -60,7 +60,7 @@ bool good(const std::string& wanted, const std::string& path, const std::string&
     const auto network = load(ml::SafetensorsFile::open(path));
     const auto states = network(text_of(length)).tokens.rows;
     const double weights = 4e-6 * static_cast<double>(ml::parameter_count(network)), memory = bench::peak_memory();
-    // Embeddings of words that do not occur stay in the file; less than a third of the weights is no measurement.
+    // Embeddings of words that do not occur stay in the file; less than a third of the weights is not a measurement.
     result = states.shape() == ml::Shape{length, width} && memory <= most * weights && memory > weights / 3;
     std::printf("%s, %s: %lld parameters, states %s, %.1f MB of weights, %.1f MB of memory, ratio %.3f of %.2f: %s\n",
                 name, type.c_str(), static_cast<long long>(ml::parameter_count(network)),

@@ -179,7 +179,7 @@ TEST_CASE("captions that cannot be used are refused with their line") {
   check("walk\t0:30\t1:10\tlegs\ta person walks", "wrong.tsv:2: '0:30' is not a time");
   check("walk\t0\tinf\tlegs\ta person walks", "wrong.tsv:2: 'inf' is not a time");
   check("walk\t2\t2\tlegs\ta person walks", "wrong.tsv:2: the segment is empty");
-  check("walk\t0\t2\twings\ta person walks", "wrong.tsv:2: 'wings' is no body part");
+  check("walk\t0\t2\twings\ta person walks", "wrong.tsv:2: 'wings' is not a body part");
   check("fly\t0\t2\tlegs\ta person flies", "no ");
   check("walk\t0\t0.2\tlegs\ta person walks", "holds 4 frames");
 }

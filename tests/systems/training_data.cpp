@@ -71,7 +71,7 @@ TEST_CASE("tables of clips: a name with its extension, a name without where one 
   CHECK(read("b.bvh") == Found("b", "b.bvh"));
   CHECK(read("sub/c.npz") == Found("sub/c.npz", "sub/c.npz.bvh"));  // that is its name without extension
   CHECK(read("b.npz") == Found("b.npz", ""));
-  CHECK(read("Mean") == Found("Mean", "Mean.bvh"));  // an array of one axis is no motion
+  CHECK(read("Mean") == Found("Mean", "Mean.bvh"));  // an array of one axis is not a motion
   for (const char* table : {"\t0\t1\tlegs\twalk\n", "\twalk\n"}) {
     ml::write_file(folder / "t.tsv", "b" + std::string(table) + "a" + table);
     const std::string refusal = "[motionlang.io.403] " + (folder / "t.tsv").string() + ":2: 'a' may be " +
@@ -112,7 +112,8 @@ TEST_CASE("walking is played backwards, slower and faster, and the captions foll
 }
 
 TEST_CASE(
-    "an action that is no cycle is drawn whole, though it ends as it begins, and takes longer where there is time for "
+    "an action that is not a cycle is drawn whole, though it ends as it begins, and takes longer where there is time "
+    "for "
     "it") {
   const TemporaryFolder folder;
   auto bow = synthetic::walk({.frames = 30});

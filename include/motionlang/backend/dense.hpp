@@ -27,7 +27,7 @@ class Dense {
 
   Dense(const Dense&) = default;
   Dense& operator=(const Dense&) = default;
-  /// What was moved from is again nothing.
+  /// A tensor that was moved from holds nothing.
   Dense(Dense&& o) noexcept
       : buffer_(std::move(o.buffer_)), shape_(std::exchange(o.shape_, nothing)), offset_(std::exchange(o.offset_, 0)) {}
   Dense& operator=(Dense&& o) noexcept {
@@ -55,7 +55,7 @@ class Dense {
   /// For writing: only right after construction or when `unique()`.
   S* data() MOTIONLANG_LIFETIMEBOUND { return static_cast<S*>(buffer_.data()) + offset_; }
   std::span<const S> span() const MOTIONLANG_LIFETIMEBOUND { return {data(), static_cast<std::size_t>(count())}; }
-  /// Whether there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
+  /// True if there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
   bool defined() const { return static_cast<bool>(buffer_); }
 
   /// Nobody else can see the numbers, so an operation may overwrite them.

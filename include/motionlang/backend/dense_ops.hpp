@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What all backends over Dense storage share: making tensors, moving numbers without calculating, and how a reduction
+/// Operations that all backends over Dense storage share: making tensors, moving values, and how a reduction
 /// is shared by threads.
 #pragma once
 

@@ -91,8 +91,8 @@ template <class S>
 void pack_into(Panels<S>& p, const S* b, Index stride_k, Index stride_n, std::atomic<bool>* finite = nullptr) {
   const Index k = p.k, n = p.n;
   const bool bf16 = p.kernels == nullptr;
-  // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B. A column
-  // is both, but only as transposed is it looked at.
+  // The rows that a task reads lie together: rows of B as stored (in pairs, for bfloat16), panels of a transposed B. A
+  // column is both, but only as transposed is it looked at.
   const bool as_it_lies = stride_n == 1 && finite == nullptr;
   const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
   const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;
@@ -122,7 +122,7 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
   return p;
 }
 
-/// Whether a product of m x k and k x n is split.
+/// True if a product of m x k and k x n is split.
 inline bool worth_threads(Index m, Index n, Index k) { return m * n * k >= 100'000; }
 
 /// The kernels whose panels are wanted of weights; none: bfloat16.
@@ -130,7 +130,7 @@ template <class S>
 const Kernels<S>* wanted_kernels() {
   return precision_of<S>() == Precision::bf16 ? nullptr : &kernels<S>();
 }
-/// What was prepared of a weight, if it is what is wanted now.
+/// The prepared form of a weight, if it is the form that is wanted now.
 template <class S>
 const PreparedPanels<S>* prepared_panels(const Dense<S>& weight, Index n, Index k, Index taps) {
   const auto* p = static_cast<const PreparedPanels<S>*>(weight.attached());
@@ -155,7 +155,7 @@ const FloatTiles* float_tiles(Index m, Index n, Index k) {
   const bool pays = rows >= 128 && n >= 128 && k >= 128 && rows * n >= (k < 256 ? 131072 : 32768);
   return pays ? tile_products.load(std::memory_order_relaxed)(kernels<float>()) : nullptr;
 }
-/// Scratch of products of at most so many rows with such panels.
+/// Scratch of products of at most this many rows with such panels.
 template <class S>
 Scratch<S> gemm_scratch(const Panels<S>& p, Index rows) {
   if constexpr (std::is_same_v<S, float>) {
@@ -164,7 +164,7 @@ Scratch<S> gemm_scratch(const Panels<S>& p, Index rows) {
   const FloatTiles* tiles = float_tiles<S>(rows, p.n, p.k);
   return Scratch<S>(std::max(tiles == nullptr ? 0 : tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
 }
-/// Whether every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that
+/// True if every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that
 /// threads share. Its rows a thread finds where it wrote them, in its cache. Those of others come slowly: with 16
 /// threads a byte costs about what five of panels do, which are fetched ahead. Not if the rows are few and there is
 /// much more of the panels, or the rows do not fill tiles.
@@ -176,10 +176,10 @@ inline bool takes_own_rows(Index each, Index a_bytes, Index panel_bytes, Index r
 struct Sharing {
   Index rows_at_once;     // in a block
   bool own_rows = false;  // takes_own_rows
-  // Of a thread's part: what a slower thread (another kind of core, a busy one) has not begun, others take.
+  // Each thread has a part. Other threads take what a slower thread (another kind of core, a busy one) left over.
   Index pieces = 1;
 };
-/// Calls block(r0, r1, j0, j1) for parts of a product of so many rows and panels.
+/// Calls block(r0, r1, j0, j1) for parts of a product of this many rows and panels.
 template <class F>
 void for_blocks(Index rows, Index panels, bool split, const Sharing& how, const F& block) {
   const Index threads = split ? parallel_width() : 1, blocks = threads == 1 ? 1 : parts(rows, how.rows_at_once);

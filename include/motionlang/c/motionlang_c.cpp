@@ -129,7 +129,7 @@ std::span<const std::byte> memory(const void* bytes, int64_t size) {
 
 std::array<double, 3> numbers_of(const ml::Vec3<double>& v) { return {v.x, v.y, v.z}; }
 std::array<double, 4> numbers_of(const ml::Quaternion<double>& q) { return {q.w, q.x, q.y, q.z}; }
-/// The numbers of all values, one after the other. Throws shape_error 205 unless there is room for just so many.
+/// The numbers of all values, one after the other. Throws shape_error 205 unless there is room for exactly that many.
 template <class V>
 void copy_to(float* out, int64_t room, const std::vector<V>& values) {
   const auto count = static_cast<int64_t>(values.size() * numbers_of(V{}).size());

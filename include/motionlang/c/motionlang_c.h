@@ -36,7 +36,7 @@ typedef struct motionlang_motion motionlang_motion;
 typedef struct motionlang_motions motionlang_motions; /* several of them */
 typedef struct motionlang_bytes motionlang_bytes;     /* the contents of a file */
 
-/* "0.1.0" */
+/* The version of the library, MAJOR.MINOR.PATCH. */
 MOTIONLANG_C_API const char* motionlang_version(void);
 /* Why the last function of this thread that failed did; "" if none has. Valid until the next one fails. */
 MOTIONLANG_C_API const char* motionlang_message(void);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a language model answered when it was asked which body parts an action moves, as the parts of SINC; and a table
+/// Answers of a language model to the question which body parts an action moves, as the parts of SINC; and a table
 /// of such answers. Read from a file by datasets/body_part_table.hpp; without a table, body_part_lexicon.hpp guesses.
 ///
 ///     parse_body_part_answer("Answer: right leg\nleft leg\nbuttocks")   // global, left leg, right leg

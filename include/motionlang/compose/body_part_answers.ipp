@@ -46,7 +46,7 @@ MOTIONLANG_BODY SincParts parse_body_part_answer(std::string_view answer) {
                                    : name == "right shoulder"            ? "right arm"
                                                                          : name;
     const auto part = parse_sinc_part(known);
-    if (!part) raise<config_error>(103, "parse_body_part_answer: '", name, "' is no body part, in '", answer, "'");
+    if (!part) raise<config_error>(103, "parse_body_part_answer: '", name, "' is not a body part, in '", answer, "'");
     parts.set(static_cast<std::size_t>(*part));
   }
   if (parts.none()) raise<config_error>(103, "parse_body_part_answer: no body part in '", answer, "'");

@@ -15,7 +15,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What a word stem says about the body. `arm` is one arm, whose side the rest of the text tells.
+/// The meaning of a word stem for the body. `arm` is one arm, whose side the rest of the text tells.
 struct WordMeaning {
   std::string_view stem;
   bool arm = false, arms = false, legs = false, head = false, spine = false;

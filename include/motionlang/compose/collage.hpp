@@ -12,7 +12,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What one step computed, for those who want to see it. Rows are those of the crops, in batch order.
+/// The results of one step, for those who want to see them. Rows are those of the crops, in batch order.
 template <Backend B>
 struct CollageStep {
   Tensor<B, 2> crops, cond, null, guided, x0;
@@ -102,7 +102,7 @@ class Collage {
     return rows;
   }
 
-  /// Whether a sequence has the same result in any batch of these texts.
+  /// True if a sequence has the same result in any batch of these texts.
   bool can_divide() const {
     const BatchMates mates = denoiser_->traits().mates;
     const Offsets& texts = texts_.tokens.offsets;
@@ -149,7 +149,7 @@ class Collage {
     build_batch();
   }
 
-  /// What the network makes of all jobs, one after the other.
+  /// The outputs of the network for all jobs, one after the other.
   Tensor<B, 2> denoised(const Tensor<B, 2>& x, Index t) const {
     const detail::RowsTogether in_any_batch(detail::RowsTogether::many);
     const auto of = [&](const Batch& b) {

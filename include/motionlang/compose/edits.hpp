@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What an edit of a timeline can change in its motion, step by step. No tensors here.
+/// The frames that an edit of a timeline can change, step by step. No tensors here.
 ///
 /// A step of STMC makes every frame from the crops that are added and subtracted there, and a crop reads all of its
 /// frames. So an edit changes in the first step the frames that are made of other crops than before, in the second one
@@ -27,14 +27,14 @@ class EditSpread {
   EditSpread(const BatchPlan& before, Index rows_before, BatchPlan after, Index rows, Index reads = 0,
              std::optional<Index> within = {});
 
-  /// Whether frame f of timeline m differs after this step.
+  /// True if frame f of timeline m differs after this step.
   bool differs(std::size_t m, Index f) const { return differs_[m][static_cast<std::size_t>(f)] != 0; }
   /// Frames of all timelines that differ.
   Index frames() const;
 
-  /// Whether every timeline with frames that differ has no others.
+  /// True if every timeline with frames that differ has no others.
   bool everywhere() const;
-  /// Whether `within` has changed anything so far.
+  /// True if `within` has changed anything so far.
   bool limited() const { return limited_; }
 
   /// The next step. Whether more frames differ after it.

@@ -19,7 +19,7 @@ struct FrameTerm {
   bool operator==(const FrameTerm&) const = default;
 };
 
-/// Of `rows` frames; frames behind the end are made of nothing.
+/// For `rows` frames; frames behind the end depend on nothing.
 inline std::vector<std::vector<FrameTerm>> frame_terms(const TimelinePlan& plan, Index rows) {
   std::vector<std::vector<FrameTerm>> terms(static_cast<std::size_t>(rows));
   const auto note = [&](const std::vector<Slice>& slices, bool add) {

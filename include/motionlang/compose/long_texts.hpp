@@ -13,7 +13,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Of one text: a day in parts of 8 s makes 10,800.
+/// The limit for one text: a day in parts of 8 s makes 10,800.
 inline constexpr Index most_parts = 100000;
 
 namespace detail {

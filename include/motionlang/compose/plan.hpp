@@ -91,7 +91,7 @@ void check_crops(const TimelinePlan& plan, Index longest);
 /// A plan with its pieces, which have no owners yet. Throws timeline_error 503 ... 505, 507, config_error 101.
 TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options);
 
-/// What follows from the owners of the pieces. Throws timeline_error 506, 508.
+/// Derives the plan from the owners of the pieces. Throws timeline_error 506, 508.
 void finish_plan(TimelinePlan& plan, const PlanOptions& options);
 
 }  // namespace detail

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-/// What a caller can choose when timelines are planned.
+/// Options for planning timelines.
 #pragma once
 
 #include <motionlang/core/shape.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What to do where no text is active: let the model move freely, or throw timeline_error 505.
+/// The rule for frames without a text: let the model move freely, or throw timeline_error 505.
 enum class Gaps { fill, refuse };
-/// What to do at a cut at which no part changes its owner, because a text is hidden behind others: throw timeline_error
+/// The rule for a cut at which no part changes its owner, because other texts hide a text: throw timeline_error
 /// 506, or leave the transition out (the result is the same without it).
 enum class HiddenTexts { refuse, ignore };
 

@@ -33,7 +33,7 @@ struct FirstWins {
 
 namespace detail {
 
-/// Of the texts with the path (of all, if there are none) the one with the most parts; of equals the first after a
+/// Among texts with the path (or all, if none has it), the one with the most parts; on a tie, the first after a
 /// shuffle.
 /// Shuffling one text draws nothing.
 template <class T, Shuffler G>

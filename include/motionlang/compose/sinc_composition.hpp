@@ -21,7 +21,7 @@ enum class SincTrim { end, both_ends };
 
 namespace detail {
 
-/// What the motion with fewer parts, b, gives, and where both begin.
+/// The parts that motion b, which has fewer, gives, and the frames at which both begin.
 struct SincComposition {
   SincParts of_b;
   bool path_of_b;

@@ -21,7 +21,7 @@ struct PoseInWorld {
   Vec3<S> trans;
 };
 
-/// Whether the next part is also turned to the heading of what is there, or moved only.
+/// How the next part joins: turned to the heading of the end and moved, or moved only.
 enum class Alignment { full, translation };
 
 /// The part's first frame comes to stand where e stands; heights stay.

@@ -9,7 +9,7 @@
 ///          text cannot contain '#'
 /// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
 ///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
-///          intervals are no matter of the text: see PlanOptions.
+///          intervals do not concern the text: see PlanOptions.
 /// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is
 ///          wrong with the whole of a timeline is found when it is planned, and named by line and column of an interval
 #pragma once
@@ -49,7 +49,7 @@ std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_view text,
 ///                                    "raising both hands  # 2.0 # 5.0 # left arm # right arm\n", {.fps = 20});
 Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options = {});
 
-/// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than
+/// True if a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than
 /// three fields, or a body part where timelines have their second time. The published programs ask for one line of
 /// fewer than three fields only (`as_published`), and then blame the others.
 bool is_text_list(std::string_view text, const TimelineTextOptions& options = {});

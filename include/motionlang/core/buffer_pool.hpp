@@ -44,7 +44,7 @@ class BufferPool {
  public:
   static BufferPool& local() { return thread_object<BufferPool>(); }
 
-  /// A buffer of at least so many bytes, and its way back, for the calling thread.
+  /// A buffer of at least this many bytes, and its way back, for the calling thread.
   static detail::Buffer* take(std::size_t bytes) {
     const int bucket = bucket_of(bytes);
     return gone_ ? make(bucket, bytes, 0) : local().reuse(bucket, bytes);

@@ -42,8 +42,8 @@ concept ScalarLike = std::copyable<S> && requires(const S& a, const S& b) {
 /// backend only computes. Everything else (softmax, attention, ...) has a default in these primitives; a backend may
 /// add its own version under the same name (see tensor/fused.hpp).
 ///
-/// tensor    can be made without anything, copied and moved. One that is made so is no tensor yet: its shape is (0) and
-///           to_span gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
+/// tensor    can be default-constructed, copied and moved. A default-constructed tensor has the shape (0), and to_span
+///           gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
 ///           an operation of the backend sees it. A list of no values has the shape (0) too; `bool defined() const`,
 ///           if the tensor has it, tells one from the other
 /// Minimum   data      full, from_span, to_span, shape

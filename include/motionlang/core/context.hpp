@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a call of a model may be given besides its inputs. Nothing by default: then no dropout runs.
+/// Settings of a model call besides its inputs. By default they are empty, and no dropout runs.
 #pragma once
 
 #include <optional>  // no generator, no dropout

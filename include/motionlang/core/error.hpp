@@ -4,7 +4,7 @@
 /// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless
 /// MOTIONLANG_THROW(exception) is defined, the same in all units: it gets the exception as an object (an error,
 /// std::bad_alloc, cancelled), on whichever thread it happens, and must not return; std::_Exit ends a program from any
-/// thread. What is caught otherwise (a value in a file of weights that cannot be read is passed over) ends it too.
+/// thread. What is caught otherwise (a value in a file of weights that cannot be read is skipped) ends it too.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)

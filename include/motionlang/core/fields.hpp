@@ -10,7 +10,7 @@
 ///     visit(model, [](const std::string& path, auto& tensor) { use(path, tensor); });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
-/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here, and be empty where
+/// may contain dots ("tx_embedding.0") where the official key has a level that is not a module here, and be empty where
 /// the fields of a member have no level of their own (the statistics of a BatchNorm). Two members of one name are a
 /// compile error, unless both are optional. A member with nothing to save is an option: a number, an enumeration, a
 /// text, or a type that says so (is_option, tensor/module.hpp).
@@ -58,7 +58,7 @@ inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
 
-/// Whether a list has a member of this name. One of two optional members may be there, under the same name.
+/// True if a list has a member of this name. One of two optional members may be there, under the same name.
 template <bool optional, class M, class T, class Rest>
 constexpr bool has_name(const FieldList<Field<M, T>, Rest>& list, std::string_view name);
 template <bool optional>
@@ -76,7 +76,7 @@ constexpr std::string_view repeated_name(const FieldList<Field<M, T>, Rest>& lis
   const std::string_view name = list.first.name;
   return !name.empty() && has_name<is_optional<T>>(list.rest, name) ? name : repeated_name(list.rest);
 }
-/// Whether the compiler can look at the names of a module.
+/// True if the compiler can look at the names of a module.
 template <class M>
 concept ConstantFields = requires {
   typename std::bool_constant<(static_cast<void>(M::fields()), true)>;
@@ -177,7 +177,7 @@ namespace detail {
 template <class M>
 inline constexpr char type_place = 0;
 
-/// Whether one module is inside another, and its path from there.
+/// True if one module is inside another, and its path from there.
 template <Module M>
 bool find_module(const M& around, const void* module, const void* type, std::string& path);
 template <class T>

@@ -8,7 +8,7 @@
 #include <motionlang/version.hpp>
 
 #if defined(__x86_64__)
-// What a compiler may use in code for these sets (GCC and clang: target attribute), and what processor_has asks for.
+// Features for the target attribute of GCC and Clang in code for these sets; processor_has asks for them.
 #define MOTIONLANG_AVX2 "avx2,fma"
 #define MOTIONLANG_AVX512 "avx512f,avx512vl,avx512dq,avx512bw," MOTIONLANG_AVX2
 #endif
@@ -26,7 +26,7 @@ bool has_amx_bf16();
 
 bool processor_has(Isa isa);
 
-/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for an unknown name and for one that
+/// The set that MOTIONLANG_KERNELS names, or the best one. Throws config_error 103 for an unknown name and for one that
 /// this processor lacks.
 Isa wanted_isa();
 

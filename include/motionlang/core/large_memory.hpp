@@ -21,7 +21,7 @@ constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (
 
 }  // namespace detail
 
-/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in
+/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, mostly in
 /// large pages.
 void* take_memory(std::size_t bytes, std::size_t used);
 

@@ -21,7 +21,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// Whether this unit is compiled for the address sanitizer (-fsanitize=address).
+/// True if this unit is compiled for the address sanitizer (-fsanitize=address).
 #if defined(__SANITIZE_ADDRESS__)
 inline constexpr bool address_sanitizer = true;
 #elif defined(__has_feature)

@@ -71,8 +71,9 @@ void parallel_ranges(Index count, Index cost, const F& f) {
   parallel_for(equal, [&](Index i) { f(count * i / equal, count * (i + 1) / equal); });
 }
 
-/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the
-/// rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
+/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of this many rows: for what goes through
+/// the rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number of
+/// threads.
 template <class F>
 void parallel_columns(Index rows, Index width, const F& f) {
   const Index pieces = rows * width < detail::worth_a_thread ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());

@@ -107,7 +107,7 @@ class ThreadPool {
     for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
   }
 
-  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of
+  /// The work of a thread. It is a function whose address std::thread takes: the code of a lambda would be a part of
   /// std::thread's, which a program and a shared library, each with its own copy of this pool and of `inside_`, have in
   /// common.
   static void start(ThreadPool* pool, int number, unsigned seen) {

@@ -13,7 +13,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 /// Linux' control groups, version 2 and, where they are counted there, 1: `processes` says which group this process
-/// belongs to, the folders of `root` what it is given. What cannot be read is no limit.
+/// belongs to, the folders of `root` what it is given. What cannot be read is not a limit.
 struct ControlGroups {
   std::string root = "/sys/fs/cgroup", processes = "/proc/self/cgroup";
 

@@ -50,7 +50,7 @@ MOTIONLANG_BODY int ControlGroups::processors(int all) const {
 
 MOTIONLANG_BODY int ControlGroups::limit(const std::string& quota_file, const std::string& period_file, int all) {
   double quota = 0, period = 0;
-  // NOLINTBEGIN(cert-err34-c): what is no number stays 0, which is no limit
+  // NOLINTBEGIN(cert-err34-c): what is not a number stays 0, which is not a limit
   for_lines(quota_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf %lf", &quota, &period); });
   if (!period_file.empty())
     for_lines(period_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf", &period); });

@@ -24,7 +24,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 class PythonRandom {
  public:
-  /// Of a negative seed the absolute value counts.
+  /// For a negative seed, the absolute value counts.
   template <std::integral I>
   explicit PythonRandom(I seed)
       : PythonRandom(seed < 0 ? std::uint64_t{0} - static_cast<std::uint64_t>(seed)

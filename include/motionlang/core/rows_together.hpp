@@ -8,7 +8,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// While it lives, products of this thread count as parts of one of so many rows (0: each as what it is), unless
+/// While it lives, products of this thread count as parts of one of this many rows (0: each as what it is), unless
 /// another lives already. In bf16x3 the instructions depend on the number of rows, and with them the last digit: where
 /// that must not depend on how rows are shared by threads, or on what else is in a batch, say so by this. As `many`, a
 /// product of a few rows takes up to four times as long. Threads that help need one of

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// What libc++ lacks of C++20, on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14), `from_chars` and
-/// `to_chars` of floating-point values. The same bits and the same characters as with every other standard library.
+/// The parts of C++20 that libc++ lacks, on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14),
+/// `from_chars` and `to_chars` of floating-point values. The same bits and the same characters as with every other
+/// standard library.
 #pragma once
 
 #include <bit>       // bit_cast

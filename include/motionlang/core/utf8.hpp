@@ -10,7 +10,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What `decode_utf8` returns for bytes that are not UTF-8.
+/// The result of `decode_utf8` for bytes that are not UTF-8.
 inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
 
 /// The code point that starts at text[at]; moves `at` behind it. Bytes that are not UTF-8 (stray or missing
@@ -34,7 +34,7 @@ constexpr char32_t decode_utf8(std::string_view text, std::size_t& at) {
   return c;
 }
 
-/// Whether the whole text is UTF-8.
+/// True if the whole text is UTF-8.
 constexpr bool is_utf8(std::string_view text) {
   for (std::size_t at = 0; at < text.size();) {
     if (decode_utf8(text, at) == invalid_code_point) return false;
@@ -42,7 +42,7 @@ constexpr bool is_utf8(std::string_view text) {
   return true;
 }
 
-/// The longest beginning of a text that has at most so many bytes and ends between two characters.
+/// The longest beginning of a text that has at most this many bytes and ends between two characters.
 constexpr std::string_view utf8_head(std::string_view text, std::size_t bytes) {
   if (text.size() <= bytes) return text;
   for (std::size_t start = bytes - (bytes < 3 ? bytes : 3); start < bytes; ++start) {

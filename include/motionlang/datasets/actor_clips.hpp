@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Motions as ACTOR and its classifiers see them: rows of rotations and the way of the root, windows of so many frames,
+/// Motions as ACTOR and its classifiers see them: rows of rotations and the way of the root, windows of frames,
 /// points.
 #pragma once
 
@@ -63,7 +63,7 @@ Motion actor_motion(std::span<const float> rows, const ActorClipsConfig& config)
 
 /// All labels of the data, sorted: the number of a class is its place here.
 std::vector<std::string> labels_of(const DescribedMotions& data);
-/// The number of each motion's class. Throws config_error 103 for a label that is no class.
+/// The number of each motion's class. Throws config_error 103 for a label that is not a class.
 std::vector<Index> classes_of(const std::vector<DescribedMotion>& motions, std::span<const std::string> labels);
 
 /// Positions of the 24 joints, metres, as the root of the first frame of the window stood at the origin. (frames, 72)

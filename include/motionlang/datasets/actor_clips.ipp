@@ -129,7 +129,7 @@ MOTIONLANG_BODY std::vector<Index> classes_of(const std::vector<DescribedMotion>
   for (const DescribedMotion& m : motions) {
     const auto found = std::find(labels.begin(), labels.end(), m.texts.front().text);
     if (found == labels.end())
-      raise<config_error>(103, m.id, ": the label '", m.texts.front().text, "' is no class of the model");
+      raise<config_error>(103, m.id, ": the label '", m.texts.front().text, "' is not a class of the model");
     out.push_back(found - labels.begin());
   }
   return out;

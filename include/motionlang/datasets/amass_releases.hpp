@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What is known to be wrong in the files of AMASS, and to have another name from one release to the next.
+/// Known errors in the files of AMASS, and folders that change their names between releases.
 ///
 ///     sequence.fps = corrected_amass_fps(path, sequence.fps);
 ///     // The file of an annotation, of whatever release.

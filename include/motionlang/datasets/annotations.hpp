@@ -45,7 +45,7 @@ struct AnnotatedMotion {
 /// An annotation file that is being read. Entries are parsed when they are asked for.
 class AnnotationFile {
  public:
-  /// What is open already.
+  /// From a file that is open already.
   explicit AnnotationFile(JsonMembers members) : members_(std::move(members)) {}
   /// Throws io_error 401, 403 (JsonMembers).
   static AnnotationFile open(const FilePath& path);
@@ -68,8 +68,8 @@ class AnnotationFile {
   JsonMembers members_;
 };
 
-/// What TMR trains on: texts of 2 to 10 seconds. A split whose name contains "test" keeps all. Motions without any are
-/// left out of the split. Evaluation takes the first text.
+/// The training texts of TMR: texts of 2 to 10 seconds. A split whose name contains "test" keeps all. Motions without
+/// any are left out of the split. Evaluation takes the first text.
 std::vector<Annotation> training_annotations(const AnnotatedMotion& motion, std::string_view split, double least = 2,
                                              double most = 10);
 

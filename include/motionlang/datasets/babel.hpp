@@ -55,7 +55,7 @@ struct BabelSequence {
 /// sequence).
 class BabelFile {
  public:
-  /// What is open already.
+  /// From a file that is open already.
   explicit BabelFile(JsonMembers members) : members_(std::move(members)) {}
   /// Throws io_error 401, 403 (JsonMembers).
   static BabelFile open(const FilePath& path);
@@ -68,7 +68,7 @@ class BabelFile {
   /// Throws config_error 103 for an unknown id, 107 for a value of the wrong kind (with its path), io_error 403 for
   /// malformed JSON (with line and column) and for times that are not valid.
   BabelSequence load(const std::string& id) const;
-  /// Whether an entry is one of BABEL, and not one of the annotation JSON.
+  /// True if an entry is one of BABEL, and not one of the annotation JSON.
   static bool is_entry(const JsonView& view);
   /// The sequence of an entry. Throws what load throws for its values.
   static BabelSequence parse(const std::string& id, const JsonView& view);
@@ -88,7 +88,7 @@ class BabelFile {
   JsonMembers members_;
 };
 
-/// What a word of a label is replaced by: "foward" by "forward", or by several words, or by none.
+/// The replacement for a word of a label: "foward" by "forward", or by several words, or by none.
 using SpellingTable = std::unordered_map<std::string, std::string>;
 
 /// The label word by word through the table, joined by single blanks, which also surround words that are replaced by

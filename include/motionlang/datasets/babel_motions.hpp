@@ -90,7 +90,7 @@ struct BabelItems {
   std::vector<BabelItem> items;
   LeftOut left_out{};
 };
-/// The items of a sequence of so many frames.
+/// The items of a sequence of this many frames.
 using BabelReader = std::function<BabelItems(const BabelSequence& sequence, Index frames, const SpellingTable& spelling,
                                              bool training)>;
 

@@ -48,7 +48,7 @@ inline void add_babel_entries(std::vector<BabelEntry>& out, const BabelSources& 
     const std::string place = members.place(id);
     BabelEntry e{file.load(id), {place, id, "", 0, 0, {}, {}}, part};
     e.clip.clip = babel_clip(clips, e.sequence.feat_p, place);
-    if (!detail::is_clip_id(e.clip.clip)) raise<io_error>(403, place, ": '", e.clip.clip, "' is no path of a clip");
+    if (!detail::is_clip_id(e.clip.clip)) raise<io_error>(403, place, ": '", e.clip.clip, "' is not a path of a clip");
     clips.find(e.clip);
     out.push_back(std::move(e));
   }

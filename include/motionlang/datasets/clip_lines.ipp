@@ -185,7 +185,7 @@ MOTIONLANG_BODY std::vector<ClipLine> read_captions(const std::filesystem::path&
                            detail::read_clip_times(line, fields);
                            for (const std::string& name : detail::split_fields(fields[3], ",")) {
                              const auto part = parse_body_part(name);
-                             if (!part) detail::raise_clip_line(line, "'" + name + "' is no body part");
+                             if (!part) detail::raise_clip_line(line, "'" + name + "' is not a body part");
                              line.parts = line.parts.with(*part);
                            }
                            return true;
@@ -218,7 +218,7 @@ MOTIONLANG_BODY std::vector<ClipLine> read_labelled_annotations(const std::files
   bool any = false;
   const auto add = [&](const std::string& place, const std::string& id, const std::string& clip, double start,
                        double end, std::vector<std::string> own) {
-    if (!detail::is_clip_id(clip)) raise<io_error>(403, place, ": '", clip, "' is no path of a clip");
+    if (!detail::is_clip_id(clip)) raise<io_error>(403, place, ": '", clip, "' is not a path of a clip");
     any = any || !own.empty();
     lines.push_back({place, id, clip, start, end, {}, std::move(own)});
     clips.find(lines.back());

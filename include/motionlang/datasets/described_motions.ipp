@@ -201,7 +201,8 @@ inline std::shared_ptr<const AnnotationFile> annotation_file(const DataSources& 
 /// Ready-made features of a motion of the annotation file, if there are any.
 inline std::filesystem::path features_file(const DataSources& sources, const AnnotatedMotion& motion) {
   if (!detail::is_clip_id(motion.path))
-    raise<io_error>(403, sources.annotations.string(), ": ", motion.id, ": '", motion.path, "' is no path of a clip");
+    raise<io_error>(403, sources.annotations.string(), ": ", motion.id, ": '", motion.path,
+                    "' is not a path of a clip");
   return sources.data / (motion.path + ".npy");
 }
 /// The rows of a motion of the annotation file: features as they are, or a clip.

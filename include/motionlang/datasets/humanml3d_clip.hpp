@@ -11,7 +11,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What was written.
+/// The clip that was written.
 struct AddedClip {
   Index frames = 0;
   double fps = 0;
@@ -21,9 +21,9 @@ struct AddedClip {
 /// Writes features and joints of a motion on the joints of the features or on SMPL's, and its id to all.txt. Captions
 /// of this id that are there already stay.
 /// fps      frames per second of the clip; 0: those of the features
-/// replace  another motion of this id gives way to it
+/// replace  replaces another motion of this id
 /// Throws   config_error 102 if the clips of the data set are of the other form, or if another motion has this id and
-///          does not give way; what MotionFeatures::from_motion and write_humanml3d_clip throw
+///          is not to be replaced; what MotionFeatures::from_motion and write_humanml3d_clip throw
 AddedClip add_humanml3d_clip(const std::filesystem::path& folder, const std::string& id, const Motion& motion,
                              const DataSetForm& form, double fps = 0, bool replace = false);
 

@@ -24,7 +24,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What tells the data sets apart. Captions are cut at 20 frames per second in both, as published.
+/// The differences between the data sets. Captions are cut at 20 frames per second in both, as published.
 struct HumanMl3dForm {
   Index joints = 22;
   double fps = 20;
@@ -76,8 +76,8 @@ class HumanMl3dFolder {
   HumanMl3dForm form_;
 };
 
-/// What the published loaders make of a clip: one item of the whole clip with the captions of all of it, and one for
-/// each caption with times of its own.
+/// The items that the published loaders make of a clip: one item of the whole clip with the captions of all of it, and
+/// one for each caption with times of its own.
 struct HumanMl3dItem {
   FrameSlice frames;
   std::vector<std::size_t> captions;  // numbers among those of the clip

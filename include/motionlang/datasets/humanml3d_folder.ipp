@@ -69,7 +69,7 @@ MOTIONLANG_BODY std::vector<float> HumanMl3dFolder::deviation() const {
 
 MOTIONLANG_BODY FilePath HumanMl3dFolder::file(std::string_view kind, const std::string& id,
                                                std::string_view extension) const {
-  if (!detail::is_clip_id(id)) raise<io_error>(403, folder_.string(), ": '", id, "' is no id of a clip");
+  if (!detail::is_clip_id(id)) raise<io_error>(403, folder_.string(), ": '", id, "' is not an id of a clip");
   return detail::below(folder_, concat_text(kind, "/", id, extension));
 }
 
@@ -94,7 +94,7 @@ MOTIONLANG_BODY std::vector<HumanMl3dItem> humanml3d_items(std::span<const Motio
 MOTIONLANG_BODY void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip,
                                           const HumanMl3dForm& form) {
   if (!detail::is_clip_id(clip.id) || clip.id.find('/') != clip.id.npos)
-    raise<io_error>(403, folder.string(), ": '", clip.id, "' is no name of a file");
+    raise<io_error>(403, folder.string(), ": '", clip.id, "' is not a name of a file");
   const FilePath texts = detail::below(folder, concat_text("texts/", clip.id, ".txt"));
   const std::string captions = format_captions(clip.captions, texts.string());
   const auto features = NpyArray::of(std::span<const float>(clip.features), {clip.frames, form.width()});

@@ -42,7 +42,7 @@ std::string format_captions(std::span<const MotionCaption> captions, std::string
 MotionCaption mirrored(MotionCaption caption);
 
 /// index.csv: a head line, then source_path,start_frame,end_frame,new_name.
-/// Throws io_error 403, with the line, for another number of fields and for a frame that is no integer of -1 or more.
+/// Throws io_error 403, with the line, for another number of fields and for a frame below -1 or not an integer.
 std::vector<HumanMl3dSource> parse_humanml3d_index(std::string_view text, std::string_view name = "index.csv");
 /// Throws io_error 401, 403.
 std::vector<HumanMl3dSource> read_humanml3d_index(const FilePath& path);

@@ -25,7 +25,7 @@ inline double caption_time(std::string_view field, std::string_view name, Index 
     if (std::isnan(seconds)) return 0;
     if (seconds >= 0 && std::isfinite(seconds)) return seconds;
   }
-  raise<io_error>(403, name, ":", line, ": '", utf8_head(field, 40), "' is no time");
+  raise<io_error>(403, name, ":", line, ": '", utf8_head(field, 40), "' is not a time");
 }
 
 inline std::vector<TaggedWord> tagged_words(std::string_view field) {
@@ -86,7 +86,7 @@ MOTIONLANG_BODY std::string format_captions(std::span<const MotionCaption> capti
     }
     for (const double seconds : {c.start, c.end}) {
       if (!(seconds >= 0 && std::isfinite(seconds)))
-        raise<io_error>(403, name, ": '", c.text, "': ", seconds, " is no time");
+        raise<io_error>(403, name, ": '", c.text, "': ", seconds, " is not a time");
       out += '#' + detail::time_text(seconds);
     }
     out += '\n';
@@ -133,7 +133,7 @@ MOTIONLANG_BODY std::vector<HumanMl3dSource> parse_humanml3d_index(std::string_v
       Index value = 0;
       const auto [end, status] = detail::from_chars(field.data(), field.data() + field.size(), value);
       if (status != std::errc{} || end != field.data() + field.size() || value < -1)
-        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is no frame");
+        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is not a frame");
       return value;
     };
     rows.push_back({std::string(fields[0]), frame(fields[1]), frame(fields[2]), std::string(fields[3])});

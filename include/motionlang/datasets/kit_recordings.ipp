@@ -31,7 +31,7 @@ MOTIONLANG_BODY std::vector<Vec3<double>> parse_kit_joints(std::string_view text
       double value = 0;
       const auto [last, status] = detail::from_chars(field.data(), field.data() + field.size(), value);
       if (status != std::errc{} || last != field.data() + field.size() || !std::isfinite(value))
-        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is no number");
+        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is not a number");
       if (n < columns) values[n] = value;
       at = end + 1;
     }
@@ -78,7 +78,7 @@ MOTIONLANG_BODY KitRecording KitRecordings::load(const std::string& id) const {
 }
 
 MOTIONLANG_BODY FilePath KitRecordings::file(const std::string& id, std::string_view ending) const {
-  if (!detail::is_clip_id(id)) raise<io_error>(403, folder_.string(), ": '", id, "' is no id of a clip");
+  if (!detail::is_clip_id(id)) raise<io_error>(403, folder_.string(), ": '", id, "' is not an id of a clip");
   return concat_text(folder_.string(), "/", id, ending);
 }
 

@@ -25,7 +25,7 @@ struct MotionVocabulary;
 /// The tokens of a clip: one list for each pass, from other frames on.
 using TokenLines = std::vector<std::vector<Index>>;
 
-/// Throws io_error 403, with the line, for what is no id below `codes`.
+/// Throws io_error 403, with the line, for what is not an id below `codes`.
 TokenLines parse_token_lines(std::string_view text, Index codes = 1024, std::string_view name = "tokens");
 /// Throws io_error 401, 403.
 TokenLines read_token_lines(const FilePath& path, Index codes = 1024);

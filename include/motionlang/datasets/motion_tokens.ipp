@@ -28,7 +28,7 @@ MOTIONLANG_BODY TokenLines parse_token_lines(std::string_view text, Index codes,
       Index id = -1;
       const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), id);
       if (status != std::errc{} || end != field.data() + field.size() || id < 0 || id >= codes)
-        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is no token of ",
+        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is not a token of ",
                         counted(codes, "code"));
       out.back().push_back(id);
       line = detail::trim(line.substr(field.size()));

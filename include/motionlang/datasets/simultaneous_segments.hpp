@@ -23,7 +23,7 @@ struct SimultaneousSegment {
 };
 
 /// Between any two neighbouring starts or ends: the texts that are active, if they are two to `most`. An action and a
-/// transition are no two actions. Throws config_error 101 for a segment that is empty.
+/// transition are not two actions. Throws config_error 101 for a segment that is empty.
 std::vector<SimultaneousSegment> simultaneous_segments(std::span<const BabelSegment> segments, Index most = 4);
 
 MOTIONLANG_NAMESPACE_END

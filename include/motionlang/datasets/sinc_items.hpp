@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What SINC trains on in one step: an item as it is, or one combined with an action of other body parts.
+/// The training item of SINC in one step: an item as it is, or one combined with an action of other body parts.
 ///
 ///     const SincItems items(list_of_items, table);
 ///     const SincElement e = items.draw(k, {}, rng);
@@ -56,7 +56,7 @@ class SincItems {
   std::vector<Index> partners(Index k) const;
 
   /// Draws: whether a partner is wanted (for every item), the partner, in random mode twelve bits, the window.
-  /// Throws config_error 101 for a number that is no item, 103 for a label without parts.
+  /// Throws config_error 101 for a number that is not an item, 103 for a label without parts.
   template <UniformDraws G>
   SincElement draw(Index k, const SincDrawOptions& options, G& rng) const {
     const SincItem& item = at(k);

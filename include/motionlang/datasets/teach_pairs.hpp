@@ -51,7 +51,7 @@ std::vector<ActionPair> teach_pairs(std::span<const BabelSegment> segments);
 struct TeachLengths {
   Index shortest = 15, longest = 750;
 };
-/// Whether the first action, and the second one with its transition, are neither too short nor too long.
+/// True if the first action, and the second one with its transition, are neither too short nor too long.
 bool is_teach_length(const PairFrames& frames, const TeachLengths& limits = {});
 
 /// Pairs as one segment with both texts ("walk, sit down"): what the baseline "Joint" is trained on. Of several with

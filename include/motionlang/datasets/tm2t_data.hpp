@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What TM2T's tokenizer is trained on: its statistics, the windows of the clips, the frames that become tokens. And
+/// The training data of TM2T's tokenizer: its statistics, the windows of the clips, the frames that become tokens. And
 /// how often its decoder is shown the truth.
 ///
 /// Source  TM2T (Guo et al., ECCV 2022), data/dataset.py MotionDataset, networks/trainers.py schedule_tf; appendix B

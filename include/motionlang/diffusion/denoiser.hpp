@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a denoising network must be, for samplers and for STMC.
+/// The concept of a denoising network, for samplers and for STMC.
 #pragma once
 
 #include <motionlang/core/context.hpp>
@@ -9,7 +9,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What of the other sequences of its batch a result depends on: a batch of such a denoiser cannot be divided.
+/// How a sequence's result depends on the rest of its batch. A batch with such dependencies cannot be split.
 ///     longest_text   the length of the longest text (MDM-SMPL with texts of several lengths)
 ///     all            everything (the released GRU of MDM)
 enum class BatchMates { none, longest_text, all };
@@ -48,7 +48,7 @@ concept EncodesText = Denoiser<D, B> &&
   { d(x, t, d.encode(text)) } -> std::same_as<Sequences<B>>;
 };
 
-/// What a denoiser makes of frames with several texts each: of sequence i of x with the texts uses.begin(i) ...
+/// Denoises frames with several texts each: sequence i of x with the texts uses.begin(i) ...
 /// uses.end(i) - 1, such as a text and none, for guidance. t: a step for each text. Throws shape_error 204 for other
 /// numbers of sequences, texts or steps. A denoiser that computes once what the texts of a sequence have in common
 /// takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):

@@ -19,7 +19,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What a network says about x_t.
+/// The quantity that a network predicts from x_t.
 enum class Prediction { x0, eps, score, x_prev };
 
 /// How much noise an ancestral step adds.

@@ -12,7 +12,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 enum class MdmArch { trans_enc, trans_dec, gru };
 enum class MdmCondition { text, action, none };
-/// What stands in front of the frames in trans_dec: nothing, the time embedding with the text's (all checkpoints of
+/// The rows before the frames in trans_dec: nothing, the time embedding with the text's (all checkpoints of
 /// 2022-2023), or the time embedding alone (DistilBERT models).
 enum class MdmClassToken { none, time_plus_text, time_only };
 

@@ -32,7 +32,7 @@ struct MdmActions {
 
   /// A motion of the denoiser's `crop_frames` for each action. The noise of a motion depends on the generator and on
   /// its place.
-  /// Throws  shape_error 203 for an action that is no class; config_error 102 for a denoiser of texts; `cancelled`
+  /// Throws  shape_error 203 for an action that is not a class; config_error 102 for a denoiser of texts; `cancelled`
   Sequences<B> generate(std::span<const Index> actions, const Philox& rng, const MdmActionOptions& options = {}) const {
     using S = typename B::scalar;
     const MdmConfig& c = denoiser.config;

@@ -101,7 +101,7 @@ struct MdmSmplDenoiser {
   };
   EncodedText encode(const TextFeatures<B>& text) const { return {text_tokens(text), text.padded_tokens}; }
 
-  /// What enters the first layer.
+  /// The input of the first layer.
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text) const {
     check_counts(x.count(), t, text);
     const auto tokens = concat_tokens(head_tokens(t, text), x.with(skel_embedding(x.rows)));
@@ -142,13 +142,13 @@ struct MdmSmplDenoiser {
     raise<shape_error>(204, "MdmSmplDenoiser: ", n, " sequences, ", text.tokens.count(), " texts, ", t.size(),
                        " steps");
   }
-  /// What stands in front of the frames, without positions.
+  /// The rows before the frames, without positions.
   Sequences<B> head_tokens(std::span<const Index> t, const EncodedText& text) const {
     const Sequences<B> time(time_tokens(t), Offsets::equal(text.tokens.count(), 1));
     if (!registers) return concat_tokens(time, text.tokens);
     return concat_tokens(time, text.tokens, repeat_sequence(*registers, text.tokens.count()));
   }
-  /// What follows a text stands where it would behind the longest text of the batch, and its padding.
+  /// Rows after a text have the positions that they have behind the longest text of the batch and its padding.
   static PoolVector<PositionGap> gaps(const EncodedText& text) {
     const Offsets& texts = text.tokens.offsets;
     PoolVector<PositionGap> out;

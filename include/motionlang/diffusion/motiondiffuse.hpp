@@ -179,7 +179,7 @@ struct MotionDiffuseDenoiser {
     return {.prediction = Prediction::eps, .crop_frames = config.num_frames, .uses_lengths = !config.no_eff};
   }
 
-  /// What depends on the text alone: the same at every step.
+  /// The part that depends on the text alone; it is the same at every step.
   struct EncodedText {
     Tensor<B, 2> xf_proj;  // (sequences, 4 latent)
     Sequences<B> xf_out;   // text rows, text width

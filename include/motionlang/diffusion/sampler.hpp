@@ -26,7 +26,7 @@ struct StepOptions {
   bool clip = false;  // x0 to [-1, 1]
 };
 
-/// The process with so many of its steps, evenly kept; all of them for 0. Throws config_error 105.
+/// The process with this many of its steps, evenly kept; all of them for 0. Throws config_error 105.
 GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps);
 
 /// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a

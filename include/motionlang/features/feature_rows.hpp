@@ -9,9 +9,9 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Whether a motion has exactly the joints of these features, SMPL's or MMM's: rows are then made of it as it is.
+/// True if a motion has exactly the joints of these features, SMPL's or MMM's: rows are then made of it as it is.
 bool has_joints_of(const MotionFeatures& features, const Motion& motion);
-/// Whether a motion has the joints of any of the known features, in their order: a reader of a joint array, which has
+/// True if a motion has the joints of any of the known features, in their order: a reader of a joint array, which has
 /// no names, takes it for what it is.
 bool has_joints_of_arrays(const Motion& motion);
 /// The motion as it is if it has the joints of these features, otherwise on SMPL's. Throws what on_smpl throws.

@@ -38,7 +38,7 @@ std::vector<double> upsample_linearly(std::span<const S> values, Index width, do
   const auto factor = static_cast<Index>(new_fps / old_fps);
   if (factor < 1) raise<config_error>(101, "upsample_linearly: from ", old_fps, " down to ", new_fps);
   if (width < 1 || std::ssize(values) % width != 0) {
-    raise<shape_error>(205, "upsample_linearly: ", values.size(), " values are no rows of ", width);
+    raise<shape_error>(205, "upsample_linearly: ", values.size(), " values are not rows of ", width);
   }
   const auto n = static_cast<std::size_t>(width);
   std::vector<double> out;

@@ -43,7 +43,7 @@ std::size_t guoh3d_rows(std::string_view function, std::span<const S> features, 
   const Index width = Guoh3dSlots{joints}.size();
   if (joints < 1) raise<config_error>(101, function, ": ", joints, " joints");
   if (std::ssize(features) % width != 0) {
-    raise<shape_error>(205, function, ": ", features.size(), " values are no rows of ", width, " (", joints,
+    raise<shape_error>(205, function, ": ", features.size(), " values are not rows of ", width, " (", joints,
                        " joints)");
   }
   return features.size() / static_cast<std::size_t>(width);

@@ -27,7 +27,7 @@ struct IndexRange {
   bool operator==(const IndexRange&) const = default;
 };
 
-/// What numbers of a feature vector mean. A table of these covers the vector without gap or overlap.
+/// The meaning of some values of a feature vector. A table of these covers the vector without gap or overlap.
 struct FeatureRange {
   IndexRange numbers;
   std::string_view meaning;  // with `joints`: of each of them
@@ -82,7 +82,7 @@ struct FeatureLayout {
 FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint, Index rotations = 22,
                                const BodyPartition& body = {});
 
-/// What the numbers of `smplrifke_layout` mean. World: Z up.
+/// The meaning of the values of `smplrifke_layout`. World: Z up.
 inline constexpr std::array<FeatureRange, 6> smplrifke_ranges{{
     {{0, 1}, "height of the pelvis above the lowest joint of the clip", "m"},
     {{1, 3}, "velocity of the pelvis to the next frame, seen from the body: x, y", "m/frame"},
@@ -142,7 +142,7 @@ constexpr std::array<FeatureRange, 7> guoh3dfeats_ranges_of(const Guoh3dSlots& s
 
 }  // namespace detail
 
-/// What the numbers of `guoh3dfeats_layout` mean: of HumanML3D, and of KIT with MMM's joints. World: Y up.
+/// The meaning of the values of `guoh3dfeats_layout`: of HumanML3D, and of KIT with MMM's joints. World: Y up.
 inline constexpr auto guoh3dfeats_ranges = detail::guoh3dfeats_ranges_of(
     {22}, "m", "m/frame", "left ankle, left foot, right ankle, right foot: 1 if it stands, else 0");
 inline constexpr auto kit_ranges =
@@ -153,7 +153,7 @@ inline constexpr auto kit_ranges =
 FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
                            const BodyPartition& body = {});
 
-/// What the numbers of `rifke_layout` mean: of TMR, Z up, and of TEMOS on KIT, Y up.
+/// The meaning of the values of `rifke_layout`: of TMR, Z up, and of TEMOS on KIT, Y up.
 inline constexpr std::array<FeatureRange, 4> rifke_ranges{{
     {{0, 1}, "height of the root", "m"},
     {{1, 64}, "position from the ground below the root, seen from the body: x, y, z", "m", {1, 22}},

@@ -13,7 +13,7 @@
 ///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot),
 ///                          positions alone
 ///     smplvelp            135   12.5  TEMOS on SMPL         with the exact heading, so that it is there and back
-///     smplvelp-published  135   12.5  TEMOS on SMPL         with the turn of its repository, which is no heading: see
+///     smplvelp-published  135   12.5  TEMOS on SMPL         with the published turn, which is not a heading: see
 ///                         SmplVelpOptions
 ///     smplrifke           205   20    STMC
 ///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a

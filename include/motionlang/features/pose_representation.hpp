@@ -89,7 +89,7 @@ struct ActorFeatureOptions {
   bool translation = true;  // one more row: the root's way since frame 0, filled up with zeros
   bool global = true;       // false: without joint 0
 
-  /// Rows of a frame of so many joints.
+  /// Rows of a frame of this many joints.
   Index rows(Index joints) const { return joints - (global ? 0 : 1) + (translation ? 1 : 0); }
 };
 /// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
@@ -100,7 +100,7 @@ inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
 FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
                            const ActorFeatureOptions& options = {}, const BodyPartition& body = {});
 
-/// What the numbers of `actor_layout` mean. World: that of a camera, in which figures stand on their heads.
+/// The meaning of the values of `actor_layout`. World: that of a camera, in which figures stand on their heads.
 inline constexpr std::array<FeatureRange, 4> actor_ranges{{
     {{0, 6}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
     {{6, 144}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 24}},
@@ -108,7 +108,7 @@ inline constexpr std::array<FeatureRange, 4> actor_ranges{{
     {{147, 150}, "0: the root's row is as long as the others", "1"},
 }};
 
-/// What ACTOR's networks read, frame by frame.
+/// The input of ACTOR's networks, frame by frame.
 /// poses    (frames, joints): rotation vectors or matrices
 /// root     (frames), the pelvis; read if `translation` is on
 /// result   (frames, rows numbers): a row for each joint, then the root's
@@ -160,7 +160,7 @@ ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, con
   const auto numbers = static_cast<std::size_t>(size(options.rotations));
   const auto width = static_cast<std::size_t>(options.rows(joints)) * numbers;
   if (width == 0 || features.size() % width != 0)
-    raise<shape_error>(205, "actor_inverse: ", features.size(), " values are no frames of ", width);
+    raise<shape_error>(205, "actor_inverse: ", features.size(), " values are not frames of ", width);
   ActorMotion<S> out;
   for (std::size_t at = 0; at < features.size(); at += width) {
     std::size_t from = at;

@@ -81,7 +81,7 @@ LevelVector<S> turned(const LevelVector<S>& v, S sine, S cosine) {
 }
 inline std::size_t rifke_frames(std::string_view function, std::size_t values, Index per_frame) {
   if (per_frame < 2 || static_cast<Index>(values) % per_frame != 0) {
-    raise<shape_error>(205, function, ": ", values, " values are no frames of ", per_frame);
+    raise<shape_error>(205, function, ": ", values, " values are not frames of ", per_frame);
   }
   return values / static_cast<std::size_t>(per_frame);
 }

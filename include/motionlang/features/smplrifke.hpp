@@ -146,7 +146,7 @@ std::vector<S> smplrifke_from_poses(std::span<const S> poses, std::span<const S>
 /// features  (frames, 205)
 /// The path starts at x = y = 0 with the heading `first_angle`; the velocity and turn of the last frame are not used,
 /// nor is what heading the first rotation contains.
-/// Throws    shape_error 205 if the size is no multiple of 205
+/// Throws    shape_error 205 if the size is not a multiple of 205
 template <Scalar S>
 SmplRifkeMotion<S> smplrifke_inverse(std::span<const S> features, const SmplRifkeOptions& options = {}) {
   if (features.size() % smplrifke_size != 0) {

@@ -20,8 +20,8 @@ struct SmplVelpOptions {
   /// Turns the clip about Z by what `exact_yaw` says of the first frame (and a quarter, `offset`).
   bool canonicalize = true;
   bool offset = true;
-  /// false, as published: the z of the first rotation vector, which is no heading, so that a second pass turns again.
-  /// true: the heading, and clips that differ by a turn about Z become the same.
+  /// false, as published: the z of the first rotation vector. It is not a heading, so a second pass turns again.
+  /// true: the heading. Clips that differ by a turn about Z become the same.
   bool exact_yaw = false;
 };
 
@@ -42,7 +42,7 @@ inline FeatureLayout smplvelp_layout(
   });
 }
 
-/// What the numbers of `smplvelp_layout` mean. World: Z up, turned as SmplVelpOptions say.
+/// The meaning of the values of `smplvelp_layout`. World: Z up, turned as SmplVelpOptions say.
 inline constexpr std::array<FeatureRange, 4> smplvelp_ranges{{
     {{0, 1}, "height of the translation in the world", "m"},
     {{1, 3}, "velocity of the translation since the frame before, in the world: x, y", "m/frame"},
@@ -88,7 +88,7 @@ SmplVelpMotion<S> smplvelp_inverse(std::span<const S> features, Index joints = 2
                                    PoseRepresentation representation = PoseRepresentation::rot6d) {
   const Index numbers = size(representation), width = 3 + numbers * joints;
   if (joints < 1 || std::ssize(features) % width != 0) {
-    raise<shape_error>(205, "smplvelp_inverse: ", features.size(), " values are no rows of ", width);
+    raise<shape_error>(205, "smplvelp_inverse: ", features.size(), " values are not rows of ", width);
   }
   SmplVelpMotion<S> out;
   Vec3<S> position{};

@@ -60,7 +60,7 @@ class FeatureStatistics {
   const std::vector<double>& mean() const { return mean_; }
   /// Unbiased (divided by n - 1). Throws numeric_error 302 below two frames.
   std::vector<double> standard_deviation() const { return deviation(2); }
-  /// Of these frames themselves (divided by n). Throws numeric_error 302 of no frame.
+  /// The deviation of these frames themselves (divided by n). Throws numeric_error 302 without a frame.
   std::vector<double> population_deviation() const { return deviation(1); }
 
  private:

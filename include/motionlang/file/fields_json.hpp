@@ -76,7 +76,7 @@ nlohmann::ordered_json config_json(const C& config) {
 }
 
 /// Members that the document has replace those of `config`; others stay.
-/// Throws  config_error 103 for a name that is no member, with the one that is most like it; 107 for a value of the
+/// Throws  config_error 103 for a name that is not a member, with the one that is most like it; 107 for a value of the
 ///         wrong kind; what config.require_sound() throws, if there is such a function. All begin with the path.
 template <Module C>
 void read_config(C& config, const JsonView& view) {

@@ -35,7 +35,7 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return fd_; }
-  /// Whether all bytes could be written; errno says why not.
+  /// True if all bytes could be written; errno says why not.
   bool write(std::span<const std::byte> bytes) const {
     while (!bytes.empty()) {
       const auto n = ::write(fd_, bytes.data(), static_cast<unsigned>(std::min<std::size_t>(bytes.size(), 1u << 30)));
@@ -136,7 +136,7 @@ MOTIONLANG_BODY void write_file(const FilePath& path, std::span<const std::byte>
   }
   if (std::filesystem::is_other(std::filesystem::status(followed, problem)))
     raise<io_error>(401, "cannot write ", path.string(),
-                    ": it is no file but a device or a pipe, which a file would replace");
+                    ": it is not a file but a device or a pipe, which a file would replace");
   const std::string target = followed.string();
   std::string temporary;
   int opened = -1;

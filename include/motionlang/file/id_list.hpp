@@ -13,7 +13,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Whether an id names a file in the folder of its data set: it has no control characters and does not lead out.
+/// True if an id names a file in the folder of its data set: it has no control characters and does not lead out.
 bool is_clip_id(std::string_view id);
 
 }  // namespace detail

@@ -30,7 +30,7 @@ MOTIONLANG_BODY std::vector<std::string> parse_ids(std::string_view text, std::s
   detail::for_each_line(text, [&](std::string_view line, Index number) {
     const std::string_view id = detail::trim(line);
     if (id.empty()) return;
-    if (!detail::is_clip_id(id)) raise<io_error>(403, name, ":", number, ": '", id, "' is no id of a clip");
+    if (!detail::is_clip_id(id)) raise<io_error>(403, name, ":", number, ": '", id, "' is not an id of a clip");
     ids.emplace_back(id);
   });
   return ids;
@@ -43,7 +43,7 @@ MOTIONLANG_BODY std::vector<std::string> read_ids(const FilePath& path) {
 MOTIONLANG_BODY void write_ids(const FilePath& path, std::span<const std::string> ids) {
   std::string text;
   for (const std::string& id : ids) {
-    if (!detail::is_clip_id(id)) raise<io_error>(403, path.string(), ": '", id, "' is no id of a clip");
+    if (!detail::is_clip_id(id)) raise<io_error>(403, path.string(), ": '", id, "' is not an id of a clip");
     text += id + '\n';
   }
   write_file(path, text);

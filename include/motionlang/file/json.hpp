@@ -65,7 +65,7 @@ class JsonView {
   bool is_string() const { return value_->is_string(); }
   bool is_number() const { return value_->is_number(); }
 
-  /// Whether this is an object with that member.
+  /// True if this is an object with that member.
   bool contains(const std::string& key) const;
   JsonView operator[](const std::string& key) const;
   JsonView operator[](Index i) const;
@@ -74,8 +74,8 @@ class JsonView {
   /// Names of the members of an object, sorted.
   std::vector<std::string> keys() const;
 
-  /// bool, integers, float, double, std::string, and vectors and maps of these. A number with a fraction is no integer
-  /// and an integer has to fit.
+  /// bool, integers, float, double, std::string, and vectors and maps of these. A number with a fraction is not
+  /// an integer, and an integer has to fit.
   template <class T>
   T as() const {
     T out{};

@@ -4,8 +4,8 @@
 ///     const auto options = read_options("run/opt.yaml");
 ///     const FileValue* width = find_value(options, "model/latent_dim");
 ///
-/// Of YAML the part that programs write: nested mappings and lists by indentation, plain and quoted texts, numbers,
-/// flat lists and mappings in brackets, tags (which are ignored). No texts of several lines, no anchors.
+/// Reads the part of YAML that programs write: nested mappings and lists by indentation, plain and quoted texts,
+/// numbers, flat lists and mappings in brackets, tags (which are ignored). No texts of several lines, no anchors.
 /// opt.txt is what text-to-motion, TM2T and MotionDiffuse write: a banner of dashes, lines of "key: value", a banner.
 /// A whole number of more than 64 bits is a text, its digits. A name that is duplicated is refused.
 /// OmegaConf's references "${model.latent_dim}" are texts; `find_option` follows them.

@@ -63,7 +63,7 @@ inline bool is_quoted(std::string_view text) {
   return text.size() >= 2 && text.front() == text.back() && (text.front() == '"' || text.front() == '\'');
 }
 
-/// What stands between the quotes: '' is one quote in the single kind, a backslash takes the next character in the
+/// The text between the quotes: '' is one quote in the single kind, a backslash takes the next character in the
 /// double kind.
 inline std::string unquoted(std::string_view text) {
   const char quote = text.front();

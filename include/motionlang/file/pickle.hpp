@@ -59,7 +59,7 @@ class PickleValue {
   /// Number of elements of a list, a tuple or a set, or of entries of a dictionary; of objects, what was appended or
   /// set.
   std::size_t size() const { return node().items.size() / (node().keyed ? 2 : 1); }
-  /// Whether the elements are entries: of dictionaries, and of objects that behave like one.
+  /// True if the elements are entries: of dictionaries, and of objects that behave like one.
   bool keyed() const { return node().keyed; }
   /// Element of a sequence. Throws io_error 407 if there is no such element.
   PickleValue operator[](std::size_t i) const;
@@ -73,12 +73,12 @@ class PickleValue {
 
   /// "module.attribute" of a name, and of the class or function that made an object; "" for all others.
   std::string name() const;
-  /// Of an object: what its class or function was called with. Of a persistent value: its id.
+  /// For an object: the arguments of its class or function. For a persistent value: its id.
   PickleValue arguments() const { return related(node().arguments, "arguments"); }
-  /// Of an object: what it was asked to restore itself from.
+  /// For an object: the state from which it restores itself.
   PickleValue state() const { return related(node().state, "a state"); }
   bool has_state() const { return node().state != detail::no_pickle_value; }
-  /// Of an object: the bytes behind it that are not part of the pickle (PickleOptions::inline_bytes).
+  /// For an object: the bytes behind it that are not part of the pickle (PickleOptions::inline_bytes).
   std::span<const std::byte> inline_bytes() const;
 
   /// For the readers of objects: io_error `id` with the file, what is wrong, and where.
@@ -121,7 +121,7 @@ class Pickle {
   PickleValue root() const { return {*machine_, root_}; }
   /// The values that stand for something outside of the pickle, in the order of the file.
   std::vector<PickleValue> persistent() const;
-  /// Of the bytes that it was allowed.
+  /// The number of allowed bytes that are left.
   std::uint64_t memory_left() const;
   /// Offset behind the pickle.
   std::uint64_t end() const;

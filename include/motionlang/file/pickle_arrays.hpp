@@ -42,7 +42,7 @@ InlineBytes joblib_array_bytes(const PickleValue& object, std::span<const std::b
 /// The array that a value of a pickle means: of NumPy or joblib, a single number, a sparse matrix of SciPy in full
 /// (csc, csr, coo; as real numbers), or the value of a chumpy node.
 /// Throws  io_error 402, 403 if it is damaged, 404 for elements and classes that are not read, 405 for impossible
-///         sizes, 407 if the value is no array
+///         sizes, 407 if the value is not an array
 NpyArray to_array(const PickleValue& value);
 
 MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What keeps the bytes of tensors alive, and an account of what a file may cost: whoever reads weights asks here
+/// Keeps the bytes of tensors alive, and accounts for the memory that a file may cost: readers of weights ask here
 /// before it allocates.
 #pragma once
 
@@ -24,7 +24,7 @@ class TensorMemory {
   /// Throws io_error 405 if the file has cost too much already.
   void spend(std::uint64_t bytes);
   void allow(std::uint64_t more) { left_ += more; }
-  /// What may still be spent.
+  /// The bytes that may still be spent.
   std::uint64_t left() const { return left_; }
 
   /// A place for bytes that live as long as this. They have been paid for.

@@ -11,7 +11,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 class TensorSet {
  public:
-  /// Of the file, for messages.
+  /// The name of the file, for messages.
   const std::string& name() const { return name_; }
   /// Keeps the bytes of all tensors alive.
   const std::shared_ptr<const void>& owner() const { return owner_; }

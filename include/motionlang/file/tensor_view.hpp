@@ -48,7 +48,7 @@ constexpr std::optional<DType> parse_dtype(std::string_view name) {
   }
   return std::nullopt;
 }
-/// Whether values of this type are whole numbers.
+/// True if values of this type are whole numbers.
 constexpr bool is_integer(DType t) { return t <= DType::I64; }
 
 /// The element type that holds a C++ number.

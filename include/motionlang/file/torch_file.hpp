@@ -63,7 +63,7 @@ class TorchFile {
   static bool is_tensor(const PickleValue& v);
   /// Not for several threads at once: what is allocated for tensors is counted.
   /// Throws  io_error 403, 405 if the tensor does not fit its storage, 404 if its elements are of no type that is
-  ///         known, 407 if the value is no tensor
+  ///         known, 407 if the value is not a tensor
   TensorView tensor(const PickleValue& v) const;
   /// Keeps the bytes of all tensors alive.
   const std::shared_ptr<TensorMemory>& owner() const { return memory_; }

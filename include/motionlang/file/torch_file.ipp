@@ -305,11 +305,11 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
 /// A storage that was pickled with the object: an older file of its own, in bytes.
 inline TorchTensors::Storage TorchTensors::nested_storage(const PickleValue& v) const {
   const auto bytes = v.arguments()[0].bytes();
-  if (torch_legacy_magic(as_text(bytes)) == 0) v.fail(403, "bytes that are no storage of PyTorch");
+  if (torch_legacy_magic(as_text(bytes)) == 0) v.fail(403, "bytes that are not a storage of PyTorch");
   memory_->spend(bytes.size());  // for the time it takes, too: many tensors may name the same bytes
   TorchTensors inner(memory_);
   const Pickle object = read_torch_legacy(bytes, v.file(), inner, memory_);
-  if (!object.root().is(PickleKind::persistent)) v.fail(403, "bytes that are no storage of PyTorch");
+  if (!object.root().is(PickleKind::persistent)) v.fail(403, "bytes that are not a storage of PyTorch");
   if (inner.swapped_) v.fail(404, "a big-endian storage in a little-endian file");
   return inner.storage(object.root());
 }

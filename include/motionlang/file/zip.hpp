@@ -46,7 +46,7 @@ class ZipArchive {
   std::span<const std::byte> stored(const ZipEntry& entry) const;
   /// The same after a look at the checksum. Throws io_error 403, 404.
   std::span<const std::byte> checked(const ZipEntry& entry) const;
-  /// The first unpacked bytes of a deflated member, at least `count` of them if it has so many; not checked. Throws
+  /// The first unpacked bytes of a deflated member, at least `count` of them if it has that many; not checked. Throws
   /// io_error 402, 403.
   std::vector<std::byte> head(const ZipEntry& entry, std::size_t count) const;
   /// The unpacked bytes, checked against size and checksum.

@@ -31,7 +31,7 @@ void add_amass_parts(const AmassSequence& sequence, const Skeleton& skeleton, Mo
 
 }  // namespace detail
 
-/// Whether betas of a sequence mean the same shape on a body: SMPL and SMPL-H share theirs, SMPL-X has its own.
+/// True if betas of a sequence mean the same shape on a body: SMPL and SMPL-H share theirs, SMPL-X has its own.
 bool has_shapes_of(const AmassSequence& sequence, BodyKind body);
 
 /// A part whose numbers are all 0 in the file is not in it: hands then have the mean pose of the body's, as in

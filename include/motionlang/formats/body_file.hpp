@@ -29,7 +29,7 @@ struct NpyArray;
 
 struct BodyFileOptions {
   Index betas = 10;      // coefficients of shape, which the file must have
-  Index most_betas = 0;  // so many of a file that has more of them than `betas`
+  Index most_betas = 0;  // this many of a file that has more of them than `betas`
   /// SMPL-X: coefficients of expression, which follow those of shape. -1: those that the file has, up to 10.
   Index expressions = -1;
   /// SMPL-X: directions of shape in the file. 0: known of files with 400 directions (300) and 20 (10), in others all of

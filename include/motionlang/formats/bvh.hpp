@@ -29,9 +29,9 @@ struct BvhWriteOptions {
   double end_length = 0.1;
 };
 
-/// What the file means. End sites are the ends of bones, no joints; joints of one name get numbers ("Hand", "Hand_2").
-/// Below the root, positions that change (stretching bones) are replaced by their mean. A root that merely carries
-/// another moving root is joined with it, so that the root of the motion is the one that moves.
+/// The meaning of the file. End sites are the ends of bones, no joints; joints of one name get numbers ("Hand",
+/// "Hand_2"). Below the root, positions that change (stretching bones) are replaced by their mean. A root that merely
+/// carries another moving root is joined with it, so that the root of the motion is the one that moves.
 /// Throws  config_error 101 (scale, number of the root), io_error 405 (far more joints than channels),
 ///         numeric_error 301 (numbers so large that they overflow)
 Motion to_motion(const Bvh& file, const BvhReadOptions& options = {});

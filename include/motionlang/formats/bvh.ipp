@@ -109,7 +109,7 @@ struct BvhTable {
   Index rows;
 };
 
-/// Whether the positions of a joint change from frame to frame by more than rounding.
+/// True if the positions of a joint change from frame to frame by more than rounding.
 inline bool moves(const BvhJoint& joint, const BvhTable& table) {
   if (!joint.has_positions() || table.rows == 0) return false;
   const Vec3<double> first = joint.translation(table[0]);

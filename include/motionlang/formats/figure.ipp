@@ -12,7 +12,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What the shape of a skeleton says about each joint.
+/// The role of each joint by the shape of the skeleton.
 struct Anatomy {
   std::vector<Vec3<double>> rest;
   std::vector<double> reach;  // length of the longest chain of bones below the joint
@@ -59,7 +59,7 @@ struct Anatomy {
     for (std::size_t j = 1; j <= first; ++j) hidden[j] = trunk[j];
   }
 
-  /// The first joint with "head" in its name, else the highest joint that is no part of the trunk, if it is above it.
+  /// The first joint with "head" in its name, else the highest joint that is not part of the trunk, if it is above it.
   void find_head(const Skeleton& s) {
     auto is_named = [](std::string name) {
       for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// A free body: the figure of any skeleton (formats/figure.hpp, the round cones that GLB files and pages show) as a
 /// body model, so that every motion has vertices and faces without a licensed file. A vertex follows one joint; there
-/// are no blend shapes.
+/// are not blend shapes.
 ///
 ///     auto body = figure_body<EigenBackend<float>>(motion.skeleton);
 ///     auto posed = pose_body(body.model, motion);                       // vertices (frames, V, 3)

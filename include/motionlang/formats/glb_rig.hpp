@@ -30,7 +30,7 @@ class GlbRig {
   /// Says which joint of a skeleton is which: one of the known tables, or read_skeleton_table.
   using FindTable = std::function<SkeletonTable(const Skeleton&)>;
 
-  /// Of several skins, the first for which there is a table; of very many (thousands in a file of thousands of nodes),
+  /// Among several skins, the first one with a table; among very many (thousands in a file of thousands of nodes),
   /// only the first are tried.
   /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits, for every skin if
   ///         there are several

@@ -18,7 +18,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Whether a file of NumPy holds motions of MDM, by its header, which does not say what an object is.
+/// True if a file of NumPy holds motions of MDM, by its header, which does not say what an object is.
 /// Throws  io_error 401 to 405
 bool may_be_mdm_motions(const FilePath& path);
 

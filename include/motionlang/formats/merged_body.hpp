@@ -13,7 +13,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Throws  io_error 401 to 407 for files that cannot be read, are no body of 52 joints or no hand; numeric_error 301
+/// Throws  io_error 401 to 407 for files that cannot be read, and for a body of other than 52 joints or another hand;
+///         numeric_error 301
 void merge_smplh(const FilePath& body, const FilePath& left, const FilePath& right, const FilePath& out);
 
 MOTIONLANG_NAMESPACE_END

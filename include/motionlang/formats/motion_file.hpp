@@ -23,7 +23,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// An option that says nothing about a format is passed over there.
+/// A format ignores the options that do not concern it.
 struct MotionReadOptions {
   double scale = 0.01;          // metres per unit of a BVH file
   std::optional<double> fps{};  // of .glb, .gltf, .vrm and .vrma, whose keys have times of their own; none: rate()
@@ -42,12 +42,12 @@ struct MotionWriteOptions {
 /// The extension of a name in lower case, with the dot: ".bvh". "" if there is none.
 std::string file_kind(const FilePath& path);
 
-/// Whether a file holds glTF, with any number of animations: .glb, .gltf, .vrm, .vrma.
+/// True if a file holds glTF, with any number of animations: .glb, .gltf, .vrm, .vrma.
 bool is_gltf(const FilePath& path);
-/// Whether files of this kind are made to hold motions: .bvh, .amc, .npz, .npy, .glb, .vrma. (read_motions reads .vrm
+/// True if files of this kind are made to hold motions: .bvh, .amc, .npz, .npy, .glb, .vrma. (read_motions reads .vrm
 /// and .gltf as well, which are mostly avatars and scenes.)
 bool is_motion_file(const FilePath& path);
-/// Whether write_motion writes this kind: .bvh, .glb, .npz, .npy.
+/// True if write_motion writes this kind: .bvh, .glb, .npz, .npy.
 bool is_written_motion(const FilePath& path);
 
 /// The skeleton beside an AMC file: that of its subject, as CMU has them (01.asf beside 01_02.amc), otherwise the only
@@ -81,7 +81,7 @@ namespace detail {
 
 /// The extension of a name, or the name itself where it is an extension: ".bvh" of "walk.BVH" and of ".bvh".
 std::string wanted_kind(const FilePath& kind);
-/// What a message about a file that cannot be read or written adds where a converter is known.
+/// The end of a message about an unsupported file for which a converter is known.
 const char* about_fbx(std::string_view kind);
 
 }  // namespace detail

@@ -15,7 +15,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// The motion files (is_motion_file) in a folder and in those below it, in order. Not among them are .npy files with
 /// one axis, which are mean and deviation of a data set, and the joints of a data set that has the features of the same
 /// clips. Folders below it that cannot be read and links that lead in a circle are skipped.
-/// results  a folder for results: if it is below the other one, its files are no inputs
+/// results  a folder for results: if it is below the other one, its files are not inputs
 /// notes    gets a line about each folder and file that was skipped
 /// Throws   io_error 401 if the folder itself cannot be read
 std::vector<std::filesystem::path> motion_files_below(const FilePath& folder, const FilePath& results = "",
@@ -25,10 +25,10 @@ std::vector<std::filesystem::path> motion_files_below(const FilePath& folder, co
 /// says its rate at that one. Throws what NpzArchive::open throws.
 MotionReadOptions options_for_file(MotionReadOptions options, const FilePath& file);
 
-/// Whether an .npy file may hold a motion: it has more than one axis, or it cannot be read, and its reader says why.
+/// True if an .npy file may hold a motion: it has more than one axis, or it cannot be read, and its reader says why.
 bool may_hold_frames(const FilePath& npy);
 
-/// Whether two paths lead to one place, which need not exist.
+/// True if two paths lead to one place, which need not exist.
 bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
 
 MOTIONLANG_NAMESPACE_END

@@ -37,7 +37,7 @@ class MotionFolder {
  public:
   MotionFolder(std::filesystem::path results, std::string* notes) : results_(std::move(results)), notes_(notes) {}
 
-  /// What ended it before the end of the folder. Links to folders are not followed.
+  /// The error that ended it before the end of the folder. Links to folders are not followed.
   std::error_code add(const std::filesystem::path& folder) {
     std::error_code problem;
     for (std::filesystem::directory_iterator at(folder, problem), end; !problem && at != end; at.increment(problem)) {

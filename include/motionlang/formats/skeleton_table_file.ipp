@@ -32,7 +32,7 @@ MOTIONLANG_BODY SkeletonTable parse_skeleton_table(std::string_view text, const 
     const int role = smpl24_skeleton().find(target);
     if (role < 0)
       raise<config_error>(103, name, ":", number, ": '", target,
-                          "' is no joint of SMPL: ", join_text(smpl24_skeleton().names));
+                          "' is not a joint of SMPL: ", join_text(smpl24_skeleton().names));
     Index& before = line_of[static_cast<std::size_t>(role)];
     if (before > 0) raise<config_error>(102, name, ":", number, ": '", target, "' is in line ", before, " already");
     before = number;

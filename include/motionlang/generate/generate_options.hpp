@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a caller can choose when a motion is generated from a timeline, in one struct for every model.
+/// Options for generating a motion from a timeline, in one struct for every model.
 ///
 ///     const Motion a = generate_motion(stmc, timeline, {.seed = 7});
 ///     const Motion b = generate_motion(stmc, timeline, {.seed = 7, .steps = 10, .smooth = false});
@@ -34,7 +34,7 @@ struct KeptClip {
   BodyParts parts = BodyParts::all();                // that are kept; the way over the ground belongs to the legs
 };
 
-/// What a run reports besides its motions. Only models that go through STMC fill it.
+/// The report of a run besides its motions. Only models that go through STMC fill it.
 struct GenerateNotes {
   std::string layout{};                         // of the features
   std::vector<std::vector<double>> features{};  // of each motion, before it was smoothed and put on its feet
@@ -51,7 +51,7 @@ struct GenerateOptions {
   std::optional<double> fact{};  // scales the deviation of a latent from its mean, 0: the mean itself; 1 unless given
   double overlap = 0.5;          // seconds that neighbouring texts share around a cut
   bool cut_texts = true;         // where they lend body parts or get them back, and where they are too long
-  bool smooth = true;            // no trembling, and no jerk where texts meet
+  bool smooth = true;            // removes jitter, and jerks where texts meet
   bool fix_feet = true;          // feet that stand do not slide
   FilePath noise = "";           // file with noise/000 (initial), noise/001, ... instead of the seed
   FilePath record = "";          // file to write: what a later run needs to reuse this one

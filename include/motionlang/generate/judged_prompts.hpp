@@ -38,11 +38,11 @@ struct JudgedPrompt {
   std::function<bool(const PromptMeasures&)> done{};
 };
 
-/// What the free data show often: each of these is said about 19 segments or more (walking backwards) and up to 105
-/// (bending).
+/// Prompts for movements that the free data show often: each describes 19 segments or more (walking backwards) and up
+/// to 105 (bending).
 const std::vector<JudgedPrompt>& judged_prompts();
 
-/// What is measured of all prompts with all seeds. Means are over the motions.
+/// The measurements of all prompts with all seeds. Means are over the motions.
 struct Judgement {
   std::vector<std::vector<PromptMeasures>> results{};  // of each prompt, seed by seed
   std::vector<std::vector<Vec3<double>>> positions{};  // of each motion (frames, joints), seed by seed

@@ -14,7 +14,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What brings a clip over another as a whole: the mean turn between their roots, then the mean way over the floor.
+/// The transform that moves a clip over another as a whole: the mean turn between their roots, then the mean way over
+/// the floor.
 inline Placement placement_over(const Motion& clip, const Motion& other) {
   const Index frames = std::min(clip.frames(), other.frames());
   double sine = 0, cosine = 0;

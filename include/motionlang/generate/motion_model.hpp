@@ -33,15 +33,15 @@ class MotionModel {
   std::vector<Motion> generate(std::span<const Timeline> timelines, const GenerateOptions& options) const;
 
   virtual double fps() const = 0;
-  /// What it is, for messages: "a diffusion model".
+  /// Its kind for messages: "a diffusion model".
   virtual std::string system() const = 0;
   /// Steps of its diffusion; 0: it has none.
   virtual Index steps() const { return 0; }
-  /// Whether it goes through STMC: texts at the same time, body parts, noise, record, reuse and keep.
+  /// True if it goes through STMC: texts at the same time, body parts, noise, record, reuse and keep.
   virtual bool takes_timelines() const { return false; }
-  /// Whether its texts are names or numbers of actions.
+  /// True if its texts are names or numbers of actions.
   virtual bool takes_actions() const { return false; }
-  /// Whether its motions come from latents with noise in them.
+  /// True if its motions come from latents with noise in them.
   virtual bool draws_latents() const { return false; }
   /// The words of the texts that it learned from; none where its weights do not list them.
   virtual std::vector<std::string> words() const { return {}; }
@@ -79,7 +79,7 @@ class SeparateMotionModel : public MotionModel {
 Timeline whole_body_timeline(std::string text, Index frames);
 /// The only text of a timeline. Throws timeline_error 509.
 const Interval& only_text(const Timeline& timeline);
-/// The number of an action that is given by its name or its number. Throws config_error 103 for what is no class.
+/// The number of an action that is given by its name or its number. Throws config_error 103 for what is not a class.
 Index action_of(const std::string& text, std::span<const std::string> labels, Index classes);
 
 MOTIONLANG_NAMESPACE_END

@@ -11,7 +11,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What published models need from elsewhere; "": it is looked for beside them.
+/// Files outside the folder that published models need. The default "" looks beside them.
 struct ModelSources {
   std::string text_encoder{};  // a folder or a file
   std::string statistics{};    // a folder with mean and std
@@ -27,9 +27,9 @@ struct MotionModelPlace {
                                  // "actor", "temos", "teach", "sinc", "tmr", "tm2t", "mdm of actions"; of our trainings
                                  // "trained actor", "trained temos", ...
 
-  /// Whether only a loader of `trained` models reads it.
+  /// True if only a loader of `trained` models reads it.
   bool is_trained() const { return system == "tmr" || system.starts_with("trained "); }
-  /// Whether it goes through STMC, over any backend.
+  /// True if it goes through STMC, over any backend.
   bool is_diffusion() const;
 };
 

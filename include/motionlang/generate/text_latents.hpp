@@ -19,7 +19,7 @@ template <Backend B, class Model>
 struct TextLatents : TextMotionCheckpoint<B, Model> {
   std::function<Interval(const Timeline&)> wanted = only_text;  // the text for the model, and its frames
 };
-/// Of what load_temos, load_tmr, load_teach and load_sinc give.
+/// A motion model from the result of load_temos, load_tmr, load_teach or load_sinc.
 template <Backend B, class Model>
 TextLatents<B, Model> text_latents(TextMotionCheckpoint<B, Model> checkpoint) {
   return {std::move(checkpoint)};

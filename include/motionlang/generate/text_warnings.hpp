@@ -36,7 +36,7 @@ std::vector<std::string> several_action_warnings(std::span<const Timeline> timel
 /// About each text that cut_texts makes in parts because it is too long.
 std::vector<std::string> long_text_warnings(std::span<const Timeline> timelines, double fps);
 
-/// All four, as far as they concern the model and the options: none for a model that is no diffusion model, several
+/// All four, as far as they concern the model and the options: none for a model that is not a diffusion model, several
 /// actions only where the weights list the words, long texts only where texts are cut.
 /// in_turn  whether the actions of the texts are already one after the other
 std::vector<std::string> timeline_warnings(const MotionModel& model, std::span<const Timeline> timelines,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What every rotation can do, whatever its representation: the API deduced from `to_matrix`.
+/// Operations of every rotation, whatever its representation: the API deduced from `to_matrix`.
 #pragma once
 
 #include <motionlang/geometry/axis_angle.hpp>

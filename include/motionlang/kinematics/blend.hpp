@@ -11,7 +11,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// `second` after `first`, with `frames` frames in which both play and one gives way to the other. The second clip is
+/// `second` after `first`, with `frames` frames over which the first blends into the second. The second clip is
 /// turned and moved over the floor so that in the middle of these frames both roots stand over one place and have one
 /// heading; heights are only blended. The result has frames(first) + frames(second) - frames frames.
 /// Throws config_error 102 if skeletons or frame rates differ, 101 unless 1 <= frames <= those of each clip.

@@ -180,7 +180,7 @@ struct BodyModel {
     return out;
   }
 
-  /// What `prepare` does: blend shapes are laid out and packed in blocks of vertices. Nothing on an Autodiff backend.
+  /// The work of `prepare`: blend shapes are laid out and packed in blocks of vertices. Nothing on an Autodiff backend.
   void pack_surface() {
     if constexpr (!AutodiffBackend<B>) {
       Surface made = empty_surface();

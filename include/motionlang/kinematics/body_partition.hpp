@@ -35,7 +35,7 @@ struct PartWord {
   std::vector<std::string> parts;
 };
 
-/// What a BodyPartition is made of.
+/// The parts from which a BodyPartition is made.
 struct BodyPartNames {
   std::vector<std::string> names;       // in the order of their numbers
   std::string path;                     // the part that carries the others over the floor

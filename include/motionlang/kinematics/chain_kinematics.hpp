@@ -42,7 +42,7 @@ template <class T>
 std::size_t chain_frames(std::string_view function, const ChainSkeleton& skeleton, std::span<const T> values) {
   const std::size_t frames = values.size() / std::max<std::size_t>(skeleton.size(), 1);
   if (values.size() != frames * skeleton.size()) {
-    raise<shape_error>(205, function, ": ", values.size(), " values are no frames of ", skeleton.size(), " joints");
+    raise<shape_error>(205, function, ": ", values.size(), " values are not frames of ", skeleton.size(), " joints");
   }
   return frames;
 }

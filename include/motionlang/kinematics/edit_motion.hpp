@@ -10,7 +10,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What is done to a clip's time, first of all.
+/// Edits of a clip's time, which come first.
 struct TimeEdits {
   double from = 0, to = 0;  // seconds; to = 0: to the end
   double speed = 1;         // how much faster
@@ -25,10 +25,10 @@ Motion edit_time(Motion motion, const TimeEdits& edits);
 struct MotionEdits {
   bool smpl = false;      // on SMPL's 24 joints
   bool mirror = false;    // left becomes right
-  bool smooth = false;    // without trembling
+  bool smooth = false;    // removes jitter
   bool fix_feet = false;  // on the floor, and feet that stand do not slide; on SMPL's 24 joints
   bool in_place = false;  // the root stays over the origin
-  double loop = 0;        // so many seconds at the end are blended into the start; 0: no loop
+  double loop = 0;        // this many seconds at the end are blended into the start; 0: no loop
 };
 /// report  is set if the joints were others than SMPL's and became these. Throws what the single edits throw.
 Motion edit_motion(Motion motion, const MotionEdits& edits, RetargetReport* report = nullptr);

@@ -34,7 +34,7 @@ Index contour_row(const Matrix3<S>& r, Index contours) {
 /// vertices (N, V, 3) of the posed body, rotations (N, J, 9) that posed it -> (N, landmarks + points of a contour, 3);
 /// only the landmarks of bodies without contours. neck: its joint. Differentiable by the vertices.
 /// Throws  shape_error 204 unless both have N poses and the rotations are those of the body, config_error 101 for a
-///         neck that is no joint
+///         neck that is not a joint
 template <Backend B>
 Tensor<B, 3> face_landmarks(const Body<B>& body, const Tensor<B, 3>& vertices, const Tensor<B, 3>& rotations,
                             Index neck = 12) {

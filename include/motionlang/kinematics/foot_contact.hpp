@@ -16,7 +16,7 @@ struct ContactJoint {
   int joint = 0;
   double height = 0.05;  // metres above the floor
 };
-/// Of SMPL (and HumanML3D). When a foot stands, its ankle is about 7 cm and its toe joint 1 to 2 cm high.
+/// The feet of SMPL and HumanML3D. When a foot stands, its ankle is about 7 cm and its toe joint 1 to 2 cm high.
 inline constexpr double smpl_ankle_contact = 0.10, smpl_toe_contact = 0.05;
 /// Ankles and toes of SMPL (and HumanML3D).
 inline constexpr ContactJoint smpl_contact_joints[] = {

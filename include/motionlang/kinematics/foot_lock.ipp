@@ -118,7 +118,7 @@ MOTIONLANG_BODY void move_foot(Motion& motion, const Leg& leg, std::span<const V
 
 /// (frames): by how much a foot has to be raised so that its toe swings `clearance` above the lower of the heights
 /// where it left the floor and where it comes back. One bump sin^2 for each swing, no higher than that or a tenth of
-/// its way: a foot that only trembles is left alone.
+/// its way: a foot that only jitters is left alone.
 inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<const Vec3<double>> positions,
                                              const Leg& leg, const FootFixOptions& options) {
   const Index frames = motion.frames(), joints = motion.skeleton.size();

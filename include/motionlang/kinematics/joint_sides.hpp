@@ -19,7 +19,7 @@ namespace detail {
 Side side_of_name(std::string_view name);
 
 bool has_side_word(std::string_view name);
-/// What the joint on the other side may be called. A letter may be a coincidence ("lowerback"): look the names up.
+/// Possible names of the joint on the other side. A letter may be a coincidence ("lowerback"): look the names up.
 std::vector<std::string> other_side(const std::string& name);
 
 }  // namespace detail

@@ -13,7 +13,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What parts the words of a name.
+/// The characters that separate the words of a name.
 inline bool is_separator(char c) { return c == '_' || c == '.' || c == '-' || c == ' '; }
 
 /// Where a letter stands alone inside of a name (J_Bip_L_Hand, "Bip01 L Thigh"), or npos.

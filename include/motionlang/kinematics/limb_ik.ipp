@@ -19,7 +19,7 @@ MOTIONLANG_BODY void require_limb(std::string_view function, const Skeleton& ske
   };
   if (!hangs_on(limb.end, limb.middle) || !hangs_on(limb.middle, limb.upper)) {
     raise<config_error>(103, function, ": joints ", limb.upper, ", ", limb.middle, ", ", limb.end,
-                        " are no limb of a skeleton of ", skeleton.size());
+                        " are not a limb of a skeleton of ", skeleton.size());
   }
 }
 

@@ -75,7 +75,7 @@ MOTIONLANG_BODY Motion motion_from_joints(const Skeleton& skeleton, std::span<co
     raise<config_error>(101, "motion_from_joints: ", count, " joints for a skeleton of ", skeleton.size());
   const auto n = static_cast<std::size_t>(count), frames = joints.size() / n;
   if (joints.size() != frames * n)
-    raise<shape_error>(205, "motion_from_joints: ", joints.size(), " positions are no frames of ", count, " joints");
+    raise<shape_error>(205, "motion_from_joints: ", joints.size(), " positions are not frames of ", count, " joints");
   for (std::size_t i = 0; i < joints.size(); ++i) {
     if (!std::isfinite(joints[i].x + joints[i].y + joints[i].z))
       raise<numeric_error>(301, "motion_from_joints: joint ", i % n, " in frame ", i / n, " is not finite");

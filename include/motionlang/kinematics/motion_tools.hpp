@@ -48,7 +48,7 @@ inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partne
 ///
 /// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
 /// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last
-/// digit counts as one frame. Returns 0 for skeletons whose zero pose is no T-pose: call it before retargeting.
+/// digit counts as one frame. Returns 0 for skeletons whose zero pose is not a T-pose: call it before retargeting.
 Index detect_t_pose_lead_in(const Motion& motion);
 
 /// The clip without those frames.

@@ -20,7 +20,7 @@ namespace detail {
 class StandingSkeleton;
 }
 
-/// What a map did with the joints of both skeletons.
+/// How a map matched the joints of both skeletons.
 struct RetargetReport {
   std::string table, target_table;                          // the kinds of source and target
   std::vector<std::pair<std::string, std::string>> mapped;  // joint of the target, joint (or "a + b") of the source
@@ -69,7 +69,7 @@ class SkeletonMap {
   /// A joint of the target seen from its root.
   Vec3<double> from_root(int joint, const std::vector<Quaternion<double>>& world) const;
 
-  /// Of joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
+  /// For joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
   int namesake(const std::string& name) const;
   void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
 

@@ -28,8 +28,8 @@ struct Placement {
   Vec3<double> operator()(const Vec3<double>& p) const { return rotate(rotation(), p) + shift; }
 };
 
-/// What brings the root in frame `from` of one clip over the place and heading of the root in frame `to` of another.
-/// Heights stay. The frames exist.
+/// The transform that moves the root in frame `from` of one clip over the place and heading of the root in frame `to`
+/// of another. Heights stay. The frames exist.
 Placement placement_between(const Motion& clip, Index from, const Motion& other, Index to);
 
 /// The whole clip moved.

@@ -29,7 +29,7 @@ SincParts sinc_parts(Part... parts) {
 }
 inline bool has(const SincParts& parts, SincPart part) { return parts[static_cast<std::size_t>(part)]; }
 
-/// Throws nothing: an unknown name is no part.
+/// Throws nothing: an unknown name is not part.
 constexpr std::optional<SincPart> parse_sinc_part(std::string_view name) {
   for (std::size_t p = 0; p < sinc_part_count; ++p) {
     if (name == sinc_part_names[p]) return static_cast<SincPart>(p);

@@ -35,10 +35,10 @@ struct MappedJoint {
 struct SkeletonTable {
   std::string name;
   std::vector<MappedJoint> joints;
-  /// Whether limbs are turned so that the source's bones take the directions of the target's; false where the zero pose
+  /// True if limbs are turned so that the source's bones take the directions of the target's; false where the zero pose
   /// (with `turn`) is known to be the T-pose although its bones are not straight.
   bool straighten = true;
-  /// Whether the soles are level in the zero pose although the legs stand apart, as in the pose to which a character's
+  /// True if the soles are level in the zero pose although the legs stand apart, as in the pose to which a character's
   /// skin is bound. Otherwise feet lean to the side with their shins.
   bool level_soles = false;
 

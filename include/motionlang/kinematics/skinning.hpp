@@ -51,7 +51,7 @@ class SkinWeights {
 
 /// Numbers of a joint's transform, row by row: [R | t].
 inline constexpr Index skin_transform_size = 12;
-/// Bytes of the transforms of so many poses, filled up to whole registers of any width.
+/// Bytes of the transforms of this many poses, filled up to whole registers of any width.
 template <Scalar S>
 constexpr std::size_t skin_transform_bytes(Index poses, Index joints) {
   constexpr Index most = 64 / sizeof(S);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// A clip without its trembling. Slow movement, peaks and the ends of the clip stay where they are.
+/// Removes jitter from a clip. Slow movement, peaks and the ends of the clip stay where they are.
 #pragma once
 
 #include <motionlang/kinematics/motion.hpp>

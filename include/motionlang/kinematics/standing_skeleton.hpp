@@ -14,7 +14,7 @@ struct LimbBone {
   std::string_view joint, end;
 };
 
-/// Whether a text names two different axes, as "+x+y" does.
+/// True if a text names two different axes, as "+x+y" does.
 bool is_axes(std::string_view axes);
 /// World rotation of a joint in a T-pose, from "+x+y": its local axes that point left and up.
 Quaternion<double> axes_rotation(const MappedJoint& joint);
@@ -29,7 +29,7 @@ class StandingSkeleton {
 
   StandingSkeleton(Skeleton s, SkeletonTable t);
 
-  /// What says that it does not stand, facing forward: the head is not over the pelvis, the hips are not side by side,
+  /// The reason why it does not stand and face forward: the head is not over the pelvis, the hips are not side by side,
   /// or toes point back as left and right are exchanged. "" if it stands, or has no such joints.
   std::string lies() const;
 

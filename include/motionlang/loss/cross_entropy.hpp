@@ -11,8 +11,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///     l_i = -sum_j t_ij log softmax(s_i)_j,   t_ij = 1 - e where j = y_i, e / (classes - 1) elsewhere
 /// computed relative to the largest s_ij of each row: nothing overflows. e: label smoothing as TM2T has it
 /// (Szegedy et al., 2016, section 7, give e / classes to every class).
-/// logits s (rows, classes), one label y per row -> (rows). Throws shape_error 203 for a label that is no class, 204 if
-/// the counts differ, config_error 101 unless 0 <= e < 1.
+/// logits s (rows, classes), one label y per row -> (rows). Throws shape_error 203 for a label that is not a class, 204
+/// if the counts differ, config_error 101 unless 0 <= e < 1.
 template <Backend B>
 Tensor<B, 1> cross_entropies(const Tensor<B, 2>& logits, std::span<const Index> labels, double smoothing = 0) {
   const Index rows = logits.size(0), classes = logits.size(1);

@@ -37,7 +37,7 @@ Tensor<B, 0> smooth_l1(const Tensor<B, R>& a, const Tensor<B, R>& b) {
 }
 
 namespace detail {
-/// Numbers of a batch that is padded to so many frames, or to the longest sequence.
+/// Numbers of a batch that is padded to this many frames, or to the longest sequence.
 template <Backend B>
 double padded_count(const Sequences<B>& a, Index frames) {
   return static_cast<double>(a.count() * std::max(frames, a.offsets.longest()) * a.width());

@@ -11,7 +11,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// Counts (classes, classes): rows are labels, columns predictions, the largest logit (of equals the first).
 /// logits  (samples, classes)
-/// Throws  shape_error 204, 203 for a label that is no class
+/// Throws  shape_error 204, 203 for a label that is not a class
 template <Scalar S>
 std::vector<Index> confusion_matrix(const Rows<S>& logits, std::span<const Index> labels) {
   detail::require_same_count("confusion_matrix: samples against labels", logits.size(), std::ssize(labels));
@@ -32,7 +32,7 @@ std::vector<Index> confusion_matrix(const Rows<S>& logits, std::span<const Index
 inline double accuracy(std::span<const Index> confusion) {
   const auto classes = static_cast<Index>(std::lround(std::sqrt(static_cast<double>(confusion.size()))));
   if (classes * classes != std::ssize(confusion))
-    raise<shape_error>(205, "accuracy: ", confusion.size(), " counts are no square");
+    raise<shape_error>(205, "accuracy: ", confusion.size(), " counts are not a square");
   Index right = 0, all = 0;
   for (Index i = 0; i < std::ssize(confusion); ++i) {
     const Index count = confusion[static_cast<std::size_t>(i)];
@@ -42,7 +42,7 @@ inline double accuracy(std::span<const Index> confusion) {
   return static_cast<double>(right) / static_cast<double>(all);
 }
 
-/// Of labels with several yes or no answers each (body parts of actions): for each answer the share of the items that
+/// For labels with several yes-or-no answers (body parts of actions): for each answer the share of the items that
 /// have it right, 0 to 1. SINC's figure is the mean of them.
 /// predicted  (items, answers), 0 or 1
 /// wanted     (items, answers), 0, 1, or 0.5 where either is right, which does not count

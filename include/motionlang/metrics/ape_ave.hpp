@@ -121,7 +121,7 @@ PointErrors point_errors(const std::vector<Point>& a, const std::vector<Point>& 
   return out;
 }
 
-/// Of one pair: sums over time, and variances. Cut to `frames`.
+/// The errors of one pair: sums over time, and variances. Cut to `frames`.
 template <Scalar S>
 ApeAve clip_errors(const CanonicalMotion<S>& a, const CanonicalMotion<S>& b, Index frames) {
   const auto n = static_cast<std::size_t>(frames);
@@ -188,7 +188,7 @@ class ApeAveMetric {
       raise<shape_error>(203, "ApeAveMetric: ", frames, " of ", a.frames(), " and ", b.frames(), " frames");
     collect(errors_of(a, b, frames), frames);
   }
-  /// Of several samples the one with the smallest (largest) sum of root errors. As published, all its sums are divided
+  /// The sample with the smallest (largest) sum of root errors. As published, all its sums are divided
   /// by the frames of the first sample. Throws also numeric_error 302 of no samples.
   void add_best(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, false); }
   void add_worst(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, true); }
@@ -248,7 +248,7 @@ class ApeAveMetric {
 template <Scalar S>
 double transition_distance(std::span<const Vec3<S>> joints, Index per_frame, Index frame) {
   if (per_frame < 1 || std::ssize(joints) % per_frame != 0)
-    raise<shape_error>(205, "transition_distance: ", joints.size(), " joints are no frames of ", per_frame);
+    raise<shape_error>(205, "transition_distance: ", joints.size(), " joints are not frames of ", per_frame);
   const Index frames = std::ssize(joints) / per_frame;
   if (frame < 1 || frame >= frames) raise<shape_error>(203, "transition_distance: at frame ", frame, " of ", frames);
   double sum = 0;

@@ -91,7 +91,7 @@ BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& re
   return out;
 }
 
-/// Of several references. Throws shape_error 204, numeric_error 302 of none
+/// The score for several references. Throws shape_error 204, numeric_error 302 of none
 template <Scalar S>
 BertScore bert_score(const BertSentence<S>& candidate, std::span<const BertSentence<S>> references,
                      const BertWeights& weights, const BertScore& baseline = {}, const BertPadding& padding = {}) {

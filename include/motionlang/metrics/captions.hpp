@@ -33,7 +33,7 @@ std::vector<std::string> three_references(std::vector<std::string> references);
 // ---- BLEU
 // -------------------------------------------------------------------------------------------------------------
 
-/// What BLEU is calculated from; those of several sentences add up. Entry k - 1 is of runs of k words.
+/// The counts of BLEU; the counts of several sentences add up. Entry k - 1 is of runs of k words.
 struct BleuCounts {
   std::array<Index, 4> correct{}, guess{};
   Index length = 0, reference_length = 0;

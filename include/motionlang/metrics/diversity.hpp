@@ -32,8 +32,8 @@ IndexPairs disjoint_draws(Index n, Index count, NumpyRandom& rng);
 
 /// ACTOR's multimodality: `quota` pairs of each class. A first one is drawn from all and left if its class has its
 /// pairs; then second ones until the class is the same, which may be the first one itself.
-/// Throws config_error 101, shape_error 203 for a label that is no class; numeric_error 302 if a class is absent, for
-/// which the published loop would not end
+/// Throws config_error 101, shape_error 203 for a label that is not a class; numeric_error 302 if a class is absent,
+/// for which the published loop would not end
 IndexPairs pairs_within_classes(std::span<const Index> labels, Index classes, Index quota, NumpyRandom& rng);
 
 /// Mean of |x_first - x_second|. Throws shape_error 204, 203; numeric_error 302 of no pairs

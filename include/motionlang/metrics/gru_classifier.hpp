@@ -8,7 +8,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What a classifier of motions says about each sequence: numbers for statistics of motions, and a score for each
+/// The output of a classifier of motions for each sequence: values for statistics of motions, and a score for each
 /// class.
 template <Backend B>
 struct Recognition {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-/// What is wrong with a clip: the checks of `motionlang doctor`, and the repair of what can be repaired.
+/// Faults of a clip: the checks of `motionlang doctor`, and the repair of faults that can be repaired.
 ///
 ///     const Inspection found = inspect_motion(motion);
 ///     for (const Finding& f : found.findings) std::puts(f.text.c_str());
 ///     Motion better = mended(motion, found.cure);
 ///
-/// A wrong scale, up axis or frame rate is put right before the checks that follow it, so that each finding has one
+/// A wrong scale, up axis or frame rate is corrected before the checks that follow it, so that each finding has one
 /// cause. All limits are in SI units and named in InspectionLimits.
 ///
 /// A usual but wrong frame rate shows only where physics leaves no choice: in jumps and runs, in which the body falls
-/// with 9.81 m/s2, and in steps that would sink faster than anything falls. Slow motion without a flight is no finding:
-/// a person may walk as slowly.
+/// with 9.81 m/s2, and in steps that would sink faster than anything falls. Slow motion without a flight is not a
+/// finding: a person may walk as slowly.
 #pragma once
 
 #include <algorithm>  // any_of
@@ -65,7 +65,7 @@ struct Finding {
   double moment = 0;  // seconds into the clip, of what happens at a time
 };
 
-/// What `mended` does, in this order. Frames count in the clip that was inspected.
+/// The steps of `mended`, in this order. Frames count in the clip that was inspected.
 struct Cure {
   std::vector<Index> spikes;               // frames that are replaced by the middle of their neighbours
   Index lead_in = 0;                       // frames that are cut off at the start
@@ -99,8 +99,8 @@ struct InspectionLimits {
   double spike = 0.08;                             // m that a joint is off the middle of its neighbours in time
   double jump = 0.15;                              // m between two frames, and
   double jump_speed = 8;                           // m/s: a fast punch or kick
-  double jump_seconds = 0.1;                       // a jump may be spread over so many
-  double isolated = 5;    // spikes and jumps: so many times what the joint does in the frames around
+  double jump_seconds = 0.1;                       // a jump may be spread over this many
+  double isolated = 5;    // spikes and jumps: this many times what the joint does in the frames around
   double violent = 1000;  // m/s2 that no joint takes in any surroundings; recordings have up to 700
   double slide = 0.2;     // m/s of feet in contact, median over the contacts; recordings have 0.01 to 0.1
   double low = 0.03;      // m above where a foot joint is when it stands: still on the floor

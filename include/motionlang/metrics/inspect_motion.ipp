@@ -73,7 +73,7 @@ inline ParabolaFit fit_parabola(std::span<const double> values) {
   return {2 * c2, std::sqrt(off)};
 }
 
-/// One clip under inspection: its joints in the world, put right as far as causes are known.
+/// One clip under inspection: its joints in the world, corrected as far as causes are known.
 class MotionInspector {
  public:
   MotionInspector(const Motion& motion, const InspectionLimits& limits) : motion_(motion), limits_(limits) {}
@@ -312,14 +312,14 @@ class MotionInspector {
            limbs(&BodyJoints::Pair::left) + limbs(&BodyJoints::Pair::right);
   }
 
-  /// What the centre of mass falls with between two points where its path bends, m/s2 at the stated rate.
+  /// The acceleration of the falling centre of mass between two bends of its path, m/s2 at the stated rate.
   struct Arcs {
     std::vector<double> flights;  // see is_flight
     std::vector<double> all;
   };
   Arcs arcs() {
     constexpr std::size_t fewest = 6;  // frames: any few lie on a parabola
-    // Bends are seen over so many frames, against noise.
+    // Bends are seen over this many frames, against noise.
     const auto lag = 1 + static_cast<std::size_t>(std::min(motion_.fps / 60, static_cast<double>(frames())));
     std::vector<double> y;
     for (Index f = first_; f < frames(); ++f) y.push_back(mass_height(f));
@@ -340,7 +340,7 @@ class MotionInspector {
     }
     return out;
   }
-  /// Whether both feet leave the floor and come back to it, with hands above the knees: nothing else carries the body.
+  /// True if both feet leave the floor and come back to it, with hands above the knees: nothing else carries the body.
   /// `feet` is the height of the lower one above where it stands, from frame `start` after the lead-in on.
   bool is_flight(std::size_t start, std::span<const double> feet) {
     for (std::size_t i = 0; i < feet.size(); ++i) {

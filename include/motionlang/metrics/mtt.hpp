@@ -43,7 +43,7 @@ std::vector<S> mtt_features(const ChainSkeleton& skeleton, std::span<const Vec3<
                             bool z_up = true) {
   const auto kept = static_cast<Index>(skeleton.size());
   if (per_frame < kept || std::ssize(joints) % per_frame != 0)
-    raise<shape_error>(205, "mtt_features: ", joints.size(), " joints are no frames of ", per_frame);
+    raise<shape_error>(205, "mtt_features: ", joints.size(), " joints are not frames of ", per_frame);
   std::vector<Vec3<S>> y_up;
   for (Index at = 0; at < std::ssize(joints); at += per_frame) {
     for (Index j = 0; j < kept; ++j) {
@@ -79,7 +79,7 @@ inline std::array<Index, 3> quarter_points(Index feature_frames) {
   return {feature_frames / 4, 2 * feature_frames / 4, 3 * feature_frames / 4};
 }
 
-/// What is subtracted from a joint before it is compared with the frame before.
+/// The offset that is subtracted from a joint before it is compared with the frame before.
 enum class MttOrigin {
   root,   // the root, as written and of recorded motions
   own_x,  // its own x, from all of its coordinates: as coded of generated motions
@@ -95,7 +95,7 @@ template <Scalar S>
 std::vector<double> mtt_transitions(std::span<const Vec3<S>> joints, std::span<const Index> points, MttOrigin origin,
                                     Index per_frame = 22) {
   if (per_frame < 1 || std::ssize(joints) % per_frame != 0)
-    raise<shape_error>(205, "mtt_transitions: ", joints.size(), " joints are no frames of ", per_frame);
+    raise<shape_error>(205, "mtt_transitions: ", joints.size(), " joints are not frames of ", per_frame);
   auto seen = [&](Index frame, Index j) {
     const Vec3<S>& p = joints[static_cast<std::size_t>(frame * per_frame + j)];
     return p -

@@ -26,7 +26,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What is searched for what. Tables have texts as rows and motions as columns.
+/// The direction of a search. Tables have texts as rows and motions as columns.
 enum class RetrievalDirection { text_to_motion, motion_to_text };
 
 /// Which pairs of texts mean the same, (n, n), 1 = yes:  i = j, or e_i . e_j > 2 threshold - 1.
@@ -90,7 +90,7 @@ struct RetrievalMetrics {
   double median_rank = 0;          // the best is 1
   double queries = 0;
 };
-/// Of all queries. Throws numeric_error 302 if there is none.
+/// The metrics of all queries. Throws numeric_error 302 if there is none.
 RetrievalMetrics retrieval_metrics(std::vector<double> ranks);
 
 /// Both directions.

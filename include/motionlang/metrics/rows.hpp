@@ -24,7 +24,7 @@ class Rows {
   /// Throws shape_error 205 unless the values are whole rows.
   Rows(std::span<const S> values, Index width) : values_(values), width_(width) {
     if (width < 1 || std::ssize(values) % width != 0)
-      raise<shape_error>(205, "Rows: ", values.size(), " values are no rows of ", width);
+      raise<shape_error>(205, "Rows: ", values.size(), " values are not rows of ", width);
   }
   Rows(const std::vector<S>& values, Index width) : Rows(std::span<const S>(values), width) {}
 

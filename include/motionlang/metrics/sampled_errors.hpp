@@ -48,7 +48,7 @@ class BlindErrors {
  public:
   using Motions = std::function<JointFrames(Index)>;
 
-  /// joints_of(i): those of motion i of so many to train on
+  /// joints_of(i): those of motion i of this many to train on
   BlindErrors(const RifkeVariant& variant, const JointErrors& none, Index motions, Motions joints_of,
               std::uint64_t seed);
 

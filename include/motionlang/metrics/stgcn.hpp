@@ -17,7 +17,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// lead away from the centre, 1 the others. (3, joints, joints), row by row.
 /// Differs  from the paper: distances from the centre beyond 1 count as infinite and so as equal; such edges are in
 ///          part 1
-/// Throws   config_error 101 if the centre is no joint
+/// Throws   config_error 101 if the centre is not a joint
 std::vector<double> stgcn_adjacency(std::span<const int> parents, Index centre);
 
 /// A convolution (kernel, 1) of PyTorch over (time, joints): over time, each joint by itself; "same" padding.
@@ -150,7 +150,7 @@ struct StGcn {
   /// The same with the statistics of the batch, which the norms remember.
   Recognition<B> train(const Sequences<B>& x) { return run(*this, x); }
 
-  /// What the first block reads: normalised, every joint a sequence of its own.
+  /// The input of the first block: normalised, with every joint as a sequence of its own.
   template <class Self>
   static Sequences<B> joint_sequences(Self& self, const Sequences<B>& x) {
     const Index joints = self.joints(), channels = x.width() / joints, rows = x.offsets.rows();

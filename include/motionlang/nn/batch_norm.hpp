@@ -9,7 +9,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What a BatchNorm has seen in training. Saved and loaded, but not trained.
+/// Running statistics of a BatchNorm from training. They are saved and loaded, but not trained.
 template <Backend B>
 struct RunningStatistics {
   static constexpr bool trainable = false;

@@ -7,7 +7,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What both directions know after each row. Rows are those of the input.
+/// The states of both directions after each row. Rows are those of the input.
 template <Backend B>
 struct BiGruStates {
   Sequences<B> forward, backward;

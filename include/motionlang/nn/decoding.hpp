@@ -24,7 +24,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct DecodingOptions {
   Index begin = 0, end = 1, pad = 2;
   Index max_steps = 50;
-  Index top_k = 0;         // only the so many most probable symbols are drawn; 0: all
+  Index top_k = 0;         // draws only from this many most probable symbols; 0: all
   bool redraw_pad = true;  // decode_one never draws the padding either
 };
 
@@ -112,7 +112,7 @@ struct Decoded {
   std::vector<std::vector<Index>> ids;
   std::vector<Index> lengths;
 
-  /// What counts, without the marks.
+  /// The symbols that count, without the marks.
   IdSequences written() const;
 };
 

@@ -25,7 +25,8 @@ struct Embedding {
   }
 };
 
-/// A row for each label with 1 in its column, (labels, classes). Throws shape_error 203 for a label that is no class.
+/// A row for each label with 1 in its column, (labels, classes).
+/// Throws shape_error 203 for a label that is not a class.
 template <Backend B>
 Tensor<B, 2> one_hot(std::span<const Index> labels, Index classes) {
   std::vector<typename B::scalar> rows(labels.size() * static_cast<std::size_t>(classes));

@@ -41,7 +41,7 @@ Tensor<B, 2> last_row(const Sequences<B>& x) {
   return pick_rows(x, at);
 }
 
-/// What becomes of the tokens of a text: all stay; their mean; the first one ([CLS]); the end token, which is the last
+/// How the tokens of a text are pooled: all stay; their mean; the first one ([CLS]); the end token, which is the last
 /// one where the network does not say.
 enum class Pooling { none, mean, first, end };
 

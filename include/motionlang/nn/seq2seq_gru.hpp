@@ -147,7 +147,7 @@ struct Seq2SeqGru {
     using M = Seq2SeqGru;
     return motionlang::fields("text_encoder", &M::text_encoder, "motion_decoder_step", &M::motion_decoder_step);
   }
-  /// What is written goes by the vectors of the tokens that are read; the files hold them twice.
+  /// Input and output share the vectors of the tokens; the files hold them twice.
   std::string copy_of(const std::string& path) const {
     return path == "motion_decoder_step.trg_word_prj.weight" ? "motion_decoder_step.input_emb.weight" : "";
   }
@@ -160,7 +160,7 @@ struct Seq2SeqGru {
   using State = typename AttentiveGruDecoder<B>::State;
   using Step = typename AttentiveGruDecoder<B>::Result;
 
-  /// words: vectors without parts of speech. `longest`: as if the longest text had so many words; 0: as it is.
+  /// words: vectors without parts of speech. `longest`: as if the longest text had this many words; 0: as it is.
   State start(const Sequences<B>& words, Index longest = 0) const {
     const auto read = text_encoder(words);
     return motion_decoder_step.start(to_padded(read.equally_far(), 0, longest), read.ends());
@@ -192,8 +192,8 @@ struct Seq2SeqGru {
     return gather(concat(std::span<const Tensor<B, 2>>(steps), 0), pick);
   }
 
-  /// What decode_batch asks. The state goes along with the steps, so that beginnings have to grow by one token at a
-  /// time.
+  /// The function that decode_batch calls. The state goes along with the steps, so that beginnings have to grow by one
+  /// token at a time.
   auto next(State& state) const {
     return [this, &state](const IdSequences& written) {
       std::vector<Index> last;

@@ -26,10 +26,10 @@ SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> or
 /// All sequences, the longest first: shares become more equal.
 PoolVector<Index> longest_first(const Offsets& offsets);
 
-/// The first sequences that have at most so many rows together; at least one. There must be one.
+/// The first sequences that have at most this many rows together; at least one. There must be one.
 std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows);
 
-/// Calls put(group) for the sequences that each thread has, in groups of at most so many rows. All threads at once.
+/// Calls put(group) for the sequences that each thread has, in groups of at most this many rows. All threads at once.
 template <class F>
 void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads,
                 Index rows, const F& put) {

@@ -76,7 +76,8 @@ Sequences<B> first_rows(const Sequences<B>& x, Index n) {
   return {gather(x.rows, pick), Offsets::equal(x.count(), n)};
 }
 
-/// What enters the first layer: the tokens of each sequence, its frames, and positions that count from the first token.
+/// The input of the first layer: the tokens of each sequence, its frames, and positions that count from the first
+/// token.
 template <Backend B>
 Sequences<B> token_sequence(const Sequences<B>& tokens, const Sequences<B>& frames, const Tensor<B, 2>& positions) {
   return add_positions(concat_tokens(tokens, frames), positions);
@@ -141,7 +142,7 @@ Sequences<B> position_queries(const Tensor<B, 2>& positions, const Offsets& offs
   return {gather(positions, rows), offsets};
 }
 
-/// What a decoder makes of queries that are the same for all sequences of one length, read out by `final_layer`.
+/// The output of a decoder for queries that are the same for all sequences of one length, read out by `final_layer`.
 ///     queries(lengths)   the queries of sequences of these lengths
 /// Without dropout the first layer's attention to itself is the same for them too, and is computed once for each
 /// length.

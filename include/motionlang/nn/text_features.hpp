@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a text encoder gives and a denoiser takes: some token vectors for every text.
+/// The output of a text encoder and input of a denoiser: token vectors for every text.
 #pragma once
 
 #include <motionlang/tensor/sequences.hpp>

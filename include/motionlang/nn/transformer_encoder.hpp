@@ -106,9 +106,9 @@ struct TransformerEncoder {
       return some.rows;
     }));
   }
-  /// Of sequences that end alike: sequence j has the rows of heads[j], then those of tails[i], where uses.begin(i) <= j
-  /// < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail is computed once.
-  /// No dropout. Throws shape_error 204 for other numbers of heads or tails.
+  /// Encodes sequences that share endings: sequence j has the rows of heads[j], then those of tails[i], where
+  /// uses.begin(i) <= j < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail
+  /// is computed once. No dropout. Throws shape_error 204 for other numbers of heads or tails.
   Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
     const ModuleScope scope(*this);
     const Offsets repeated = repeat_lengths(tails.offsets, uses);

@@ -12,7 +12,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// How many codes are in use, as it were:  exp(-sum_k p_k log(p_k + 1e-10)),   p_k: share of code k
 double code_perplexity(std::span<const Index> codes, Index codebook);
 
-/// What becomes of vectors z.
+/// The result of quantising vectors z.
 template <Backend B>
 struct Quantized {
   std::vector<Index> codes;  // k_i = arg min_k |z_i - e_k|, of equals the first

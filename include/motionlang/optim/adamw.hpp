@@ -21,7 +21,7 @@ struct AdamWConfig {
   double beta1 = 0.9, beta2 = 0.999;
   double eps = 1e-8;
   double weight_decay = 0.01;
-  bool allow_constants = false;  // parameters that are no variables stay as they are; else they are an error
+  bool allow_constants = false;  // parameters that are not variables stay as they are; else they are an error
 };
 
 namespace detail {
@@ -60,7 +60,7 @@ inline double clip_scale(double norm, double max_norm) { return std::min(1.0, ma
 ///     p = p (1 - lr wd);   m = b1 m + (1 - b1) g;   v = b2 v + (1 - b2) g^2
 ///     p = p - lr / (1 - b1^k) m / (sqrt(v / (1 - b2^k)) + eps)
 /// All parameters decay, biases and norms too. Parameters that the loss does not reach stay as they are. With
-/// weight_decay = 0 this is Adam. Tensors of modules with `trainable = false` are no parameters.
+/// weight_decay = 0 this is Adam. Tensors of modules with `trainable = false` are not parameters.
 template <AutodiffBackend A>
 class AdamW {
  public:
@@ -74,8 +74,8 @@ class AdamW {
   AdamWConfig config;
 
   /// One update; gradients are multiplied by `scale` first (clip_scale). The model keeps its variables. Throws
-  /// config_error 102 for a parameter that is no variable (unless config.allow_constants) and for two parameters of one
-  /// path, before anything has changed, shape_error 204 if restored moments are those of another model.
+  /// config_error 102 for a parameter that is not a variable (unless config.allow_constants) and for two parameters of
+  /// one path, before anything has changed, shape_error 204 if restored moments are those of another model.
   template <Module M>
   void step(M& model, const Gradients<A>& gradients, double scale = 1) {
     const auto tensors = tensors_of(model);

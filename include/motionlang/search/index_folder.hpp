@@ -28,7 +28,7 @@ struct MomentOptions {
   std::vector<double> windows{1, 2, 3};  // lengths, seconds; none: only whole clips
   double stride = 0.5;                   // from one moment to the next, seconds
 };
-/// What an index of these vectors says of its model: that of the encoder, with the windows in its frames.
+/// The model entry of an index with these vectors: that of the encoder, with the windows in its frames.
 IndexModel index_model(const SearchEncoder& encoder, const MomentOptions& moments = {});
 
 struct IndexOptions {
@@ -39,7 +39,7 @@ struct IndexOptions {
   MotionReadOptions read{};          // of all files, as options_for_file has it
 };
 
-/// What an update did.
+/// The report of an update.
 struct IndexReport {
   Index added = 0, removed = 0;              // clips
   Index renamed = 0, unchanged = 0;          // files
@@ -113,7 +113,7 @@ IndexReport update_index(MotionIndex& index, const FilePath& folder, const Searc
 
 /// A path as an index keeps it: absolute, without links, and without a slash at its end.
 std::filesystem::path indexed_path(const FilePath& path);
-/// Whether an absolute path is the folder or in it.
+/// True if an absolute path is the folder or in it.
 bool is_below(const std::filesystem::path& path, const std::filesystem::path& folder);
 /// Takes the clips of a file, or of all files below a folder, out of an index. Returns how many clips that were.
 Index remove_below(MotionIndex& index, const FilePath& path);

@@ -156,7 +156,7 @@ MOTIONLANG_BODY void IndexUpdate::find_changes() {
   }
 }
 
-/// Whether the clips of a file are what the captions say; a file that they do not name stays as it is.
+/// True if the clips of a file are what the captions say; a file that they do not name stays as it is.
 MOTIONLANG_BODY bool IndexUpdate::has_lines(const IndexedClip& c, const std::string& path) const {
   const auto found = lines_of_.find(path);
   return found == lines_of_.end() || c.lines == detail::checksum_of_lines(found->second);

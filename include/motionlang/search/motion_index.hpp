@@ -138,7 +138,7 @@ class MotionIndex {
   void move_model(std::string path, std::string text_encoder);
 
  private:
-  /// Whether it has frames, and an end that an Index can hold.
+  /// True if it has frames, and an end that an Index can hold.
   static bool is_moment(const FrameSlice& m) {
     return m.first >= 0 && m.length >= 1 && m.first <= std::numeric_limits<Index>::max() - m.length;
   }

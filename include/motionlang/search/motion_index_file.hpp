@@ -21,7 +21,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What else an index file may have: bytes by the name of their tensor ("graph_clips").
+/// Further entries of an index file: bytes by the name of their tensor ("graph_clips").
 using IndexExtras = std::map<std::string, std::vector<std::byte>>;
 
 namespace detail {

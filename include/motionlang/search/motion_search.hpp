@@ -21,7 +21,7 @@ struct MotionHit {
 /// order. A window that is longer than the clip is the whole clip.
 std::vector<FrameSlice> indexed_moments(Index frames, const IndexModel& model);
 
-/// Of moments in the order of their scores those that stand apart: one that overlaps a better one of the same clip by
+/// Keeps moments that stand apart, in the order of their scores: one that overlaps a better one of its clip by
 /// an intersection over union above `most_iou` is dropped (greedy non-maximum suppression). At most k are kept.
 std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_first,
                                         std::span<const MotionIndex::Moment> moments, double most_iou, Index k);

@@ -18,7 +18,7 @@ struct Neighbour {
   float score = 0;
   bool operator==(const Neighbour&) const = default;
 };
-/// Whether a stands before b in an answer: the higher score, and of equal ones the lower index.
+/// True if a stands before b in an answer: the higher score, and of equal ones the lower index.
 inline bool is_nearer(const Neighbour& a, const Neighbour& b) {
   return a.score != b.score ? a.score > b.score : a.index < b.index;
 }

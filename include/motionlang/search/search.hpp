@@ -12,7 +12,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What is compared with the query.
+/// The vectors that are compared with the query.
 enum class SearchFor {
   clips,    // whole clips
   moments,  // windows of clips

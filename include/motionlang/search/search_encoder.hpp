@@ -23,7 +23,7 @@ class SearchEncoder {
   virtual const IndexModel& model() const = 0;
   /// (texts, width).
   virtual std::vector<float> encode_texts(std::span<const std::string> texts) const = 0;
-  /// What the model sees of a clip on any skeleton that can be retargeted: normalised features, (frames, features).
+  /// The model's input for a clip on any skeleton that can be retargeted: normalised features, (frames, features).
   virtual std::vector<float> rows_of(const Motion& motion) const = 0;
   /// The frames of such rows.
   virtual Index frames(std::span<const float> rows) const = 0;

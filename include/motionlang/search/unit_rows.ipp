@@ -15,7 +15,7 @@ namespace detail {
 MOTIONLANG_BODY Index whole_rows(std::string_view function, std::size_t values, Index width) {
   if (width < 1) raise<config_error>(101, function, ": rows of ", width, " numbers");
   if (values % static_cast<std::size_t>(width) != 0)
-    raise<shape_error>(205, function, ": ", values, " values are no rows of ", width);
+    raise<shape_error>(205, function, ": ", values, " values are not rows of ", width);
   return static_cast<Index>(values) / width;
 }
 

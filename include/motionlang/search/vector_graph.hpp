@@ -3,7 +3,7 @@
 /// the nearest are found, in time that grows with the logarithm of the gallery. Without hnswlib, which needs
 /// exceptions, every search is exact.
 ///
-///     auto graphs = motion_graphs(index, 100'000);                       // for galleries of so many vectors or more
+///     auto graphs = motion_graphs(index, 100'000);                       // for galleries of this many vectors or more
 ///     write_motion_index("moves.index", index, graphs);
 ///     const MotionIndexFile file = MotionIndexFile::open("moves.index");
 ///     const MotionSearch search = open_motion_search(file);              // with the graphs that the file has
@@ -89,7 +89,7 @@ std::vector<GraphRows> graph_rows(const MotionIndex& index, Index least);
 
 }  // namespace detail
 
-/// Whether the file has the graphs that motion_graphs would make.
+/// True if the file has the graphs that motion_graphs would make.
 bool has_graphs(const MotionIndexFile& file, Index least);
 
 /// Graphs for the clips and the moments of an index where there are `least` of them or more; none without hnswlib.

@@ -26,7 +26,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What hnswlib takes for a vector: the number of a row, or -1 and a vector of somebody who asks.
+/// A vector as hnswlib sees it: the number of a row, or -1 and the vector of a query.
 struct GraphPoint {
   std::int64_t row = -1;
   const float* vector = nullptr;
@@ -114,7 +114,7 @@ inline void check_graph(std::span<const std::byte> bytes, Index vectors, const s
     check_links(element, h.links0, 0);
     const auto row = load<std::int64_t>(bytes, element + static_cast<std::size_t>(h.data_offset), name, "a graph");
     const auto label = load<std::int64_t>(bytes, element + static_cast<std::size_t>(h.label_offset), name, "a graph");
-    if (row < 0 || row >= vectors || label != row) wrong("a vector that there is not");
+    if (row < 0 || row >= vectors || label != row) wrong("an unknown vector");
     for (std::uint64_t l = 0; l < level[i]; ++l)
       check_links(place[i] + static_cast<std::size_t>(l * upper), h.links, l + 1);
   }

@@ -88,7 +88,7 @@ struct Actor {
   }
 
   /// x: frames of `actor_frame_features`; one action per motion. padded_frames: see ActorAverageEncoder.
-  /// Throws shape_error 203 for an action that is no class.
+  /// Throws shape_error 203 for an action that is not a class.
   LatentGaussian<B> encode(const Sequences<B>& x, std::span<const Index> actions, const Context& context = {},
                            Index padded_frames = 0) const {
     if (average_encoder) return (*average_encoder)(x, context, padded_frames);
@@ -127,7 +127,7 @@ Tensor<B, 2> actor_noise(const Actor<B>& actor, Index rows, G& rng) {
 
 /// Motions in the order sample, action. durations: frames for each action, or for each motion.
 /// rng     its normal numbers are drawn once; with TorchRandom they are those of the published program
-/// Throws  shape_error 203 for an action that is no class, 204 for another number of durations, config_error 101
+/// Throws  shape_error 203 for an action that is not a class, 204 for another number of durations, config_error 101
 template <Backend B, class G>
 Sequences<B> generate(const Actor<B>& actor, std::span<const Index> actions, std::span<const Index> durations, G& rng,
                       const ActorSampling& o = {}) {
@@ -161,13 +161,13 @@ Sequences<B> interpolate_motions(const Actor<B>& actor, const Sequences<B>& two_
 
 /// Motions between two actions: one latent, whose memory in the decoder goes in `steps` steps from one action to the
 /// other. All have `length` frames; the first and the last are those of generate.
-/// Throws  config_error 102 for a decoder that is no transformer: its frames read the number of the action. What
+/// Throws  config_error 102 for a decoder that is not a transformer: its frames read the number of the action. What
 ///         generate and interpolate_rows throw
 template <Backend B, class G>
 Sequences<B> interpolate_actions(const Actor<B>& actor, Index from, Index to, Index steps, Index length, G& rng) {
   if (!actor.decoder)
     raise<config_error>(102, "interpolate_actions: actions ", from, " and ", to,
-                        ": nothing is between them for a decoder that is no transformer");
+                        ": nothing is between them for a decoder that is not a transformer");
   const Index width = actor.config.latent_dim, both[] = {from, to};
   const auto z = broadcast_to<2>(detail::actor_noise(actor, 1, rng), {2, width});
   const auto ends = actor.decoder->memory(z, both).rows;

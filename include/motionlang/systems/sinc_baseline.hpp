@@ -12,7 +12,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What happens where one text hands a body part over to another: nothing, or an interpolation around the cut.
+/// The transition where one text hands a body part over to another: nothing, or an interpolation around the cut.
 enum class SincCuts { hard, interpolated };
 
 namespace detail {

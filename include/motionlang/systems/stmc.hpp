@@ -28,7 +28,7 @@ namespace detail {
 /// Complete where the bodies of Stmc are.
 template <class T>
 struct StmcBodies;
-/// Whether motionlang::instantiated has the bodies.
+/// True if motionlang::instantiated has the bodies.
 template <class T>
 inline constexpr bool is_compiled_stmc = false;
 
@@ -118,7 +118,7 @@ struct Stmc {
   /// noise.
   Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
 
-  /// The process with so many steps evenly kept, all when 0; the model's own number unless given. Throws config_error
+  /// The process with this many steps evenly kept, all when 0; the model's own number unless given. Throws config_error
   /// 105.
   GaussianDiffusion process(std::optional<Index> wanted) const;
 

@@ -9,7 +9,7 @@
 ///     motion = regenerate(stmc, record, timelines, {}, &reuse);
 ///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);
 ///
-/// What the mathematics allows (compose/edits.hpp): an edit goes one crop further with every step. Texts that follow
+/// The limit of reuse (compose/edits.hpp): an edit spreads by one crop with every step. Texts that follow
 /// each other with an overlap are one chain of crops, so after as many steps as the chain has crops beside the edit
 /// nothing is reused any more: with 100 steps a few per cent of the work, with 10 steps and a long timeline much of it.
 /// Free are timelines of the batch that were not edited, and with overlap 0 all texts behind a cut that nothing spans.

@@ -27,7 +27,7 @@ struct KeptPart {
   BodyParts parts = BodyParts::every();
 };
 
-/// What is kept of a motion; nothing without parts. Frame 0 is that of the timeline.
+/// The kept part of a motion; nothing without parts. Frame 0 is that of the timeline.
 template <Backend B>
 struct KeptMotion {
   Tensor<B, 2> features{};  // (frames, features), not normalised

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-/// What a run of STMC took over from the run before (systems/stmc_edit.hpp).
+/// How much a run of STMC reused of the run before (systems/stmc_edit.hpp).
 #pragma once
 
 #include <motionlang/core/shape.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What a run took over.
+/// How much a run reused.
 struct StmcReuse {
   Index frames = 0, kept = 0;      // of the result; those that have the numbers of before
   Index work = 0, whole_work = 0;  // rows through the network in all steps; in a run that takes nothing over

@@ -94,7 +94,8 @@ struct Teach {
   Sequences<B> decode(const Tensor<B, 2>& z, const Offsets& lengths, const Context& context = {}) const {
     return motiondecoder(z, lengths, context);
   }
-  /// What the next text is encoded with. Throws shape_error 207 for a motion of fewer than hist_frames frames.
+  /// The frames with which the next text is encoded. Throws shape_error 207 for a motion of fewer than hist_frames
+  /// frames.
   TeachPast<B> past_of(const Sequences<B>& motion, const Tensor<B, 2>& z) const {
     TeachPast<B> out{last_rows(motion, Offsets::equal(motion.count(), config.hist_frames))};
     if (config.z_prev_text) out.z = z;

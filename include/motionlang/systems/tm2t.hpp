@@ -31,7 +31,7 @@ struct Tm2tSampling {
   Index max_tokens = 49, top_k = 100;
 };
 
-/// What may be said about a motion, and the logarithm of the probability that the model says just that.
+/// A description of a motion, and the logarithm of its probability under the model.
 struct Description {
   std::string text;
   double log_probability = 0;
@@ -77,7 +77,7 @@ struct Tm2t {
     return {statistics.denormalize(tokenizer.motions(IdSequences::from(lists)).rows), Offsets(frames)};
   }
 
-  /// What the transformer reads: codes between the marks.
+  /// The input of the transformer: codes between the marks.
   IdSequences marked(const IdSequences& codes) const {
     std::vector<std::vector<Index>> lists;
     for (Index i = 0; i < codes.count(); ++i) {
@@ -174,7 +174,7 @@ struct Tm2t {
       f(beam_search(Seq2SeqWriter<B>(m2t_transformer, own), options), own);
     }
   }
-  /// What symbols with their marks say about the motion of a memory, unless it is said already.
+  /// Adds the description that symbols with their marks give of a memory's motion, unless it is there already.
   void add(std::vector<Description>& to, std::span<const Index> ids, const Sequences<B>& memory,
            const GloVe& glove) const {
     std::string text = sentence(ids, glove);

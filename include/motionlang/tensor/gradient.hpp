@@ -6,7 +6,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What `backward` returns: the gradient of every variable, on the inner backend.
+/// The result of `backward`: the gradient of every variable, on the inner backend.
 template <AutodiffBackend A>
 class Gradients {
  public:

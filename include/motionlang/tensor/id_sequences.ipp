@@ -25,7 +25,7 @@ MOTIONLANG_BODY IdSequences IdSequences::from(const std::vector<std::vector<Inde
 
 MOTIONLANG_BODY IdSequences IdSequences::from_padded(std::span<const Index> padded, Index width, Index pad) {
   if (width < 1 || std::ssize(padded) % width != 0)
-    raise<shape_error>(205, "IdSequences: ", padded.size(), " ids are no rows of ", width);
+    raise<shape_error>(205, "IdSequences: ", padded.size(), " ids are not rows of ", width);
   std::vector<std::vector<Index>> lists;
   for (std::size_t i = 0; i < padded.size(); ++i) {
     if (i % static_cast<std::size_t>(width) == 0) lists.emplace_back();

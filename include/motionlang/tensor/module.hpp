@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What every module can do because it lists its fields: visit tensors, count parameters, move to another backend.
+/// Operations of every module that lists its fields: visit tensors, count parameters, move to another backend.
 #pragma once
 
 #include <type_traits>  // options
@@ -19,9 +19,9 @@ inline constexpr bool is_trainable = [] {
     return true;
 }();
 
-/// Whether a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and what says so
+/// True if a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and what says so
 /// itself (`static constexpr bool is_option = true`, or a specialisation of this variable): sizes, computed tables.
-/// Other types need fields() of their own. Without them their tensors would be passed over, hence a compile error.
+/// Other types need fields() of their own. Without them their tensors would be skipped, hence a compile error.
 template <class T>
 inline constexpr bool is_option = [] {
   if constexpr (requires { T::is_option; })
@@ -46,8 +46,8 @@ struct ModuleTensor {
 
 namespace detail {
 
-/// What the tensors below a type have in common: their backend (void: there are none), and which ranks they have, a bit
-/// for each.
+/// The common properties of the tensors below a type: their backend (void: there are none), and which ranks they have,
+/// a bit for each.
 template <class T>
 struct TensorsBelow {
   static_assert(is_option<T>,
@@ -149,7 +149,7 @@ void with_rank(const ModuleTensor<B>& t, F& f) {
 template <Module M>
 using module_backend = typename detail::TensorsBelow<M>::backend;
 
-/// All tensors of a module in the order of its fields; other fields (sizes, options) are passed over.
+/// All tensors of a module in the order of its fields; other fields (sizes, options) are skipped.
 template <Module M>
 std::vector<ModuleTensor<module_backend<M>>> tensors_of(M& module) {
   detail::TensorLister<module_backend<M>> lister;

@@ -90,7 +90,7 @@ class Tensor {
   Shape shape() const { return B::shape(data_); }
   Index size(int axis) const { return shape()[normalize_axis(axis, Rank, "Tensor::size")]; }
   Index count() const { return shape().count(); }
-  /// Whether there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
+  /// True if there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
   bool defined() const {
     if constexpr (Rank == 1 && requires(const typename B::tensor& t) { t.defined(); }) return data_.defined();
     return shape().rank() == Rank;

@@ -179,7 +179,7 @@ struct BertNetwork {
     }))};
   }
 
-  /// What a padded batch has at place `place` behind the end of each text, (texts, width): a piece of padding, which
+  /// The row of a padded batch at `place` behind the end of each text, (texts, width): a piece of padding, which
   /// attends to the text and is not attended to. Published SINC models with separate texts see it. Throws config_error
   /// 101 if there is no such position.
   Tensor<B, 2> padding_states(const TokenBatch& batch, Index place) const requires(!Keys::relative_scores) {

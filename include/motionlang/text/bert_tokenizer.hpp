@@ -34,7 +34,7 @@ struct BertTokenizerOptions {
   Index longest = 512;             // ids of a text with its frame, as many as the network has positions
   bool truncate = false;           // a longer text is cut, else refused
 
-  /// Of all-mpnet-base-v2.
+  /// The options of all-mpnet-base-v2.
   static BertTokenizerOptions mpnet();
 };
 
@@ -46,7 +46,7 @@ class BertTokenizer {
   /// vocabulary   the piece of every id
   /// added        instead of options.special, as a tokenizer.json lists them
   /// Throws       config_error 107, naming `source`: a piece is duplicated, is empty or not UTF-8, or begin, end or
-  ///              unknown is no piece; 101 if options.longest leaves no room for a text
+  ///              unknown is not a piece; 101 if options.longest leaves no room for a text
   explicit BertTokenizer(std::vector<std::string> vocabulary, BertTokenizerOptions options = {},
                          std::string_view source = "BertTokenizer", std::optional<std::vector<AddedToken>> added = {});
 
@@ -58,7 +58,7 @@ class BertTokenizer {
   /// Throws config_error 103 if the vocabulary has no piece for padding.
   Index pad_id() const;
 
-  /// Other frames than the options make. Throws config_error 107 for ids that are no pieces, 101 as the constructor.
+  /// Other frames than the options make. Throws config_error 107 for ids that are not pieces, 101 as the constructor.
   void set_frames(std::vector<FramePart> single, std::vector<FramePart> pair, std::string_view source);
 
   /// The framed ids of a text. Throws config_error 101 if they are more than options().longest and may not be cut.
@@ -76,7 +76,7 @@ class BertTokenizer {
   std::string normalized(std::string_view text) const;
 
  private:
-  /// Of a character that is white space or belongs to Other: whether it separates words. The others vanish.
+  /// For a character that is white space or belongs to Other: true if it separates words. The others vanish.
   static bool is_blank(char32_t c, unsigned k);
   static bool is_cjk(char32_t c);
   /// ASCII symbols count as punctuation.

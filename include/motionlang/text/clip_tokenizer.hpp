@@ -19,7 +19,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What happens to a text before its words are looked for.
+/// How a text is cleaned before it is split into words.
 enum class ClipCleaning {
   original,     // OpenAI's: repair_text, HTML entities twice, white space, lower case with final sigma
   hugging_face  // NFC, white space, lower case without context, as its tokenizer.json says
@@ -48,8 +48,8 @@ class ClipTokenizer {
   explicit ClipTokenizer(const BytePairMerges& merges, const ClipTokenizerOptions& options = {},
                          std::string_view source = "ClipTokenizer");
   /// Any ids. `added` instead of begin and end, as a tokenizer.json lists them: they are looked for before the words
-  /// are. Throws config_error 107, naming `source`, if begin or end is no piece, a piece is duplicated or a merge needs
-  /// a piece that there is not; 101 if options.longest leaves no room for the frame
+  /// are. Throws config_error 107, naming `source`, if begin or end is not a piece, a piece is duplicated or a merge
+  /// needs an unknown piece; 101 if options.longest leaves no room for the frame
   ClipTokenizer(std::vector<std::string> pieces, const BytePairMerges& merges, ClipTokenizerOptions options = {},
                 std::string_view source = "ClipTokenizer", const std::vector<AddedToken>& added = {});
 
@@ -61,7 +61,7 @@ class ClipTokenizer {
   /// OpenAI fills up with 0, Hugging Face with the end.
   Index pad_id() const { return options_.cleaning == ClipCleaning::original ? 0 : end_; }
 
-  /// Other frames than begin, text, end. Throws config_error 107 for ids that are no pieces, 101 as the constructor.
+  /// Other frames than begin, text, end. Throws config_error 107 for ids that are not pieces, 101 as the constructor.
   void set_frames(std::vector<FramePart> single, std::vector<FramePart> pair, std::string_view source);
 
   /// The framed ids of a text, at most options().longest: a text that is longer loses its last words, or throws
@@ -82,13 +82,13 @@ class ClipTokenizer {
  private:
   static std::vector<std::string> openai_pieces(const BytePairMerges& merges, const ClipTokenizerOptions& options);
 
-  /// What a word may begin with, in the order in which it is tried. Without case, as the original compares, the long s
+  /// The beginnings of a word, in the order in which it is tried. Without case, as the original compares, the long s
   /// is an s.
   std::size_t literal_at(std::string_view text) const;
   std::size_t folded_prefix(std::string_view text, std::string_view literal) const;
 
   /// Words: the literals, runs of letters, single numbers, runs of what is neither nor white space. U+0345 is lost in
-  /// the original: it is no letter, but without case it is the iota, which is one, so that neither kind of run takes
+  /// the original: it is not a letter, but without case it is the iota, which is one, so that neither kind of run takes
   /// it.
   void append_words(std::vector<Index>& ids, std::string_view text, detail::WordCache* cache) const;
   void append_word(std::vector<Index>& ids, std::string_view word, detail::WordCache* cache) const;

@@ -46,7 +46,7 @@ class BytePairs {
       const auto& [left, right] = merges[rank];
       const Index a = id_of(left), b = id_of(right), both = id_of(left + right);
       for (const auto& [piece, id] : {std::pair(left, a), std::pair(right, b), std::pair(left + right, both)}) {
-        if (id < 0) raise<config_error>(107, source, ": merge ", rank, ": '", piece, "' is no piece");
+        if (id < 0) raise<config_error>(107, source, ": merge ", rank, ": '", piece, "' is not a piece");
       }
       if (!merges_.emplace(key(a, b), Merge{rank, both}).second)
         raise<config_error>(107, source, ": merge ", rank, ": '", left, "' and '", right, "' are duplicated");

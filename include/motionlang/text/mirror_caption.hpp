@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a mirrored motion is called: left and right exchanged in its caption.
+/// The caption of a mirrored motion: left and right are exchanged.
 ///
 ///     left <-> right, with the endings -s, -ward(s), -most, -hand(ed)
 ///     clockwise <-> counterclockwise, anticlockwise -> clockwise; also in parts: "counter-clockwise", "clock-wise"

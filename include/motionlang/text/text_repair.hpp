@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the CLIP tokenizer does to a text before it looks for words: the deterministic steps of ftfy's repair, and HTML
+/// Cleaning of texts for the CLIP tokenizer: the deterministic steps of ftfy's repair, and HTML
 /// entities.
 ///
 /// Source   openai/CLIP clip/simple_tokenizer.py basic_clean; ftfy 6.3.1 (Speer 2019); Python's html.unescape, HTML5's

@@ -16,7 +16,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What Windows-1252 shows for the bytes 0x80 ... 0x9F; five of them are undefined and stay.
+/// The characters of Windows-1252 for the bytes 0x80 ... 0x9F; five of them are undefined and stay.
 constexpr char32_t from_windows_1252(char32_t c) {
   constexpr char16_t shown[] = {0x20AC, 0x81,   0x201A, 0x192,  0x201E, 0x2026, 0x2020, 0x2021, 0x2C6,  0x2030, 0x160,
                                 0x2039, 0x152,  0x8D,   0x17D,  0x8F,   0x90,   0x2018, 0x2019, 0x201C, 0x201D, 0x2022,

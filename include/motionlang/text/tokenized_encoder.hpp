@@ -18,8 +18,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct TextOptions {
   Pooling pooling = Pooling::none;
   bool normalize = false;  // pooled vectors get the length 1
-  Index width = 0;    // fill all texts up to so many ids, as MotionDiffuse wants (77); 0: no padding, as the mean wants
-  Index padding = 0;  // the id to fill up with
+  Index width = 0;         // pads all texts to this many ids, as for MotionDiffuse (77); 0: no padding, as for the mean
+  Index padding = 0;       // the id to fill up with
 };
 
 /// The network takes a TokenBatch and gives TextFeatures<B>. Two things are optional: `until_end(batch)`, what suffices

@@ -14,7 +14,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What WordPiece looks pieces up in.
+/// The table in which WordPiece looks up pieces.
 struct WordPieceIds {
   std::unordered_map<std::string, Index> ids;
   std::size_t longest = 0;  // of all pieces

@@ -130,8 +130,8 @@ struct DrawnItems {
   Embedded<B> text, motion;
 };
 
-/// What the loader of Guo et al. hands out: a random text of every entry and a part of its motion, in random batches.
-/// The last batch is left out unless it is whole.
+/// The items that the loader of Guo et al. gives: a random text of every entry and a part of its motion, in random
+/// batches. The last batch is left out unless it is whole.
 template <Backend B>
 class GuoItems {
  public:

@@ -141,7 +141,7 @@ struct RecognitionOptions {
 };
 /// accuracy_X, diversity_X, multimodality_X and fid_X of every seed. X: gt, recorded motions; gt2, other windows of
 /// these (their FID is against gt); gen, generated; denoised; between, between two motions of an action.
-/// part     motions with a label each. Throws config_error 103 for a label that is no class of the model.
+/// part     motions with a label each. Throws config_error 103 for a label that is not a class of the model.
 template <Backend B>
 std::map<std::string, std::vector<double>> recognition_results(const ActorModel<B>& model, const ActionJudge<B>& who,
                                                                const std::vector<DescribedMotion>& part,

@@ -43,8 +43,8 @@ struct ActorDecoder {
     seqTransDecoder = copied_layers<TransformerDecoder<B>>(c, rng);
   }
 
-  /// What the frames of each motion attend to. z (motions, width). Throws shape_error 203 for a label that is no class,
-  /// 204 unless each motion has one.
+  /// The rows to which the frames of each motion attend. z (motions, width).
+  /// Throws shape_error 203 for a label that is not a class, 204 unless each motion has one.
   Sequences<B> memory(const Tensor<B, 2>& z, std::span<const Index> labels) const {
     if (std::ssize(labels) != z.size(0))
       raise<shape_error>(204, "ActorDecoder: ", labels.size(), " labels for ", z.size(0), " motions");

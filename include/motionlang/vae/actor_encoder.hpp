@@ -33,7 +33,8 @@ struct ActorEncoder {
         positions(max_len, c.d_model),
         dropout_p(c.dropout) {}
 
-  /// What enters the first layer. Throws shape_error 203 for a label that is no class, 204 unless each motion has one.
+  /// The input of the first layer.
+  /// Throws shape_error 203 for a label that is not a class, 204 unless each motion has one.
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> labels) const {
     auto token = [&](const Tensor<B, 2>& of_class) {
       return Sequences<B>(gather(of_class, labels), Offsets::equal(std::ssize(labels), 1));
@@ -93,7 +94,7 @@ struct ActorAverageEncoder {
   }
 
  private:
-  /// Embedded frames of zeros at the positions behind the end of each sequence, up to so many.
+  /// Embedded frames of zeros at the positions behind the end of each sequence, up to this many.
   Sequences<B> padding_of(const Offsets& offsets, Index longest) const {
     detail::require_positions("ActorAverageEncoder", positions.rows(), longest);
     PoolVector<Index> at, lengths;

@@ -44,7 +44,7 @@ struct ActorGruEncoder {
         var(width, width, rng),
         concatenate_time(time) {}
 
-  /// Throws shape_error 203 for a label that is no class or a motion without frames.
+  /// Throws shape_error 203 for a label that is not a class or a motion without frames.
   LatentGaussian<B> operator()(const Sequences<B>& x, std::span<const Index> labels) const {
     const ModuleScope scope(*this);
     const Index classes = feats_embedding.in() - x.width() - (concatenate_time ? 1 : 0);

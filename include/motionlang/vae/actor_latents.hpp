@@ -16,7 +16,7 @@ struct ActorSampling {
   NoiseSharing across_actions = NoiseSharing::random;  // random or same
   double fact = 1;                                     // scales all noise
 
-  /// Rows of noise that `samples` of so many actions need.
+  /// Rows of noise that `samples` of this many actions need.
   Index noise_rows(Index actions) const {
     return (across_samples == NoiseSharing::random ? samples : 1) *
            (across_actions == NoiseSharing::random ? actions : 1);

@@ -14,8 +14,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct ActorLossWeights {
   double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
 };
-/// What rcxyz and velxyz compare: `actor_points` of the motions, and of those that the model wrote. Published models
-/// take vertices without the translation.
+/// The points that rcxyz and velxyz compare: `actor_points` of the motions, and of those that the model wrote.
+/// Published models take vertices without the translation.
 template <Backend B>
 struct ActorLossPoints {
   Sequences<B> wanted, written;

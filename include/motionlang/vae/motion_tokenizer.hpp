@@ -144,7 +144,7 @@ struct MotionTokenizer {
     const auto z = encode(x);
     return {quantizer.codes(z.rows), z.offsets};
   }
-  /// Codes to normalised features. Throws shape_error 203 for an id that is no code.
+  /// Codes to normalised features. Throws shape_error 203 for an id that is not a code.
   Sequences<B> motions(const IdSequences& tokens) const {
     return vq_decoder({quantizer.embedding(tokens.ids), tokens.offsets});
   }

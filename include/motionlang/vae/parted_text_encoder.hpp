@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the text encoders of TEACH and SINC share: a sequence of several parts, told apart by a learned token.
+/// The common part of the text encoders of TEACH and SINC: a sequence of several parts, told apart by a learned token.
 ///
 ///     [mu token, logvar token, part, separation token, part, ...] -> encoder -> mu, logvar
 #pragma once

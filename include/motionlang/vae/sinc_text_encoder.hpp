@@ -8,7 +8,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What becomes of several labels: one sentence (text/joined_labels.hpp; the released models); one sequence of separate
+/// How several labels are encoded: one sentence (text/joined_labels.hpp; the released models); one sequence of separate
 /// texts ("SINC-STE"); a latent for each label, all of them memory of the decoder.
 enum class SincMode { single, separate_texts, separate_latents };
 
@@ -58,13 +58,13 @@ struct SincTextEncoder {
   SincTextEncoder(Index text_dim, const TransformerConfig& c, Index max_len, Rng auto& rng)
       : text(text_dim, c, max_len, rng) {}
 
-  /// What enters the first layer, for each text on its own.
+  /// The input of the first layer, for each text on its own.
   Sequences<B> alone(const Sequences<B>& states, bool positions, const Context& context = {}) const {
     const auto words = text.projected(states);
     const auto tokens = repeat_sequence(text.beginning(), states.count());
     return concat_tokens(tokens, positions ? text.placed(words, context) : words);
   }
-  /// What enters the first layer, for the texts of each motion together.
+  /// The input of the first layer, for the texts of each motion together.
   /// legacy_mask  As published, where the mask is shifted by one behind the first text: of each further text that is
   ///              shorter than the batch is padded to, the last token is hidden and the last place of its padding seen
   ///              (`texts.end`: the state of the language model there, distilbert.padding_states(batch, last place)); a

@@ -10,7 +10,7 @@ struct TeachTextKeys {
   static constexpr const char* separation_token = "seperation_token";  // published so
 };
 
-/// What came before an action.
+/// The motion before an action.
 template <Backend B>
 struct TeachPast {
   std::optional<Sequences<B>>

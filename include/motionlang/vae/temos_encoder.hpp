@@ -52,7 +52,7 @@ struct TemosEncoder {
   Sequences<B> embed(const Sequences<B>& x) const {
     return projection(Keys::relu ? x.with(activate(x.rows, Activation::relu)) : x);
   }
-  /// What enters the first layer.
+  /// The input of the first layer.
   Sequences<B> sequence(const Sequences<B>& x) const {
     return token_sequence(repeat_sequence(tokens(), x.count()), embed(x), positions.rows());
   }

@@ -15,7 +15,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What one modality of a batch became.
+/// The results for one modality of a batch.
 template <Backend B>
 struct LatentBranch {
   LatentGaussian<B> distribution;

@@ -31,7 +31,7 @@ struct TmrEncoder {
         positions(max_len, c.d_model),
         dropout_p(c.dropout) {}
 
-  /// What enters the first layer.
+  /// The input of the first layer.
   Sequences<B> sequence(const Sequences<B>& x) const {
     return token_sequence(repeat_sequence(tokens, x.count()), projection(x), positions.rows());
   }

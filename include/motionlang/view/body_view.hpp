@@ -11,7 +11,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Whether write_on_body writes so many motions to a file of this kind: .glb and .html take several, .obj takes one.
+/// True if write_on_body writes this many motions to a file of this kind: .glb and .html take several, .obj takes one.
 inline bool is_body_view(const FilePath& path, std::size_t motions) {
   const std::string kind = file_kind(path);
   return kind == ".glb" || kind == ".html" || (kind == ".obj" && motions == 1);

@@ -102,7 +102,7 @@ class FilmStrip {
     const double share = last_ > 0 ? std::clamp(time / last_, 0.0, 1.0) : 0;
     return margin + cell_ / 2 + share * (cell_ * (poses_ - 1));
   }
-  /// Of a point on the floor at this depth.
+  /// The height of a point on the floor at this depth.
   double floor_y(double depth) const { return floor_ - (depth - nearest_) * view_.sine * depth_scale_; }
   double depth_of_root(Index frame) const { return dot(motion_.root_at(frame), view_.away); }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a search found, as one HTML page: for each clip or moment its score, where it is, what is said about it, and a
+/// Search results as one HTML page: for each clip or moment its score, its place, its captions, and a
 /// film strip. Nothing comes from outside the file.
 #pragma once
 

@@ -11,7 +11,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Whether write_view writes this kind: .html, .svg, .png.
+/// True if write_view writes this kind: .html, .svg, .png.
 bool is_view(const FilePath& path);
 
 /// Writes a page or a picture. Throws config_error 103 for another extension, io_error 401, and what the writers throw.
@@ -26,9 +26,9 @@ void write_motion_or_view(const FilePath& path, const Motion& motion, const Moti
 std::vector<std::byte> motion_or_view_bytes(const FilePath& kind, const Motion& motion,
                                             const MotionWriteOptions& options = {});
 
-/// Whether one file of this kind holds several motions: .glb, .html.
+/// True if one file of this kind holds several motions: .glb, .html.
 bool holds_several(const FilePath& path);
-/// Whether one file of this kind holds these motions, of which there is one at least: those in GLB are on one skeleton.
+/// True if one file of this kind holds these motions, of which there is one at least: those in GLB are on one skeleton.
 bool holds_together(const FilePath& path, std::span<const Motion> motions);
 /// Writes several motions into one file: animations of a GLB file, or a page on which one is chosen.
 /// Throws config_error 103 for another extension, io_error 401, and what write_glb and write_viewer throw.

@@ -130,7 +130,7 @@ MOTIONLANG_BODY Index actor_longest(const RunFolder& run, const TensorSet& weigh
   const detail::RunReader r(run, weights, "");
   const auto frames = [&r](const char* key, Index otherwise, Index least) {
     const Index n = r.number({key}, otherwise, 100'000, least);
-    return n < 0 ? n : r.number({key}, otherwise, 100'000, 2);  // 0 and 1 frames are no motion
+    return n < 0 ? n : r.number({key}, otherwise, 100'000, 2);  // 0 and 1 frames are not a motion
   };
   const Index stated = frames("num_frames", 60, -2), most = stated < 0 ? frames("max_len", -1, -1) : stated;
   return std::min(most < 0 ? config.max_len : most, config.max_len - 2);

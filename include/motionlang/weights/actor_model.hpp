@@ -135,7 +135,7 @@ struct ActorModel {
 };
 /// Throws config_error 102 if a classifier of these clips cannot judge or learn from the motions of a model.
 void require_same_clips(const ActorClipsConfig& model, const ActorClipsConfig& seen);
-/// Throws config_error 102 if a model's frames are no rows that the settings of clips make.
+/// Throws config_error 102 if a model's frames are not rows that the settings of clips make.
 void require_same_rows(const ActorClipsConfig& model, const ActorClipsConfig& clips);
 /// The numbers that a classifier gives to the actions of a model. Throws config_error 102 unless both know the same.
 std::vector<Index> numbers_of(std::span<const std::string> actions, std::span<const std::string> classifier);

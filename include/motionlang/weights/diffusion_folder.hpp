@@ -27,7 +27,7 @@ nlohmann::ordered_json diffusion_options(const DiffusionRun& run);
 /// The files of a text encoder that reading it takes. `weights`: not only those of its tokenizer.
 std::vector<std::filesystem::path> text_encoder_files(const std::filesystem::path& path, bool weights = true);
 
-/// Whether a tensor of the checkpoint belongs to the model: of what is beside it only CLIP's text tower.
+/// True if a tensor of the checkpoint belongs to the model: of what is beside it only CLIP's text tower.
 bool is_packed(const std::string& name, const DiffusionRun& run);
 
 /// Everything but the statistics. tensors: those of the statistics

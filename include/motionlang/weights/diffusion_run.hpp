@@ -22,7 +22,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What the files say about a model, before memory is taken for it. The member that `system` names counts.
+/// The configuration of a model by its files, before memory is taken for it. The member that `system` names counts.
 struct DiffusionRun {
   std::string system;  // stmc, mdm, motiondiffuse
   std::string prefix;  // of the names of the denoiser's tensors
@@ -96,7 +96,7 @@ AnyDenoiser<B> make_denoiser(const DiffusionRun& run, const TensorSet& weights) 
   return out;
 }
 
-/// Of a model folder of ours the run that is in it.
+/// The run in a model folder of ours.
 RunFolder published_run(const RunFolder& run);
 
 template <Backend B>
@@ -110,7 +110,7 @@ Normalizer<B> motion_normalizer(const RunFolder& run, const TensorSet& weights, 
       options.statistics);
 }
 
-/// Of STMC; the others have none.
+/// For STMC; the others have none.
 template <Backend B>
 std::optional<Normalizer<B>> text_normalizer(const RunFolder& run, const TensorSet& weights,
                                              const DiffusionRun& about) {
@@ -141,7 +141,7 @@ AnyTextEncoder<B> encoder_of(const RunFolder& run, const TensorSet& weights, con
 
 }  // namespace detail
 
-/// What options and tensors say of a run of stmc, mdm or motiondiffuse.
+/// Reads the configuration of a run of stmc, mdm or motiondiffuse from its options and tensors.
 DiffusionRun diffusion_run(const RunFolder& run, const TensorSet& weights);
 
 /// A model that is ready to generate.

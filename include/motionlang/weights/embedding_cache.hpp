@@ -66,7 +66,7 @@ class EmbeddingCache {
   bool contains(const std::string& text) const { return number_.contains(text); }
   /// The rows of a text, row-major. Throws config_error 103 for a text that is not here.
   std::span<const float> find(const std::string& text) const;
-  /// Adds a text; `values` are no rows of this cache itself. Throws shape_error 204 unless they are whole rows,
+  /// Adds a text; `values` are not rows of this cache itself. Throws shape_error 204 unless they are whole rows,
   /// config_error 102 for a text that is here already, io_error 403 for one that is not UTF-8: the index could not be
   /// written.
   void add(const std::string& text, std::span<const float> values);

@@ -35,7 +35,7 @@ inline constexpr ActorFeatureOptions mdm_action_features{
 DiffusionRun mdm_action_sizes(const RunFolder& run, const TensorSet& weights, const RunReader& r);
 }  // namespace detail
 
-/// Whether a run folder is MDM's and of actions, or unconstrained.
+/// True if a run folder is MDM's and of actions, or unconstrained.
 bool is_mdm_action_run(const RunFolder& run);
 
 template <Backend B>

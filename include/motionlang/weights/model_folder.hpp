@@ -40,7 +40,7 @@ inline constexpr const char *model_format = "motionlang", *model_config_file = "
 
 }  // namespace detail
 
-/// What a config.json says. `name` stands in messages.
+/// The contents of a config.json. Messages contain `name`.
 /// Throws  io_error 403 if it is malformed, 404 for a newer version; config_error 103 for another format, 107 for a
 ///         member that is missing or of another kind, 101 for an impossible frame rate, always with both values
 ModelFolder parse_model_config(std::string_view text, const std::string& name);

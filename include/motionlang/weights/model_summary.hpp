@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the folder of a model says about motions, texts or actions, and networks: for people who look at it.
+/// A summary of a model folder for readers: motions, texts or actions, and networks.
 #pragma once
 
 #include <string>   // names and values

@@ -111,7 +111,7 @@ inline std::string json_members(const nlohmann::ordered_json& object) {
   });
 }
 
-/// Of a training of ours: what its configuration says.
+/// The summary of a training of ours, from its configuration.
 inline ModelSummary trained_summary(const RunFolder& run) {
   const ModelFolder model = read_model_folder(run.folder);
   ModelSummary out{{"motions", concat_text(model.features, ", ", model.fps, " frames per second")},

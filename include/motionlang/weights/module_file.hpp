@@ -74,8 +74,8 @@ void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std
         shape, [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(shape.count()))); });
   }
 }
-/// What a module is loaded for. For inference it is made ready as by prepare_loaded, in the same pass over the file:
-/// all its matrices are weights, and it is neither trained nor changed afterwards.
+/// The purpose of loading a module. For inference it is made ready as by prepare_loaded, in the same pass over the
+/// file: all its matrices are weights, and it is neither trained nor changed afterwards.
 enum class LoadFor { any_use, inference };
 
 namespace detail {
@@ -111,7 +111,7 @@ struct TensorLoader {
   }
 };
 
-/// Whether the tensor repeats one of the module under another name. Throws io_error 407 if it should but is different.
+/// True if the tensor repeats one of the module under another name. Throws io_error 407 if it should but is different.
 template <class M>
 bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, const TensorView& t) {
   if constexpr (requires { module.copy_of(t.name); }) {

@@ -21,7 +21,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What goes into the folder.
+/// Options for the packed folder.
 struct PackedFiles {
   ModelFolder model{};
   std::vector<WeightFile> weights{};  // with different names

@@ -50,7 +50,7 @@ namespace detail {
 /// Numbers in names count as numbers: epoch=99 before epoch=100.
 bool before_by_number(std::string_view a, std::string_view b);
 
-/// What is in a folder, in the order of `before_by_number`; nothing if it is none.
+/// The entries of a folder in the order of `before_by_number`; none if the path is not a folder.
 std::vector<std::filesystem::path> listed(const std::filesystem::path& folder);
 
 /// The options behind "config/", which in a folder of ours are those of the system.

@@ -92,7 +92,7 @@ MOTIONLANG_BODY std::vector<FileValue> options_of_config(const RunFolder& run) {
   return out;
 }
 
-/// Of a packed run the run.
+/// Replaces a packed folder's description by that of the run from which it was made.
 inline void unpack(RunFolder& run) {
   const FileValue *published = run.option("published"), *system = run.option("system");
   if (run.system != "motionlang" || system == nullptr) return;

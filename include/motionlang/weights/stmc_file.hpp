@@ -17,7 +17,7 @@ struct StmcModelConfig {
   MdmSmplConfig denoiser{};
   CaptionEncoderConfig text{};
   Index diffusion_steps = 100;
-  // What the model should be sampled with:
+  // How the model should be sampled:
   NoiseScale noise_scale = NoiseScale::posterior_std;
   SamplingOptions::Sampler sampler = SamplingOptions::Sampler::ddpm;
   Index sampling_steps = 0;  // 0: all
@@ -50,7 +50,7 @@ Index metadata_size(const Metadata& metadata, const std::string& key, Index larg
                     Index smallest = 1);
 
 WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file);
-/// What users say about a model or a record. Throws config_error 102 for a key that is there already.
+/// The entries of users about a model or a record. Throws config_error 102 for a key that is there already.
 void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose, const std::string& file);
 
 }  // namespace detail

@@ -18,7 +18,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Of all numbers of a module and their scalar.
+/// A checksum of all values of a module and their scalar.
 template <Module M>
 std::string weights_checksum(const M& module) {
   std::uint64_t h = 0;
@@ -28,7 +28,7 @@ std::string weights_checksum(const M& module) {
 /// "x0/007": names whose order is that of the numbers, below 1000.
 std::string numbered_name(const char* what, std::size_t i);
 
-/// What does not depend on the backend.
+/// The part that does not depend on the backend.
 struct RecordAbout {
   std::vector<Timeline> timelines{};
   Philox rng{};

@@ -43,7 +43,7 @@ struct AnyTextNetwork {
 template <Backend B>
 using AnyTextEncoder = TokenizedEncoder<AnyTokenizer, AnyTextNetwork<B>>;
 
-/// What a system takes from its encoder.
+/// The outputs that a system takes from its encoder.
 struct TextEncoderOptions {
   TextOptions text{};
   TokenizerLimits limits{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the loaders of TEMOS, TMR, TEACH and SINC give: a network with everything that turns texts and motions into
+/// The result of loading TEMOS, TMR, TEACH or SINC: a network with everything that turns texts and motions into
 /// what it reads, and its rows into motions. It does not matter whether the network was trained by us or published.
 ///
 ///     const auto tmr = load_tmr<B>("examples/models/tmr_free");
@@ -37,7 +37,7 @@ struct TextMotionCheckpoint {
   const MotionFeatures* features = nullptr;  // that it reads and writes
   double fps = 0;                            // of its motions
   double longest = 10;                       // seconds of the longest motions that it learned from
-  /// What the text encoder of the model reads. Throws config_error 102 if it reads the states of a language model and
+  /// The input of the model's text encoder. Throws config_error 102 if it reads the states of a language model and
   /// the options named none.
   std::function<Sequences<B>(std::span<const std::string>)> tokens{};
   std::string folder{}, text_encoder{};  // where it was loaded from
@@ -56,7 +56,7 @@ struct TextMotionCheckpoint {
   }
 };
 
-/// The features of a published TEMOS, TEACH or SINC of so many numbers a frame.
+/// The features of a published TEMOS, TEACH or SINC of this many numbers a frame.
 inline const MotionFeatures& published_temos_features(Index width) {
   return motion_features(width == 64 ? "rifke64" : "smplvelp-published");
 }
@@ -80,7 +80,7 @@ std::function<Sequences<B>(std::span<const std::string>)> remembered_states(cons
   };
 }
 
-/// Of a model of our trainings, or of a published TMR.
+/// From a model trained here, or a published TMR.
 template <Backend B, template <class> class System, class Config>
 TextMotionCheckpoint<B, System<B>> checkpoint_of(TextMotionModel<B, System> model, const TextModelFile<Config>& file,
                                                  double longest, const std::filesystem::path& folder,
@@ -109,7 +109,7 @@ TextMotionCheckpoint<B, System<B>> checkpoint_of(TextMotionModel<B, System> mode
   return out;
 }
 
-/// Of a published TEMOS, TEACH or SINC.
+/// From a published TEMOS, TEACH or SINC.
 template <Backend B, class Model>
 TextMotionCheckpoint<B, Model> checkpoint_of(TextMotionRun<B, Model> run, const FilePath& folder,
                                              const CheckpointOptions& options) {

@@ -49,7 +49,7 @@ struct TextMotionLossConfig {
   std::string contrastive_loss = "info_nce";  // "margin", "none"; TEMOS has none
   double temperature = 0.1;
   bool learned_temperature = false;  // from that value on, as CLIP does; of info_nce
-  double threshold = 0.8;            // texts more similar than that are no negatives; 0: all are
+  double threshold = 0.8;            // texts more similar than that are not negatives; 0: all are
   double margin = 10;
   bool cross_modal_kl = true, gaussian_kl = true, embedding = true;  // the terms that kl and latent weigh
 

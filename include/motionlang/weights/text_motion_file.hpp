@@ -21,7 +21,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What the configurations of TEMOS, TEACH and SINC have in common.
+/// The common part of the configurations of TEMOS, TEACH and SINC.
 template <class Config>
 Config temos_sizes(const RunReader& r) {
   const std::string stack = "textencoder.seqTransEncoder.layers.";

@@ -54,7 +54,7 @@ class RenamedTensors : public TensorSet {
   std::shared_ptr<Memory> memory_ = std::make_shared<Memory>();
 };
 
-/// What stands before `name` in the only tensor whose name ends so, at a dot. Nothing if there is none; throws io_error
+/// The prefix before `name` in the only tensor whose name ends so, at a dot. Nothing if there is none; throws io_error
 /// 406 if there are two.
 std::optional<std::string> prefix_of(const TensorSet& file, std::string_view name);
 

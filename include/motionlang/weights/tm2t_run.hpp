@@ -62,7 +62,7 @@ Normalizer<B> tm2t_normalizer(const RunFolder& run, const TensorSet& weights, In
 
 }  // namespace detail
 
-/// Whether a run folder holds the model from texts to motions, or the one from motions to texts.
+/// Tells which model a run folder holds: from texts to motions, or from motions to texts.
 bool is_tm2t_generator(const RunFolder& run);
 bool is_tm2t_describer(const RunFolder& run);
 
@@ -90,7 +90,7 @@ Tm2t<B> load_tm2t_tokenizer(const RunFolder& run) {
 
 namespace detail {
 
-/// Everything but the model that the folder is named after, which knows so many symbols of motions.
+/// Everything but the model that the folder is named after, which knows this many symbols of motions.
 template <Backend B>
 Tm2tRun<B> tm2t_around(const RunFolder& run, const WeightFile& weights, Index symbols, const Tm2tRunOptions& options) {
   const RunFolder tokenizer_run = tm2t_tokenizer_run(run, options);

@@ -44,7 +44,7 @@ class AnyTokenizer {
 };
 static_assert(Tokenizer<AnyTokenizer>);
 
-/// What the caller decides; a tokenizer.json has it too, but the published systems do not apply that.
+/// Choices of the caller; a tokenizer.json has them too, but the published systems do not apply that.
 struct TokenizerLimits {
   std::optional<Index> longest = {};  // ids of a text with its frame; unless set 512 of BERT and MPNet, 77 of CLIP
   std::optional<bool> truncate = {};  // unless set: BERT and MPNet refuse, CLIP cuts
@@ -73,7 +73,7 @@ AnyTokenizer read_tokenizer_json(const FilePath& path, const TokenizerLimits& li
 /// vocab.json: the id of every piece. Throws io_error 401, 403 unless the ids are 0, 1, ...; config_error 107.
 std::vector<std::string> read_vocabulary_json(const FilePath& path);
 
-/// What a tokenizer_config.json says about a tokenizer whose vocabulary stands in another file.
+/// The settings in a tokenizer_config.json for a tokenizer whose vocabulary is in another file.
 struct TokenizerConfig {
   std::string tokenizer_class;
   std::optional<bool> lower_case = {}, strip_accents = {}, split_cjk = {};

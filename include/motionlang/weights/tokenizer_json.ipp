@@ -45,7 +45,7 @@ MOTIONLANG_BODY std::vector<std::string> pieces_by_id(const JsonView& vocabulary
   };
   for (const auto& [piece, id] : vocabulary.json().items()) {
     if (!id.is_number_integer() || !std::in_range<Index>(id.get<std::int64_t>()))
-      raise<config_error>(107, vocabulary.path(), ": the id of '", piece, "' is no integer");
+      raise<config_error>(107, vocabulary.path(), ": the id of '", piece, "' is not an integer");
     put(piece, static_cast<Index>(id.get<std::int64_t>()));
   }
   for (const AddedToken& t : added) put(t.content, t.id);

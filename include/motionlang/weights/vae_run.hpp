@@ -111,7 +111,8 @@ std::string lightning_system(const TensorSet& weights);
 
 namespace detail {
 
-/// Of the options' folder, else in the weights of a packed run, else of the run's. Throws io_error 401, 407.
+/// The statistics in the options' folder, else in the weights of a packed run, else in the run's folder. Throws
+/// io_error 401, 407.
 template <Backend B>
 Normalizer<B> temos_normalizer(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
   const Index nfeats = RunReader(run, weights, "").size("motiondecoder.final_layer.weight", 0);

@@ -31,7 +31,7 @@ struct WeightOptions {
   bool checksums = false;  // compare those of PyTorch's storages, too: reads the whole file
 };
 
-/// Something that was passed over: the keys from the root of the file to it, and its class or element type.
+/// Something that was skipped: the keys from the root of the file to it, and its class or element type.
 struct SkippedValue {
   std::string path, type;
   bool operator==(const SkippedValue&) const = default;
@@ -62,7 +62,7 @@ class WeightFile : public TensorSet {
   const std::vector<FileValue>& values() const { return values_; }
   /// Null if there is none at these keys.
   const FileValue* value(std::string_view path) const { return find_value(values_, path); }
-  /// The first 1,000 values that were passed over, in the order of the file.
+  /// The first 1,000 values that were skipped, in the order of the file.
   const std::vector<SkippedValue>& skipped() const { return skipped_; }
   /// All files that hold these tensors; of shards their index as well. None of bytes in memory.
   const std::vector<std::filesystem::path>& files() const { return files_; }
@@ -95,8 +95,8 @@ class WeightFile : public TensorSet {
   std::vector<std::filesystem::path> files_;
 };
 
-/// Whether this is a folder, or a file that begins as open_weights expects it or is no text, so that open_weights can
-/// say best what is wrong with it; older pickles, which are text, are not seen.
+/// True for a folder, for a file that begins as open_weights expects, and for any file that is not text: open_weights
+/// says best what is wrong with it. Older pickles are text and are not recognised.
 bool may_be_weights(const FilePath& path);
 
 /// Opens a file, the index.json of weights in shards, or the folder of a training run (weights/run_folder.hpp).

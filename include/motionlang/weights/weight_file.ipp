@@ -63,7 +63,7 @@ class WeightReader {
   static constexpr std::size_t deepest = 64, most_values = 10'000, most_texts = 1'000, most_skipped = 1'000;
   static constexpr std::uint64_t most_visits = 2'000'000;
 
-  // What to look for.
+  // The keys to look for.
 
   bool holds_tensors(const PickleValue& v) const {
     for (std::size_t i = 0; v.is(PickleKind::dict) && i < v.size(); ++i) {
@@ -89,7 +89,7 @@ class WeightReader {
       keys.remove_prefix(std::min(slash + 1, keys.size()));
     }
   }
-  /// What a key leads to: a text, a number, or the place in a list.
+  /// The value of a key: a text, a number, or the place in a list.
   static std::optional<PickleValue> entry(const PickleValue& v, std::string_view key) {
     if (const auto found = v.find(key)) return found;
     for (std::size_t i = 0; i < v.size(); ++i) {
@@ -165,7 +165,7 @@ class WeightReader {
     spend_visits(dict, dict.size() / 8);
     return dict.find(key);
   }
-  /// What an object of omegaconf stands for, or of a class that is made like it.
+  /// The value of an object of omegaconf, or of a class that is made like it.
   std::optional<PickleValue> content(const PickleValue& state) {
     const auto inner = find_counted(state, "_content");
     return inner ? inner : find_counted(state, "_val");
@@ -201,7 +201,7 @@ class WeightReader {
     }
   }
 
-  /// The fields of an object whose class nobody knows, as values. Its tensors are passed over: the class may mean
+  /// The fields of an object whose class nobody knows, as values. Its tensors are skipped: the class may mean
   /// anything by them. Objects may share others and lead back to themselves, so each is looked into a few times at
   /// most, and all of them together leave enough visits for what is known.
   void visit_unknown(const PickleValue& v) {
@@ -253,9 +253,9 @@ class WeightReader {
     return a.size() == b.size() && a.size() > 0 && a.key(0).is(PickleKind::text) && b.find(a.key(0).text());
   }
 
-  // What was found.
+  // The results.
 
-  /// Runs `read`; what is not supported is passed over, and so is whatever is wrong where no tensors are wanted.
+  /// Runs `read`; what is not supported is skipped, and so is whatever is wrong where no tensors are wanted.
   template <class F>
   void attempt(const std::string& name, F read) {
     constexpr std::uint64_t visits_of_a_failure = 50;
@@ -428,7 +428,7 @@ inline std::vector<std::byte> from_gzip(std::span<const std::byte> bytes, std::s
   return gunzip_bytes(bytes, name);
 }
 
-/// What packed the bytes, if it is something that is not unpacked here; else empty.
+/// The name of a packer that is not supported here; empty for other bytes.
 inline std::string_view unread_packing(std::string_view text) {
   using namespace std::string_view_literals;
   constexpr std::pair<std::string_view, std::string_view> marks[] = {{"BZh"sv, "bzip2"},
@@ -444,20 +444,20 @@ inline std::string_view unread_packing(std::string_view text) {
   return "";
 }
 
-/// Whether bytes begin with the length of a header that they can hold, and with its brace.
+/// True if bytes begin with the length of a header that they can hold, and with its brace.
 inline bool is_safetensors(std::span<const std::byte> bytes) {
   const std::string_view text = as_text(bytes);
   return text.size() > 8 && text[8] == '{' && load<std::uint64_t>(bytes, 0, "", "") <= text.size() - 8;
 }
 
-/// Whether the first number is the length of a header that the file holds, and which is no longer than one may be.
+/// True if the first number is the length of a header that the file holds, and which is no longer than one may be.
 inline bool has_header_length(std::span<const std::byte> bytes) {
   if (bytes.size() < sizeof(std::uint64_t)) return false;
   const auto length = load<std::uint64_t>(bytes, 0, "", "");
   return length <= SafetensorsFile::max_header && length <= bytes.size() - sizeof length;
 }
 
-/// Whether bytes begin like a file of weights in a binary format, or with a zero byte in them, which no text has.
+/// True if bytes begin like a file of weights in a binary format, or with a zero byte in them, which no text has.
 inline bool begins_weights(std::span<const std::byte> bytes) {
   const std::string_view text = as_text(bytes);
   // a wrong length
@@ -466,7 +466,7 @@ inline bool begins_weights(std::span<const std::byte> bytes) {
          text.starts_with('\x80') || is_zlib(bytes) || is_gzip(bytes) || text.substr(0, 4096).find('\0') != text.npos;
 }
 
-/// Whether the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a
+/// True if the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a
 /// name.
 inline bool begins_pickle(std::string_view text) {
   if (text.empty()) return false;
@@ -535,7 +535,8 @@ MOTIONLANG_BODY WeightFile WeightFile::from_bytes(std::span<const std::byte> byt
   } else if (const auto packed = detail::unread_packing(text); !packed.empty()) {
     raise<io_error>(404, name, ": packed with ", packed, ", which is not read: unpack it first");
   } else if (detail::is_zlib(bytes) || is_gzip(bytes)) {
-    // What any pickle may need for its values; with it, and 10 MiB that are not counted, twice the size and 64 MiB.
+    // The memory that any pickle may need for its values; with it, and 10 MiB that are not counted, twice the size and
+    // 64 MiB.
     constexpr std::uint64_t values = std::uint64_t{24} << 20;
     memory->allow(bytes.size() + (std::uint64_t{18} << 20));
     const std::vector<std::byte>& unpacked =
@@ -557,7 +558,8 @@ MOTIONLANG_BODY WeightFile WeightFile::from_bytes(std::span<const std::byte> byt
     refuse_keys("safetensors");
     return from_safetensors(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
   } else if (text.size() < safetensors_start) {
-    raise<io_error>(402, name, ": ", counted(text.size(), "byte is", "bytes are"), " no file of weights of any kind");
+    raise<io_error>(402, name, ": ", counted(text.size(), "byte is", "bytes are"),
+                    " not a file of weights of any kind");
   } else {
     raise<io_error>(404, name, ": not a file of weights: neither safetensors, PyTorch, NumPy, nor a pickle");
   }
@@ -592,7 +594,7 @@ MOTIONLANG_BODY WeightFile WeightFile::from_shards(const FilePath& index, const 
   out.files_.emplace_back(index.string());
   for (const auto& [name, tensors] : files) {
     if (name.empty() || name == ".." || name.find_first_of(std::string_view("/\\\0", 3)) != name.npos)
-      raise<io_error>(403, index.string(), ": '", name, "' is no name of a file in the same folder");
+      raise<io_error>(403, index.string(), ": '", name, "' is not a name of a file in the same folder");
     const auto bytes = MappedFile::open(folder / name);
     const WeightFile shard = from_bytes(bytes->bytes(), (folder / name).string(), bytes, options);
     owners->push_back(shard.owner());

@@ -77,7 +77,7 @@ TEST_CASE("nothing edited, nothing differs; a timeline of the batch keeps to its
   CHECK(range(added, 20, 1) == std::pair<Index, Index>{0, 19});
 }
 
-TEST_CASE("the order of the texts in the file is no edit where it decides nothing") {
+TEST_CASE("the order of the texts in the file is not an edit where it decides nothing") {
   auto turned = chain({"a", "b", "c"});
   std::swap(turned.intervals[0], turned.intervals[2]);
   CHECK(ml::EditSpread(plan({chain({"a", "b", "c"})}), 30, plan({turned}), 30).frames() == 0);

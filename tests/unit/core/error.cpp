@@ -55,7 +55,7 @@ TEST_CASE("a message begins with family and id") {
   CHECK(family_of<ml::timeline_error>(501) == "[motionlang.timeline.501] text");
 }
 
-TEST_CASE("every error is a motionlang error and a runtime error; a cancellation is no error") {
+TEST_CASE("every error is a motionlang error and a runtime error; a cancellation is not an error") {
   CHECK_THROWS_AS(ml::raise<ml::io_error>(401, "x"), ml::error);
   CHECK_THROWS_AS(ml::raise<ml::io_error>(401, "x"), std::runtime_error);
   static_assert(!std::is_base_of_v<ml::error, ml::cancelled>);

@@ -173,8 +173,9 @@ TEST_CASE("raw KIT-ML: texts and joints") {
   CHECK_ERROR(ml::parse_kit_joints(head + "\n" + line + ",9", "k.csv"),
               "[motionlang.io.403] k.csv:2: 65 numbers, 64 are");
   CHECK_ERROR(ml::parse_kit_joints(head + "\n" + line + "\n0,1", "k.csv"), "[motionlang.io.403] k.csv:3: 2 numbers");
-  CHECK_ERROR(ml::parse_kit_joints(head + "\n" + with(line, ",7.5", ",x"), "k.csv"), "k.csv:2: 'x' is no number");
-  CHECK_ERROR(ml::parse_kit_joints(head + "\n" + with(line, ",7.5", ",nan"), "k.csv"), "k.csv:2: 'nan' is no number");
+  CHECK_ERROR(ml::parse_kit_joints(head + "\n" + with(line, ",7.5", ",x"), "k.csv"), "k.csv:2: 'x' is not a number");
+  CHECK_ERROR(ml::parse_kit_joints(head + "\n" + with(line, ",7.5", ",nan"), "k.csv"),
+              "k.csv:2: 'nan' is not a number");
   CHECK_ERROR(ml::parse_kit_joints(" \n", "k.csv"), "[motionlang.io.402] k.csv");
   ml::write_file(folder / "00017_annotations.json", "[\"A person waves.\"]");
   CHECK_ERROR(data.load("00017"), "00017_annotations.json: 1 text, ");

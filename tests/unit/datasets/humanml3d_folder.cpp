@@ -177,9 +177,9 @@ TEST_CASE("index.csv") {
   };
   refused("a,1,2", "[motionlang.io.403] i.csv:2: 3 fields, 4 are expected");
   refused("a,1,2,b,c", "i.csv:2: 5 fields");
-  refused("\na,x,2,b", "i.csv:3: 'x' is no frame");
-  refused("a,1,-2,b", "i.csv:2: '-2' is no frame");
-  refused("a,1,2.5,b", "i.csv:2: '2.5' is no frame");
+  refused("\na,x,2,b", "i.csv:3: 'x' is not a frame");
+  refused("a,1,-2,b", "i.csv:2: '-2' is not a frame");
+  refused("a,1,2.5,b", "i.csv:2: '2.5' is not a frame");
   CHECK_ERROR(ml::parse_humanml3d_index("a,1,2,b", "i.csv"), "[motionlang.io.403] i.csv:1: expected 'source_path");
   CHECK_ERROR(ml::parse_humanml3d_index("", "i.csv"), "[motionlang.io.403] i.csv:1");
   CHECK_ERROR(ml::read_humanml3d_index("/nowhere/index.csv"), "[motionlang.io.401]");

@@ -38,7 +38,7 @@ TEST_CASE("TEACH pairs: transitions") {
   CHECK(count({{0, 40, "transition"}, b}) == 0);
   CHECK(count({{1, 40, "transition"}, b}) == 0);  // nothing before it
   CHECK(count({a, {15, 40, "t-pose"}, b}) == 0);
-  // touching actions: the transition between them is no part of its own
+  // touching actions: the transition between them is not part of its own
   const Pairs touching = ml::teach_pairs(Segments{{0, 30, "a"}, {20, 35, "transition"}, {26, 60, "b"}});
   REQUIRE(touching.size() == 2);
   CHECK(touching[0] == ml::ActionPair{{0, 30, "a"}, std::nullopt, {26, 60, "b"}});

@@ -236,7 +236,7 @@ TEST_CASE("guoh3d: what is refused") {
   CHECK_ERROR(features({joints.begin(), joints.begin() + 22}), "[motionlang.shape.205] guoh3d_from_grounded: 1 frames");
   CHECK_ERROR(features({}), "[motionlang.shape.205] guoh3d_from_grounded: 0 frames");
   CHECK_ERROR(features({joints.begin(), joints.begin() + 45}),
-              "[motionlang.shape.205] uniform_skeleton: 45 values are no frames of 22 joints");
+              "[motionlang.shape.205] uniform_skeleton: 45 values are not frames of 22 joints");
   CHECK_ERROR(ml::guoh3d_features(skeleton, view(joints), view(std::vector<double>(21, 1.0))),
               "[motionlang.shape.204] uniform_skeleton: 21 lengths for 22 joints");
   CHECK_ERROR(ml::guoh3d_features(ml::kit_chains(), view(Joints<double>(42))),
@@ -249,7 +249,7 @@ TEST_CASE("guoh3d: what is refused") {
               "[motionlang.numeric.302] 'HumanML3D' frame 2: the bone from joint 2 to 5 has length 0");
 
   const std::vector<double> rows(264);
-  CHECK_ERROR(ml::guoh3d_joints(view(rows)), "[motionlang.shape.205] guoh3d_root: 264 values are no rows of 263");
+  CHECK_ERROR(ml::guoh3d_joints(view(rows)), "[motionlang.shape.205] guoh3d_root: 264 values are not rows of 263");
   CHECK_ERROR(ml::guoh3d_joints(view(rows), 0), "[motionlang.config.101] guoh3d_root: 0 joints");
   CHECK_ERROR(ml::guoh3d_joints_from_rotations(skeleton, view(rows).first(263), view(Joints<double>(21))),
               "[motionlang.shape.204] chain_forward_kinematics: 1 frames of 22 joints, 1 root positions, 21 offsets");

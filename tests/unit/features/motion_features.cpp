@@ -128,7 +128,7 @@ TEST_CASE("MMM's joints are in KIT's units, from a clip on KIT's joints as well"
   }
 }
 
-TEST_CASE("smplvelp as published turns by what is no heading") {
+TEST_CASE("smplvelp as published turns by what is not a heading") {
   auto motion = synthetic::walk({.frames = 10, .fps = 12.5});
   const auto tilt = ml::from_axis_angle(ml::normalized(ml::Vec3<double>{1, 1, 0}), 1.0);
   for (ml::Index f = 0; f < motion.frames(); ++f) motion.rotations(f)[0] = tilt * motion.rotations(f)[0];

@@ -107,7 +107,7 @@ TEST_CASE("actor: there and back") {
     }
   }
   const std::vector<double> odd(151);
-  CHECK_ERROR(ml::actor_inverse(view(odd)), "[motionlang.shape.205] actor_inverse: 151 values are no frames of 150");
+  CHECK_ERROR(ml::actor_inverse(view(odd)), "[motionlang.shape.205] actor_inverse: 151 values are not frames of 150");
   CHECK_ERROR(ml::actor_inverse(view(odd), 0), "[motionlang.config.101] actor_inverse: 0 joints");
   CHECK_ERROR(ml::actor_inverse(view(odd), 1, {.translation = false, .global = false}), "no frames of 0");
 }
@@ -152,7 +152,7 @@ TEST_CASE("smplvelp: what is refused") {
   CHECK_ERROR(ml::smplvelp_features(std::span<const ml::Matrix3<double>>{}, view(motion.trans)), "0 rotations for 3");
   const std::vector<double> rows(136);
   CHECK_ERROR(ml::smplvelp_inverse(view(rows)),
-              "[motionlang.shape.205] smplvelp_inverse: 136 values are no rows of 135");
+              "[motionlang.shape.205] smplvelp_inverse: 136 values are not rows of 135");
   CHECK_ERROR(ml::smplvelp_inverse(view(rows), 0), "[motionlang.shape.205]");
 }
 
@@ -208,10 +208,10 @@ TEST_CASE("rifke: the filter smooths the heading and keeps it a direction") {
 TEST_CASE("rifke: what is refused") {
   const Joints joints(43);
   CHECK_ERROR(ml::rifke_features(ml::tmr_rifke(), view(joints)),
-              "[motionlang.shape.205] rifke_features: 43 values are no frames of 22");
+              "[motionlang.shape.205] rifke_features: 43 values are not frames of 22");
   const std::vector<double> rows(66);
   CHECK_ERROR(ml::rifke_joints(ml::sinc_rifke(), view(rows)),
-              "[motionlang.shape.205] rifke_joints: 66 values are no frames of 67");
+              "[motionlang.shape.205] rifke_joints: 66 values are not frames of 67");
   CHECK_ERROR(ml::rifke_features(ml::RifkeVariant{}, view(joints)), "[motionlang.shape.205]");
   CHECK_ERROR(ml::rifke_features(ml::tmr_rifke(17), view(joints).first(34)),
               "[motionlang.shape.203] rifke: joint 17 of 17");

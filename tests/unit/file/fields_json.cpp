@@ -50,7 +50,7 @@ TEST_CASE("members that a document lacks stay as they are") {
   CHECK(c.inner.sizes == std::vector<ml::Index>{1, 2});
 }
 
-TEST_CASE("one field is set by its path; what is no JSON is a text") {
+TEST_CASE("one field is set by its path; what is not JSON is a text") {
   Outer c;
   ml::set_config(c, "inner.rate=1e-3");
   ml::set_config(c, "inner.sizes=[4,5]");

@@ -116,7 +116,7 @@ TEST_CASE("write_file: a pipe is not replaced") {
   const TemporaryFolder folder;
   const auto pipe = folder.path / "pipe";
   REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
-  CHECK_ERROR(ml::write_file(pipe, "one"), "it is no file but a device or a pipe");
+  CHECK_ERROR(ml::write_file(pipe, "one"), "it is not a file but a device or a pipe");
   CHECK(std::filesystem::is_fifo(pipe));
 }
 #endif

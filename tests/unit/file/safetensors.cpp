@@ -109,7 +109,7 @@ TEST_CASE("sizes that cannot be") {
   check_refused(file_of(one("U8", "[2,9223372036854775807]", "[0,4]"), "1234"), "405]");
   check_refused(file_of(one("F64", "[1152921504606846976]", "[0,0]")), "405]");
   check_refused(file_of(one("U8", "[4611686018427387904,4,0]", "[0,0]")), "405]");  // the product without the 0
-  check_refused(file_of(one("F4", "[3]", "[0,1]"), "1"), "405]");                   // 12 bits are no bytes
+  check_refused(file_of(one("F4", "[3]", "[0,1]"), "1"), "405]");                   // 12 bits are not whole bytes
 }
 
 TEST_CASE("ranges that do not tile the data") {

@@ -17,7 +17,7 @@ using doctest::Approx, doctest::Contains;
 
 namespace {
 
-/// A leg whose foot is listed before its shin, with a bone axis that is no multiple of a quarter turn.
+/// A leg whose foot is listed before its shin, with a bone axis that is not a multiple of a quarter turn.
 const std::string leg = R"(# a comment
 :version 1.10
 :name test

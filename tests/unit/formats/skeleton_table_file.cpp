@@ -78,7 +78,7 @@ TEST_CASE("an error in a table is reported with its line") {
     CHECK_THROWS_WITH_AS(ml::parse_skeleton_table(text, biped(), "t.tsv"), Contains(message), ml::error);
   };
   refused("pelvis\tBip pelvis\nhips\tBip pelvis\n",
-          "[motionlang.config.103] t.tsv:2: 'hips' is no joint of SMPL: pelvis, left_hip, right_hip, spine1");
+          "[motionlang.config.103] t.tsv:2: 'hips' is not a joint of SMPL: pelvis, left_hip, right_hip, spine1");
   refused("\nleft_foot\tBip toe\n",
           "[motionlang.config.103] t.tsv:2: the skeleton has no joint 'Bip toe': Bip pelvis, Bip left_hip");
   refused("pelvis\tBip pelvis\n\npelvis\tBip spine1\n",

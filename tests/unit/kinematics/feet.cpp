@@ -65,7 +65,7 @@ TEST_CASE("a leg that cannot reach a place points at it") {
   CHECK(ml::norm(ml::normalized(after.position[7] - hip) - ml::normalized(target - hip)) < 1e-6);
 }
 
-TEST_CASE("a straight leg bends in the given direction; three joints that are no limb are refused") {
+TEST_CASE("a straight leg bends in the given direction; three joints that are not a limb are refused") {
   ml::Motion rest{ml::smpl24_skeleton(), 20, {{0, 0.95, 0}}, std::vector(24, ml::Quaternion<double>::identity()), {}};
   ml::JointTransforms<double> before, after;
   rest.world(0, before);
@@ -76,10 +76,10 @@ TEST_CASE("a straight leg bends in the given direction; three joints that are no
   CHECK(after.position[4].z > before.position[4].z + 0.05);  // knees bend forward
   CHECK(after.position[4].x == Approx(before.position[4].x));
   CHECK_THROWS_WITH_AS(ml::reach(rest.skeleton, rest.rotations(0), before, {1, 5, 7}, target, {0, 0, 1}),
-                       Contains("[motionlang.config.103] reach: joints 1, 5, 7 are no limb"), ml::config_error);
+                       Contains("[motionlang.config.103] reach: joints 1, 5, 7 are not a limb"), ml::config_error);
   for (const ml::Limb& wrong : {ml::Limb{-1, 0, 3}, {0, -1, 0}, {1, 4, 24}, {4, 7, -1}})
     CHECK_ERROR(ml::reach(rest.skeleton, rest.rotations(0), before, wrong, target, {0, 0, 1}),
-                "are no limb of a skeleton of 24");
+                "are not a limb of a skeleton of 24");
   CHECK_ERROR(ml::reach(rest.skeleton, rest.rotations(0).first(20), before, {1, 4, 7}, target, {0, 0, 1}),
               "[motionlang.shape.205] reach: 20 rotations for 24 joints");
   before.position[7] = before.position[4];
@@ -89,8 +89,9 @@ TEST_CASE("a straight leg bends in the given direction; three joints that are no
 
 TEST_CASE("feet of a skeleton that has no such legs are refused, whatever the clip") {
   const ml::Motion kit{ml::kit21_skeleton(), 20, {}, {}, {}};
-  CHECK_ERROR(ml::path_from_feet(kit), "[motionlang.config.103] path_from_feet: joints 1, 4, 7 are no limb");
-  CHECK_ERROR(ml::lock_feet(kit), "[motionlang.config.103] lock_feet: joints 1, 4, 7 are no limb of a skeleton of 21");
+  CHECK_ERROR(ml::path_from_feet(kit), "[motionlang.config.103] path_from_feet: joints 1, 4, 7 are not a limb");
+  CHECK_ERROR(ml::lock_feet(kit),
+              "[motionlang.config.103] lock_feet: joints 1, 4, 7 are not a limb of a skeleton of 21");
   const ml::Leg without_toe[] = {{{1, 4, 7}, 24}};
   CHECK_ERROR(ml::fix_feet(synthetic::walk({.frames = 1}), without_toe),
               "[motionlang.config.103] path_from_feet: toe 24 of a skeleton of 24");

@@ -16,7 +16,7 @@ TEST_CASE("fingers as programs name them") {
   CHECK(ml::finger_of("DEF-f_ring.03.R") == "right_ring3");
 }
 
-TEST_CASE("what is no joint of a finger") {
+TEST_CASE("what is not a joint of a finger") {
   for (const char* name : {"", "l", "left_hand", "LeftHand", "LeftArm", "hand_l", "index_04_leaf_l", "LeftHandIndex4",
                            "LeftHandIndex1_end", "index_metacarpal_l", "LeftInHandIndex", "index1", "string1",
                            "lowerarm_twist_01_l", "left_right_index1", "LeftHandIndex99999999999999999999"})

@@ -241,7 +241,7 @@ TEST_CASE("spikes of one frame are found and mended") {
   auto m = walk();
   m.root[30].x += 0.5;
   m.rotations(45)[16] = synthetic::about_z(1.5) * m.rotations(45)[16];  // the left arm
-  REQUIRE(faults(m) == only(ml::Fault::spike));                         // and the way back is no jump
+  REQUIRE(faults(m) == only(ml::Fault::spike));                         // and the way back is not a jump
   CHECK(ml::inspect_motion(m).cure.spikes == std::vector<ml::Index>{30, 45});
   CHECK(ml::inspect_motion(m).findings[0].moment == Approx(1));
   auto expected = walk();
@@ -368,7 +368,7 @@ TEST_CASE("the page: a row for every kind of finding, a section for every motion
   const std::vector<ml::InspectedMotion> motions{
       {"a/<good>.bvh", "2 s"},
       {"b & c.bvh", "2 s", {}, ml::inspect_motion(broken).findings, ml::film_strip_svg(broken)},
-      {"d.bvh", "", "line 3: 'nan' is no number"}};
+      {"d.bvh", "", "line 3: 'nan' is not a number"}};
   const auto page = ml::inspection_html(motions, "walks");
   CHECK(is_well_formed(page.substr(page.find("<body>"), page.find("</html>") - page.find("<body>"))));
   CHECK(page.find("3 motions: 1 without a finding, 1 with findings, 1 unreadable.") != std::string::npos);

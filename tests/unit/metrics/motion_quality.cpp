@@ -35,7 +35,7 @@ TEST_CASE("foot_skate: speed on the floor, not above it, and only horizontally")
   CHECK(ml::foot_skate({taps, 1, 20}, foot).speed == 0);
   CHECK(ml::foot_skate({taps, 1, 20}, foot).contact == 1);
 
-  // Slides for five steps, then lifts off: the step that leaves the floor is no contact.
+  // Slides for five steps, then lifts off: the step that leaves the floor is not a contact.
   const auto lifts = track(11, [](double f) { return ml::Vec3{0.1 * f, f <= 5 ? 0.0 : 0.3, 0.0}; });
   CHECK(ml::foot_skate({lifts, 1, 10}, foot).contact == Approx(0.5));
   CHECK(ml::foot_skate({lifts, 1, 10}, foot).speed == Approx(1.0));

@@ -100,7 +100,7 @@ struct SamePaths {
   ml::Tensor<A, 1> b;
   static constexpr auto fields() { return ml::fields("x", &SamePaths::x, "x.a", &SamePaths::b); }
 };
-/// A statistic is no parameter.
+/// A statistic is not a parameter.
 struct Statistic {
   static constexpr bool trainable = false;
   ml::Tensor<A, 1> mean;

@@ -182,7 +182,7 @@ TEST_CASE("VectorScan: what is refused") {
   const ml::VectorScan scan(rows, 8);
   CHECK_ERROR(scan.search(rows, -1), "[motionlang.config.101] VectorScan: the -1 nearest");
   CHECK_ERROR(scan.search(std::span(rows).first(9), 1),
-              "[motionlang.shape.205] VectorScan: queries: 9 values are no rows of 8");
+              "[motionlang.shape.205] VectorScan: queries: 9 values are not rows of 8");
   CHECK_ERROR(scan.search(std::vector<float>(8), 1), "[motionlang.numeric.302] unit_rows: row 0 of 1 has length 0");
   CHECK_ERROR(scan.search(std::vector<float>(8, NAN), 1),
               "[motionlang.numeric.301] unit_rows: row 0 of 1 is not finite");

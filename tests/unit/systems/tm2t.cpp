@@ -41,7 +41,7 @@ TEST_CASE("motions are described in words without marks, alone as among others")
   const auto m = small_tm2t<B>();
   const auto glove = small_words();
   const ml::Sequences<B> x(normal<B, 2>({22, 8}, 1), Offsets{8, 14});
-  CHECK(m.tokens(x).offsets == Offsets{2, 3});  // the last two frames are no token
+  CHECK(m.tokens(x).offsets == Offsets{2, 3});  // the last two frames are not a token
   CHECK(m.marked(m.tokens(x)).offsets == Offsets{4, 5});
   const auto texts = m.describe(x, glove, {.max_length = 8});
   REQUIRE(texts.size() == 2);

@@ -37,7 +37,7 @@ TEST_CASE_TEMPLATE("shapes are checked before a kernel runs", B, ml::EigenBacken
   CHECK_ERROR(ml::dropout(x, {.p = -0.1}), "[motionlang.config.101]");
 }
 
-TEST_CASE_TEMPLATE("no rows are no work", B, ml::EigenBackend<float>, ml::ReferenceBackend<float>) {
+TEST_CASE_TEMPLATE("zero rows need no work", B, ml::EigenBackend<float>, ml::ReferenceBackend<float>) {
   using Matrix = ml::Tensor<B, 2>;
   const auto none = Matrix::zeros({0, 6});
   CHECK(ml::linear<B>(none, Matrix::zeros({4, 6}), nullptr).shape() == ml::Shape{0, 4});

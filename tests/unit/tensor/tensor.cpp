@@ -87,7 +87,7 @@ TEST_CASE("a tensor that has not been made has no numbers, and nothing can be co
   CHECK_ERROR(ml::softmax(none), "[motionlang.shape.206]");
 }
 
-/// Every operation on x, which is no tensor, beside one that is.
+/// Every operation on x, which is not a tensor, beside one that is.
 template <ml::Backend C, int R>
 void check_refused(const ml::Tensor<C, R>& x, const ml::Tensor<C, R>& other) {
   CHECK_FALSE(x.defined());

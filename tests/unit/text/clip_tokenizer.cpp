@@ -157,7 +157,7 @@ TEST_CASE("ClipTokenizer: decoding") {
 
 TEST_CASE("ClipTokenizer: vocabularies that cannot work") {
   CHECK_ERROR(ClipTokenizer(ml::BytePairMerges{{"w", "xyz"}}),
-              "[motionlang.config.107] ClipTokenizer: merge 0: 'xyz' is no piece");
+              "[motionlang.config.107] ClipTokenizer: merge 0: 'xyz' is not a piece");
   CHECK_ERROR(ClipTokenizer(ml::BytePairMerges{{"w", "a"}, {"w", "a"}}), "is duplicated");
   CHECK_ERROR(ClipTokenizer(std::vector<std::string>{"a"}, {}), "1 pieces lack '<|startoftext|>'");
   ClipTokenizerOptions options;

@@ -27,6 +27,6 @@ TEST_CASE("words that are not known, each once, with a known one like it") {
 
 TEST_CASE("words that the tokenizer cannot read") {
   CHECK(ml::unreadable_words("walk \xC3\xA9t\xC3\xA9 \xE2\x80\x94 forward") ==
-        std::vector<std::string>{"\xC3\xA9t\xC3\xA9"});  // a dash is no letter
+        std::vector<std::string>{"\xC3\xA9t\xC3\xA9"});  // a dash is not a letter
   CHECK(ml::unreadable_words("walk 2 steps").empty());
 }

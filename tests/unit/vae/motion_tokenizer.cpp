@@ -44,7 +44,8 @@ TEST_CASE("four frames are one token, one token is four frames; each motion by i
   auto changed = x.rows.to_vector();
   for (std::size_t r = 0; r < 24; ++r) changed[9 * r + 5] += 3;  // a contact
   CHECK(m.tokens(x.with(ml::Tensor<B, 2>::from(changed, {24, 9}))).ids == tokens.ids);
-  CHECK_ERROR(m.motions(ml::IdSequences::one(std::array<Index, 1>{7})), "[motionlang.shape.203]");  // a mark is no code
+  CHECK_ERROR(m.motions(ml::IdSequences::one(std::array<Index, 1>{7})),
+              "[motionlang.shape.203]");  // a mark is not a code
   ml::Philox rng;
   CHECK_ERROR(ml::MotionTokenizer<B>({.channels = {}}, rng), "[motionlang.config.101]");
 }

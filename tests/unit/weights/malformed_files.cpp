@@ -77,7 +77,7 @@ const std::map<std::string, Reason> reasons{
     {"st_reversed.safetensors", {405, "byte 13: tensor 'a': F32 (2) does not fill data_offsets [8, 0]"}},
     {"st_same_range.safetensors", {403, "byte 13: data_offsets [0, 8] overlap the range before, which ends at 8"}},
     {"st_shape_overflow.safetensors", {405, "byte 39: an integer above 2^63 - 1"}},
-    {"st_short_file.safetensors", {402, "5 bytes are no file of weights of any kind"}},
+    {"st_short_file.safetensors", {402, "5 bytes are not a file of weights of any kind"}},
     {"st_size_mismatch.safetensors", {405, "byte 13: tensor 'a': F32 (3) does not fill data_offsets [0, 8]"}},
     {"st_trailing_bytes.safetensors", {403, "byte 8: 1 byte of data belongs to no tensor"}},
     {"st_truncated_data.safetensors", {402, "byte 66: tensor 'b' ends at 16, the data have 13 bytes"}},

@@ -149,7 +149,7 @@ TEST_CASE("Hugging Face: whole, or in shards with an index") {
     CHECK_ERROR(ml::open_weights(f / "bad.index.json"), message);
   };
   refused(R"({"weight_map": {"z": "model-1.safetensors"}})", "[motionlang.io.406]");
-  refused(R"({"weight_map": {"a": "../model-1.safetensors"}})", "'../model-1.safetensors' is no name of a file");
+  refused(R"({"weight_map": {"a": "../model-1.safetensors"}})", "'../model-1.safetensors' is not a name of a file");
   refused(R"({"weight_map": {"a": ".."}})", "[motionlang.io.403]");
   refused(R"({"weight_map": {"a": "nothing.bin"}})", "[motionlang.io.401]");
   refused(R"({"weight_map": {"a": 3}})", "[motionlang.config.107]");

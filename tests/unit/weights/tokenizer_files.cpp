@@ -184,14 +184,14 @@ TEST_CASE("tokenizer.json: what does not fit together is refused") {
   refused(bert_json, "\"a\": 5", "\"a\": 4", "'##s' and 'a' have the same id 4");
   refused(bert_json, "\"a\": 5", "\"a\": 7",
           "[motionlang.io.403] tokenizer.json: model.vocab: 'a' has id 7 among 7 pieces");
-  refused(bert_json, "\"a\": 5", "\"a\": \"5\"", "the id of 'a' is no integer");
+  refused(bert_json, "\"a\": 5", "\"a\": \"5\"", "the id of 'a' is not an integer");
   refused(bert_json, "\"ids\": [1]", "\"ids\": [9]",
           "[motionlang.config.107] tokenizer.json: post_processor: id 9 among 7 pieces");
   refused(bert_json, "\"ids\": [1]", "\"ids\": []", "does not begin and end with a token");
   refused(bert_json, "\"unk_token\": \"[UNK]\"", "\"unk_token\": \"<unk>\"", "lacks '<unk>'");
   refused(clip_json, "\"w a\"", "\"w\"", "tokenizer.json: model.merges:0: 'w' is not two symbols");
   refused(clip_json, "[\"wa\", \"l\"]", "[\"wa\"]", "model.merges[1]: 1 symbol");
-  refused(clip_json, "\"w a\"", "\"w x\"", "merge 0: 'x' is no piece");
+  refused(clip_json, "\"w a\"", "\"w x\"", "merge 0: 'x' is not a piece");
   CHECK_ERROR(from_json("{}"), "[motionlang.config.107] tokenizer.json: has no member 'model'");
 }
 

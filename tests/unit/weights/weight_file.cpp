@@ -361,7 +361,7 @@ TEST_CASE("what asks for more than the file justifies is refused") {
   CHECK_ERROR(open("many_expanded.pt"), "bytes more than a file of its size justifies");
   CHECK_ERROR(open("wrapping_sizes.pt"), "has more elements than its storage allows");
   CHECK_ERROR(open("count_legacy.pt"), "[motionlang.io.405]");
-  CHECK_ERROR(ml::WeightFile::from_bytes({}, "empty"), "[motionlang.io.402] empty: 0 bytes are no file of weights");
+  CHECK_ERROR(ml::WeightFile::from_bytes({}, "empty"), "[motionlang.io.402] empty: 0 bytes are not a file of weights");
   std::string sizes =
       "\x80\x02"
       "ctorch\nSize\nq";  // Size((Size((...),)),)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a model needs of the Eigen backend: its operations, and of the bodies those of the kernels, arithmetic among
+/// The part of the Eigen backend that a model needs: its operations, and bodies of the kernels, arithmetic among
 /// them. Those that include Eigen, functions and maxima, come with <motionlang/backend/eigen.hpp>.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What gelu(x) lacks to relu(x), as polynomials of degree 4 around 0, 1/4, 2/4, ... 31/4.
+/// The difference of relu(x) and gelu(x), as polynomials of degree 4 around 0, 1/4, 2/4, ... 31/4.
 ///
 /// gelu(x) = x Phi(x) = max(x, 0) - g(|x|),   g(c) = c (1 - Phi(c)) (Hendrycks and Gimpel 2016, Phi: normal
 /// distribution function). g is bounded by 0.17 and dies out above c = 5.5. Processors that look up 32 numbers in one

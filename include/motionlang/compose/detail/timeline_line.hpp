@@ -41,7 +41,7 @@ class TimelineLine {
   [[noreturn]] void fail(int id, std::size_t field, const T&... what) const {
     fail_at(id, name_, place(field), what...);
   }
-  /// Of the beginning of a field.
+  /// The place of the beginning of a field.
   TextPlace place(std::size_t field) const {
     const char* begin = field < fields_.size() ? fields_[field].data() : line_.data() + line_.size();
     Index column = 1;

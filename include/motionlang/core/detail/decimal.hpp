@@ -131,7 +131,7 @@ std::from_chars_result read_decimal(const char* first, const char* last, F& valu
   return {p, std::errc{}};
 }
 
-/// What printf wrote, with a point in place of the locale's, which may have several bytes.
+/// The text that printf wrote, with a point in place of the locale's, which may have several bytes.
 inline std::string with_point(std::string_view printed) {
   std::string out;
   bool inside = false;
@@ -212,7 +212,7 @@ inline std::string fixed_text(const Decimal& d, double x) {
   return out.insert(out.size() - places, ".");
 }
 
-/// What `std::to_chars` writes without a precision: fixed, scientific or, if not told, the shorter of the two.
+/// The text of `std::to_chars` without a precision: fixed, scientific or, by default, the shorter of the two.
 template <class F>
 std::string shortest_text(F x, std::chars_format format = {}) {
   using enum std::chars_format;
@@ -226,7 +226,7 @@ std::string shortest_text(F x, std::chars_format format = {}) {
   const bool shorter = format != fixed && with_exponent.size() < without.size();
   return sign + (format == scientific || shorter ? with_exponent : without);
 }
-/// What it writes with a number of decimal places: fixed or scientific.
+/// The text of `std::to_chars` with a number of decimal places: fixed or scientific.
 template <class F>
 std::string text_with_places(F x, std::chars_format format, int places) {
   using enum std::chars_format;

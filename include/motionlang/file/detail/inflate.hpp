@@ -15,10 +15,10 @@ namespace detail {
 /// CRC-32 as in zip, gzip and PNG: reflected polynomial 0xEDB88320.
 std::uint32_t crc32(std::span<const std::byte> bytes);
 
-/// Of zlib streams: two sums modulo 65521.
+/// The checksum of zlib streams: two sums modulo 65521.
 std::uint32_t adler32(std::span<const std::byte> bytes);
 
-/// What inflate gives back: the data, and how many bytes of the stream it took.
+/// The result of inflate: the data, and how many bytes of the stream it took.
 struct Inflated {
   std::vector<std::byte> data;
   std::size_t consumed = 0;

@@ -21,7 +21,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 // clang-format off
-/// Of an opcode, as pickletools calls it; empty if there is none.
+/// The name of an opcode as in pickletools; empty if it is unknown.
 inline std::string_view opcode_name(unsigned char opcode) {
   constexpr std::pair<unsigned char, std::string_view> names[] = {
       {'(', "MARK"}, {')', "EMPTY_TUPLE"}, {'.', "STOP"}, {'0', "POP"}, {'1', "POP_MARK"}, {'2', "DUP"}, {'B', "BINBYTES"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the system does with files: POSIX, and Windows by what MinGW's C library has of it. errno says why a call
+/// File calls of the system: POSIX, and on Windows those of MinGW's C library. errno says why a call
 /// failed.
 #pragma once
 

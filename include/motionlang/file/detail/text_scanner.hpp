@@ -18,7 +18,7 @@ namespace detail {
 
 /// More joints than any file has; keeps searches for names in a hostile one short.
 inline constexpr std::size_t max_text_joints = 4096;
-/// How many rotations (32 bytes each) a text of so many bytes may stand for. Real files have several bytes for each;
+/// How many rotations (32 bytes each) a text of this many bytes may stand for. Real files have several bytes for each;
 /// joints that a frame does not mention could otherwise make much of little.
 constexpr std::size_t max_text_rotations(std::size_t bytes) { return 1'000'000 + 16 * bytes; }
 
@@ -99,7 +99,7 @@ class TextScanner {
     return value;
   }
 
-  /// Whether nothing but blanks stands before the last word on its line.
+  /// True if nothing but blanks stands before the last word on its line.
   bool began_line() const {
     std::size_t at = last_;
     while (at > 0 && is_blank(text_[at - 1]) && !is_line_end(text_[at - 1])) --at;

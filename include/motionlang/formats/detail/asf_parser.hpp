@@ -61,7 +61,7 @@ class AsfParser {
     }
   };
 
-  /// Whether a word follows outside of comments.
+  /// True if a word follows outside of comments.
   bool more() {
     while (scan_.peek().starts_with('#')) scan_.rest_of_line();
     return !scan_.at_end();

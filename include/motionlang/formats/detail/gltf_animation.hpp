@@ -55,9 +55,9 @@ class GltfAnimation {
 
   /// Transform of a node, from its transform at rest; the scale stays.
   GltfTransform at(int node, GltfTransform transform, double time) const;
-  /// Whether the node ever leaves its place at rest by more than a hundredth of its distance to the parent.
+  /// True if the node ever leaves its place at rest by more than a hundredth of its distance to the parent.
   bool moves_away(int node, const Vec3<double>& rest) const { return leaves(translations_, node, rest); }
-  /// Whether its scale ever is another than at rest, by more than a hundredth.
+  /// True if its scale ever is another than at rest, by more than a hundredth.
   bool grows(int node, const Vec3<double>& rest) const { return leaves(scales_, node, rest); }
 
  private:

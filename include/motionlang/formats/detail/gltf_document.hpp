@@ -27,7 +27,7 @@ inline void refuse_packed(const JsonView& object, std::initializer_list<const ch
   }
 }
 
-/// Of extensions that a file requires only those matter that pack what is read here; others are of meshes and
+/// Only those required extensions matter that pack data which is read here; others concern meshes and
 /// materials.
 class GltfDocument {
  public:
@@ -80,7 +80,7 @@ class GltfDocument {
   /// Those that the file does not have are 0, and a sparse accessor replaces some.
   /// Source  glTF 2.0, 3.6.2
   /// Throws  io_error 402 if they lie outside of the file, 403, 404 for data in other files, 405 if the file does not
-  ///         have them and is too small for so many
+  ///         have them and is too small for that many
   std::vector<double> values(Index accessor, std::size_t components) const {
     const JsonView a = element("accessors", accessor);
     const std::size_t kinds = components_of(a["type"].as<std::string>());

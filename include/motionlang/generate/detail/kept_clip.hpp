@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What generate_motion does with a motion that is kept and with options, whatever the backend.
+/// The part of generate_motion about options and kept motions that does not depend on the backend.
 #pragma once
 
 #include <motionlang/features/layout.hpp>
@@ -18,7 +18,7 @@ void require_one_source(const GenerateOptions& options);
 /// that are not there.
 std::vector<IndexRange> kept_frames(const KeptClip& keep, Index frames, Index wanted, double fps);
 
-/// Made frames, at most so many beside those that are kept, lead from the ones to the others.
+/// Made frames, at most this many beside those that are kept, lead from the ones to the others.
 Motion without_jumps(Motion motion, std::span<const IndexRange> kept, Index frames);
 
 /// Where the clip is, if its way is kept: turned and moved over the floor. Frames that are kept behind made ones are

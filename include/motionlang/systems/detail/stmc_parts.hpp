@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What Stmc needs that depends on no backend.
+/// Parts of Stmc that do not depend on a backend.
 #pragma once
 
 #include <string>  // texts

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What a film strip is drawn with: the shapes, and two surfaces that take them, one for SVG, one for pixels.
+/// The tools to draw a film strip: the shapes, and two surfaces that take them, one for SVG, one for pixels.
 #pragma once
 
 #include <algorithm>  // clamp

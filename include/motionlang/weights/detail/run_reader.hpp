@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What the readers of official run folders share: options and shapes of tensors compared, statistics of features.
+/// Helpers for readers of official run folders: options and shapes of tensors compared, statistics of features.
 #pragma once
 
 #include <filesystem>  // folders
@@ -33,7 +33,7 @@ class RunReader {
   /// How many tensors there are of a numbered name, "layers.#.weight".
   Index count(const std::string& before, const std::string& behind, std::initializer_list<const char*> options) const;
 
-  /// Of several names for an option the first that there is. Throws config_error 101 unless it is smallest ... largest.
+  /// The first option that exists among several names. Throws config_error 101 unless it is smallest ... largest.
   Index number(std::initializer_list<const char*> keys, Index otherwise, Index largest, Index smallest = 1) const;
   double real(const char* key, double otherwise) const;
   bool flag(const char* key, bool otherwise) const;
