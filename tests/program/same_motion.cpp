@@ -130,7 +130,7 @@ TEST_CASE("every option of a motion gives the same bytes in the program, the lib
     CHECK(w.by_c(c_options) == program);
     different.insert(program);
   }
-  CHECK(different.size() == choices.size());  // no option is passed over
+  CHECK(different.size() == choices.size());  // no option is skipped
 }
 
 TEST_CASE("noise from a file, records and what is reused of them") {

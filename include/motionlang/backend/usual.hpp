@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The usual backends and their tapes. A unit that links motionlang::instantiated and includes this does not compile
-/// them again, at -O0 at least: what is inline is compiled once more wherever it may be inlined.
+/// The usual backends and their tapes. A unit that links motionlang::instantiated and includes this header does not
+/// compile them again at -O0. With optimisation, inline functions are compiled again wherever they may be inlined.
 #pragma once
 
 #include <motionlang/backend/autodiff.hpp>

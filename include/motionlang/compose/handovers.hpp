@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Texts cut where what they own changes.
+/// Cuts texts where their body parts change.
 ///
 /// A text that goes on while another borrows its arms is one crop as published, so the denoiser sees raised arms in the
 /// middle of "walk forward" and keeps them up before and after. Cut at these times, it walks with its own arms, then
@@ -14,8 +14,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Cuts every text at the times at which it gets or loses body parts, unless a stretch would be shorter than `least`
-/// frames. Throws config_error 101 if too many texts lie over each other.
+/// Cuts every text at the times at which it gets or loses body parts, unless a piece would be shorter than `least`
+/// frames. Throws config_error 101 if too many texts overlap.
 Timeline cut_at_handovers(const Timeline& timeline, Index least);
 
 MOTIONLANG_NAMESPACE_END

@@ -12,8 +12,8 @@ enum class Gaps { fill, refuse };
 /// 506, or leave the transition out (the result is the same without it).
 enum class HiddenTexts { refuse, ignore };
 
-/// Frames that go through the denoiser together unless told otherwise: more than 12 s on five tracks have, with and
-/// without their texts. The published network holds some 90 MB for them.
+/// The default number of frames that go through the denoiser together. It is more than 12 s on five tracks have, with
+/// and without their texts. The published network holds about 90 MB for them.
 inline constexpr Index usual_rows_at_once = 4096;
 
 struct PlanOptions {

@@ -91,7 +91,7 @@ class Stitcher {
   std::vector<Part> parts_;
 };
 
-/// Hard cuts softened afterwards (the SINC+lerp baseline): in every window of the plan the part is interpolated
+/// Softens hard cuts (the SINC+lerp baseline): in every window of the plan the part is interpolated
 /// linearly between the values at the window's first and last frame.
 ///     w v_first + (1 - w) v_last,   w = linspace(1, 0, window)
 /// All windows read the hard-cut motion; where they overlap the later one wins. Source: STMC src/stmc.py.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-/// TEACH's way to put generated parts one behind the other: the next part is turned and moved onto the last frame of
-/// the one before it, the frames between them are interpolated.
+/// Joins generated parts as TEACH does: the next part is turned and moved onto the last frame of the one before it, and
+/// the frames between them are interpolated.
 ///
 /// Source    thesis A.2.3 and A.3.4; TEACH (Athanasiou et al., 3DV 2022) teach/tools/interpolation.py
 /// Notation  last frame of what is there -> e, first frame of the next part -> b
 /// World     Z up. The turn is the difference of the z of two rotation vectors, which is that of the headings only for
-///           bodies that do not lean; published so.
+///           bodies that do not lean. This is as published.
 #pragma once
 
 #include <algorithm>  // copy
@@ -24,7 +24,7 @@ struct PoseInWorld {
 /// How the next part joins: turned to the heading of the end and moved, or moved only.
 enum class Alignment { full, translation };
 
-/// The part's first frame comes to stand where e stands; heights stay.
+/// Moves the part so that its first frame stands where e stands. Heights stay.
 /// rotations  (frames, joints) of the part, turned in place
 /// trans      (frames), moved in place
 /// Throws     shape_error 205 if the sizes do not fit
@@ -87,10 +87,10 @@ SmplVelpMotion<S> slerp_window(const PoseInWorld<S>& e, const PoseInWorld<S>& b,
   return out;
 }
 
-/// Parts that stand one behind the other, each aligned to the end of the one before it; the first `window` frames of
-/// all parts but the first are interpolated.
-/// lengths  frames of the parts, all of the motion together
-/// Throws   shape_error 205 if the motion has another number of frames or a part no frame behind its window;
+/// Aligns each part to the end of the one before it. The first `window` frames of all parts except the first are
+/// interpolated.
+/// lengths  frames of the parts, which together are those of the motion
+/// Throws   shape_error 205 if the motion has another number of frames, or a part has no frame behind its window;
 ///          config_error 101 for a negative window
 template <Scalar S>
 void join_parts(SmplVelpMotion<S>& motion, std::span<const Index> lengths, Index window = 0,

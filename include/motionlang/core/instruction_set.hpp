@@ -17,7 +17,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Each has those before it; the last two differ from avx512 in products of bfloat16 only.
+/// Each set includes those before it. The last two differ from avx512 only in products of bfloat16.
 enum class Isa { portable, avx2, avx512, avx512_bf16, amx, best };
 
 #if defined(__x86_64__)
@@ -30,10 +30,10 @@ bool processor_has(Isa isa);
 /// this processor lacks.
 Isa wanted_isa();
 
-// Clang inlines less into such functions than GCC, and what is not inlined stays narrow.
+// Clang inlines less into such functions than GCC, and code that is not inlined uses narrow registers.
 #if defined(__x86_64__) && !defined(__clang__)
 #define MOTIONLANG_WIDER_COPIES
-/// avx512, avx2 or portable: the sets that differ for code with vectors only.
+/// avx512, avx2 or portable: the sets that differ for code without products of bfloat16.
 Isa widest_vectors();
 template <class F>
 __attribute__((target(MOTIONLANG_AVX2), flatten)) void with_avx2(const F& f) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Help against memory that is used after its end: a mark for compilers, and marks of free memory for the address
+/// Help against memory that is used after it was freed: a mark for compilers, and marks of free memory for the address
 /// sanitizer.
 #pragma once
 
@@ -7,8 +7,8 @@
 
 #include <motionlang/version.hpp>
 
-/// Behind the declaration of a member function or of a parameter: the result refers to it. Clang warns where it is a
-/// temporary, or a variable whose function returns the result. GCC has no such mark.
+/// Marks a member function or a parameter to which the result refers. Clang warns if it is a temporary, or a local
+/// variable of a function that returns the result. GCC has no such mark.
 #if defined(__has_cpp_attribute)
 #if __has_cpp_attribute(clang::lifetimebound)
 #define MOTIONLANG_LIFETIMEBOUND [[clang::lifetimebound]]
@@ -34,8 +34,8 @@ inline constexpr bool address_sanitizer = false;
 inline constexpr bool address_sanitizer = false;
 #endif
 
-/// Memory that nobody may use until allow_access: the sanitizer reports whoever does. Nothing happens where the bodies
-/// of the library are compiled without the sanitizer.
+/// Forbids the use of memory until allow_access: the sanitizer reports every use. Without the sanitizer these calls do
+/// nothing.
 void forbid_access(const void* memory, std::size_t bytes);
 void allow_access(const void* memory, std::size_t bytes);
 

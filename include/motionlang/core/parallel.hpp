@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-/// Threads: a small pool of them and `parallel_for`, how many are used, and what threads of a program may share.
+/// A small pool of threads and `parallel_for`, their number, and the objects that threads of a program may share.
 ///
 /// How many   processor_count() threads calculate (core/processors.hpp: what the process is given, in a container too),
 ///            at most 256. set_thread_count(n) changes that for the whole process. The results are the same bits
 /// From several threads of a program at once
-///   may be shared    everything that is const: models, tensors, skeletons, indices, text encoders. Copying a handle of
-///                    the same tensor, and using it, too. One call calculates in the pool at a time, others wait for it
-///   may not          what is written: a tensor that is assigned to, a generator that draws, an AdamW that steps, a
-///                    KeptMotion that is filled. Give each thread its own, or a lock. A Context counts its masks: one
-///                    for each call
+///   may be shared    everything that is const: models, tensors, skeletons, indices, text encoders. Threads may
+///                    copy and use handles of the same tensor. The pool serves one call at a time; other calls wait
+///   may not          objects that change: a tensor that is assigned to, a generator that draws, an AdamW that steps, a
+///                    KeptMotion that is filled. Give each thread its own, or a lock. A Context counts its masks, so
+///                    each call needs its own
 ///   Autodiff         variables may be shared; operations behind a loss belong to the thread that calls `backward`
 ///   at rest          set_thread_count and set_product_precision (backend/precision.hpp): while no work is running
 ///
@@ -57,10 +57,10 @@ namespace detail {
 inline constexpr Index worth_a_thread = 16384;  // numbers
 }
 
-/// Calls f(first, last) for pieces of 0 ... count-1, in one piece what is not worth two threads (`cost` numbers per
-/// element). Of elements of many numbers, such as rows, every thread has as many: in the next region it finds what it
-/// wrote in its cache. Pieces of single numbers begin at the same places for any number of threads: vectors and what is
-/// left beside them are the same.
+/// Calls f(first, last) for pieces of 0 ... count-1. Work that is too small for two threads is one piece (`cost` values
+/// per element). For large elements, such as rows, every thread gets the same share in each region, which is then still
+/// in its cache. Pieces of single values begin at the same places for any number of threads, so full vectors and
+/// remainders are the same.
 template <class F>
 void parallel_ranges(Index count, Index cost, const F& f) {
   const Index grain = std::max<Index>(1, detail::worth_a_thread / std::max<Index>(1, cost));
@@ -71,9 +71,9 @@ void parallel_ranges(Index count, Index cost, const F& f) {
   parallel_for(equal, [&](Index i) { f(count * i / equal, count * (i + 1) / equal); });
 }
 
-/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of this many rows: for what goes through
-/// the rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number of
-/// threads.
+/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix with this many rows, for functions that go
+/// through the rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number
+/// of threads.
 template <class F>
 void parallel_columns(Index rows, Index width, const F& f) {
   const Index pieces = rows * width < detail::worth_a_thread ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());

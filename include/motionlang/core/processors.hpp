@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/// How many threads pay for this process: the processors that it may run on, and no more than the processor time that
-/// its control group is given (containers, batch systems). More would spend the group's time with waiting for each
-/// other, and then all are stopped.
+/// The number of useful threads: the processors on which this process may run, limited by the processor time of its
+/// control group (containers, batch systems). More threads would use up the group's time by waiting for each other, and
+/// the system would then stop all of them.
 #pragma once
 
 #include <string>  // paths
@@ -12,8 +12,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` says which group this process
-/// belongs to, the folders of `root` what it is given. What cannot be read is not a limit.
+/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` names the group of
+/// this process, and the folders of `root` hold its limits. A file that cannot be read sets no limit.
 struct ControlGroups {
   std::string root = "/sys/fs/cgroup", processes = "/proc/self/cgroup";
 
@@ -23,13 +23,13 @@ struct ControlGroups {
  private:
   template <class F>
   static void for_lines(const std::string& path, const F& f);
-  /// "quota period", both in microseconds, in one file or in two. A quota of "max" or -1 is none.
+  /// "quota period", both in microseconds, in one file or in two. A quota of "max" or -1 is unlimited.
   static int limit(const std::string& quota_file, const std::string& period_file, int all);
 };
 
 }  // namespace detail
 
-/// At least 1.
+/// The number of useful threads, at least 1.
 int processor_count();
 
 MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// How long work tells its caller where it is, and how the caller stops it.
+/// Reports the progress of long work to the caller, who may stop it.
 #pragma once
 
 #include <memory>       // addressof

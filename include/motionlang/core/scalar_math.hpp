@@ -25,8 +25,8 @@ inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
-/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10, whose last digit often is
-/// another than the C library's. For published tables of frequencies: thousands of frames later it decides the fourth
+/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10. Its last digit often differs
+/// from that of the C library. Published tables of frequencies need it: after thousands of frames it decides the fourth
 /// digit.
 inline float torch_exp(float x) {
   if (!(x >= -104.0f)) return x < 0 ? 0.0f : x;  // NaN stays
@@ -40,8 +40,8 @@ inline float torch_exp(float x) {
   return std::ldexp(1.0f + std::fma(f * f, p, f), static_cast<int>(n));
 }
 
-/// `a < b ? x : y`. The one branch that also works element by element: both x and y are always computed, so neither may
-/// be NaN where it is not taken if the result is to be differentiated.
+/// `a < b ? x : y`, which also works element by element. Both x and y are always computed. If the result is to be
+/// differentiated, neither may be NaN, even where it is not taken.
 constexpr double where_less(double a, double b, double x, double y) { return a < b ? x : y; }
 constexpr float where_less(float a, float b, float x, float y) { return a < b ? x : y; }
 

@@ -3,16 +3,14 @@
 ///
 /// A pickle is a program that builds objects. This reader runs the part that builds plain values (numbers, texts,
 /// lists, dictionaries) and turns every class and every call into an inert `object` that remembers what the file asked
-/// for: name, arguments, state, items. What such an object means is the business of the caller, who looks at the names
-/// that it knows: file/pickle_arrays.hpp does so for NumPy, SciPy and chumpy; tensors of PyTorch come as objects whose
-/// storages are `persistent`.
+/// for: name, arguments, state, items. The caller decides what such an object means by its name. file/pickle_arrays.hpp
+/// does so for NumPy, SciPy and chumpy. Tensors of PyTorch come as objects whose storages are `persistent`.
 ///
 ///     Pickle file = Pickle::open("model.pkl");
 ///     NpyArray weights = to_array(file.root()["weights"]);
 ///
-/// Refused are names that only a program that attacks its reader needs (os.system, eval), and whatever is malformed.
-/// Memory is bounded by the size of the file: lengths are checked before anything is allocated, texts and bytes are
-/// views into the file.
+/// The reader refuses malformed pickles, and names that only an attack needs (os.system, eval). Memory is bounded by
+/// the size of the file: lengths are checked before anything is allocated, texts and bytes are views into the file.
 ///
 /// Source  CPython Lib/pickle.py and pickletools.py
 #pragma once
@@ -36,13 +34,13 @@ namespace detail {
 class PickleMachine;
 }
 
-/// A value in a pickle: a handle, valid as long as its Pickle lives. Graphs may share values and may be cyclic: whoever
-/// descends into one limits the depth.
+/// A handle of a value in a pickle, valid as long as its Pickle lives. Graphs may share values and may be cyclic, so
+/// limit the depth of a descent.
 class PickleValue {
  public:
   PickleKind kind() const { return node().kind; }
   bool is(PickleKind k) const { return kind() == k; }
-  /// The same for handles of the same value.
+  /// Equal for handles of the same value.
   std::uint32_t id() const { return ref_; }
   /// Offset of the byte that made it.
   std::uint64_t at() const { return node().at; }
@@ -52,7 +50,7 @@ class PickleValue {
   std::int64_t integer() const;
   bool boolean() const;
   double real() const { return is(PickleKind::real) ? node().real : static_cast<double>(integer()); }
-  /// UTF-8; of a Python-2 string the bytes as they are, which is Latin-1. Throws io_error 407.
+  /// The text as UTF-8; for a Python-2 string its bytes, which are Latin-1. Throws io_error 407.
   std::string_view text() const;
   std::span<const std::byte> bytes() const;
 
@@ -66,7 +64,7 @@ class PickleValue {
   /// Key and value of entry i < size() of a dictionary. Throws io_error 407 if it is none.
   PickleValue key(std::size_t i) const { return entry(2 * i); }
   PickleValue value(std::size_t i) const { return entry(2 * i + 1); }
-  /// The entry of a dictionary with this text as its key; of several the last, as in Python.
+  /// The entry of a dictionary with this text as its key; the last one of several, as in Python.
   std::optional<PickleValue> find(std::string_view name) const;
   /// Throws io_error 406 if there is none.
   PickleValue operator[](std::string_view name) const;

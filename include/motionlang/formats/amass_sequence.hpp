@@ -37,7 +37,7 @@ std::optional<double> amass_rate(const NpzArchive& npz);
 /// body_pose, transl, ...). The gender may be a text or an array of one, as in SSM_synced, or that as an object of
 /// Python. Of betas for each frame, the first are taken.
 /// fps     frames per second of a file that does not say them; 0: it is refused
-/// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are
+/// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which hold
 ///         no motion), 407 if one has another shape, 403 for an impossible frame rate; config_error 102 if the file
 ///         says another rate; numeric_error 301 if a number of betas is not finite
 AmassSequence read_amass_sequence(const FilePath& path, double fps = 0);

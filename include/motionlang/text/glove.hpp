@@ -56,8 +56,8 @@ class GloVe {
   /// other ("walks and/or runs"). Throws config_error 107 for a word with no tag or several beside one with a tag of
   /// the table.
   std::vector<TaggedWord> tokens(std::string_view text) const;
-  /// An approximation to what was done with spaCy: hyphens are deleted, words are lowered, those with digits are passed
-  /// over; -s, -es, -ed and -ing are taken away where the word is unknown and the rest is known. Tags come from the
+  /// An approximation to what was done with spaCy: hyphens are deleted, words are lower-cased, those with digits are
+  /// skipped; -s, -es, -ed and -ing are taken away where the word is unknown and the rest is known. Tags come from the
   /// lists of `motion_tag` only.
   std::vector<TaggedWord> caption_tokens(std::string_view text) const;
 

@@ -46,8 +46,8 @@ TokenBatch tokenize(const T& tokenizer, std::span<const std::string> texts) {
   return out;
 }
 
-/// A string that becomes its id before words are looked for. Whether it takes the white space beside it along is no
-/// question here, since all our tokenizers drop white space.
+/// A string that becomes its id before words are looked for. White space beside it does not matter, since all our
+/// tokenizers drop white space.
 struct AddedToken {
   std::string content;
   Index id = 0;

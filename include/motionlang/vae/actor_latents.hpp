@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// The latents of generated motions, which may share their noise: what differs between two motions is then the action
-/// alone, or the noise alone.
+/// The latents of generated motions. Motions may share their noise, so that they differ only in the action, or only in
+/// the noise.
 #pragma once
 
 #include <motionlang/tensor/index.hpp>
@@ -8,7 +8,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Which latents share their noise. interpolate: one vector, scaled from -1 to 1 over the samples.
+/// How latents share their noise. interpolate: one vector, scaled from -1 to 1 over the samples.
 enum class NoiseSharing { random, same, interpolate };
 struct ActorSampling {
   Index samples = 1;  // of each action

@@ -22,7 +22,7 @@ struct Two {
 
 }  // namespace
 
-TEST_CASE("tensors are visited by path, options are passed over") {
+TEST_CASE("tensors are visited by path, options are skipped") {
   ml::Philox rng;
   Two two{{2, 3, rng}, {{3, 1, rng}}};
   std::vector<std::string> paths;

@@ -1,4 +1,4 @@
-// Checkpoints of ACTOR and of its classifiers: sizes from shapes, options beside them, what is passed over, what is
+// Checkpoints of ACTOR and of its classifiers: sizes from shapes, options beside them, what is skipped, what is
 // refused.
 #include <fstream>
 
@@ -15,7 +15,7 @@ using models::file_of;
 using small_actor::B;
 using tensors::same_bits;
 
-TEST_CASE("ACTOR: networks are known by their tensors, the rest by the options; tables of positions are passed over") {
+TEST_CASE("ACTOR: networks are known by their tensors, the rest by the options; tables of positions are skipped") {
   const std::vector<Index> actions{1, 3};
   for (ml::ActorConfig config : small_actor::variants()) {
     if (!config.concatenate_time) continue;  // does not show in published files, which always have it

@@ -1,4 +1,4 @@
-// The checkpoint of Guo's evaluator: sizes from shapes, what is passed over, what is refused.
+// The checkpoint of Guo's evaluator: sizes from shapes, what is skipped, what is refused.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/weights/guo_evaluator_file.hpp>
 
@@ -11,7 +11,7 @@ using B = ml::EigenBackend<float>;
 using models::file_of;
 using tensors::normal, tensors::same_bits;
 
-TEST_CASE("Guo's evaluator: sizes are those of the tensors, optimisers are passed over") {
+TEST_CASE("Guo's evaluator: sizes are those of the tensors, optimisers are skipped") {
   ml::Philox rng{.seed = 8};
   const ml::GuoEvaluator<B> model({.features = 15,
                                    .movement_hidden = 6,

@@ -1,4 +1,4 @@
-// Checkpoints of TEACH and SINC: sizes from shapes, options, what is passed over, what is refused.
+// Checkpoints of TEACH and SINC: sizes from shapes, options, what is skipped, what is refused.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/weights/teach_sinc_file.hpp>
 

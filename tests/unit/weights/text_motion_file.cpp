@@ -1,4 +1,4 @@
-// Checkpoints of TEMOS and TMR: sizes from shapes, options, what is passed over, what is refused.
+// Checkpoints of TEMOS and TMR: sizes from shapes, options, what is skipped, what is refused.
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/weights/text_motion_file.hpp>
 #include <motionlang/weights/tmr_checkpoint.hpp>
@@ -13,7 +13,7 @@ using models::file_of;
 using tensors::same_bits;
 namespace small = small_text_motion;
 
-TEST_CASE("TEMOS: the variants are known by their tensors; tables, language model and sums of losses are passed over") {
+TEST_CASE("TEMOS: the variants are known by their tensors; tables, language model and sums of losses are skipped") {
   auto c = small::temos_config;
   c.num_heads = 4;
   c.max_len = 5000;

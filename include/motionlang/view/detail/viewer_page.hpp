@@ -457,7 +457,7 @@ class GlRenderer {
     gl.bufferData(target, data, gl.STATIC_DRAW);
     return buffer;
   }
-  /** The mesh, or else so many cones. */
+  /** The mesh, or else this many cones. */
   drawFigure(count, uniforms) {
     const gl = this.gl, { program, at } = this.mesh ? this.meshProgram : this.cone;
     gl.useProgram(program);
