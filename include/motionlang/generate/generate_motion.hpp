@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// From a timeline of texts to a finished motion, as the program `motionlang generate` makes it: texts are cut where a
-/// model does them best in parts, all are sampled together, the motion is smoothed and put on its feet.
+/// From a timeline of texts to a finished motion, as the program `motionlang generate` makes it: it cuts texts
+/// where a model needs that, samples all of them together, smooths the motion and fixes its feet.
 ///
 ///     const auto stmc = load_stmc<EigenBackend<float>>("stmc_free.safetensors");
 ///     const auto timeline = parse_timeline("walk forward # 0 # 6 # legs\nwave # 2 # 5 # left arm\n");
@@ -19,8 +19,8 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// One motion for each timeline. The noise of each depends on the seed and on its place in the list.
-/// Throws  timeline_error 504 ... 508 for timelines that the model cannot make; option_error 101 for frames to keep
-///         that are not there, 102 for options that contradict each other, 105 for more steps than the model has;
+/// Throws  timeline_error 504 ... 508 for timelines that the model cannot make; option_error 101 for kept frames
+///         outside of the motion, 102 for options that contradict each other, 105 for more steps than the model has;
 ///         config_error 102, 103, 107 and io_error 401 ... 407 for files of noise and records; `cancelled`
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Motion> generate_motions(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,

@@ -21,8 +21,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Options that a model does not take, or that contradict each other: a config_error that is the caller's, not the
-/// file's.
+/// Options that a model does not take, or that contradict each other. The caller is wrong, not a file.
 struct option_error : config_error {
   using config_error::config_error;
 };
@@ -37,32 +36,32 @@ struct KeptClip {
 /// The report of a run besides its motions. Only models that go through STMC fill it.
 struct GenerateNotes {
   std::string layout{};                         // of the features
-  std::vector<std::vector<double>> features{};  // of each motion, before it was smoothed and put on its feet
-  std::optional<StmcReuse> reuse{};             // what was taken over from the run that is reused
+  std::vector<std::vector<double>> features{};  // of each motion, before smoothing and foot fixing
+  std::optional<StmcReuse> reuse{};             // how much was reused
   std::optional<std::uint64_t> seed{};          // of the run that is reused
-  double kept_moved = 0;                        // metres over the floor that any kept frame is from where it was
+  double kept_moved = 0;  // the largest distance of a kept frame from its old place, metres on the floor
 };
 
 struct GenerateOptions {
   std::uint64_t seed = 0;                             // same seed, same motion, on any number of threads
-  std::optional<Index> steps{};                       // of denoising, 0: all; the model's own unless given
-  std::optional<SamplingOptions::Sampler> sampler{};  // the model's own unless given
-  std::optional<double> guidance{};                   // weight of the text, 1: none; the model's own unless given
-  std::optional<double> fact{};  // scales the deviation of a latent from its mean, 0: the mean itself; 1 unless given
+  std::optional<Index> steps{};                       // of denoising, 0: all; the default is the model's
+  std::optional<SamplingOptions::Sampler> sampler{};  // the default is the model's
+  std::optional<double> guidance{};                   // weight of the text, 1: none; the default is the model's
+  std::optional<double> fact{};  // scales the latent noise: 0 gives the mean motion; the default is 1
   double overlap = 0.5;          // seconds that neighbouring texts share around a cut
-  bool cut_texts = true;         // where they lend body parts or get them back, and where they are too long
+  bool cut_texts = true;         // where they lend body parts or regain them, and where they are too long
   bool smooth = true;            // removes jitter, and jerks where texts meet
-  bool fix_feet = true;          // feet that stand do not slide
+  bool fix_feet = true;          // keeps standing feet from sliding
   FilePath noise = "";           // file with noise/000 (initial), noise/001, ... instead of the seed
-  FilePath record = "";          // file to write: what a later run needs to reuse this one
+  FilePath record = "";          // file to write, which a later run can reuse
   FilePath reuse = "";  // such a file; seed, steps, sampler, guidance, overlap and cut_texts are those of its run
-  std::optional<double> keep_beyond{};  // of reuse, seconds: what is further from the edit stays as it was
+  std::optional<double> keep_beyond{};  // of reuse: frames further from the edit, in seconds, stay
   std::optional<KeptClip> keep{};       // of every timeline
   Progress progress{};                  // called after every step, or after every motion; may cancel
-  GenerateNotes* notes = nullptr;       // is written if given
+  GenerateNotes* notes = nullptr;       // filled if given
 };
 
-/// Few steps that do as many prompts as all of them do, as `motionlang judge --compare` measures it.
+/// Few steps that do as many prompts as all steps. `motionlang judge --compare` measures that.
 inline constexpr Index fast_steps = 10;
 inline void use_fast_preset(GenerateOptions& o) { o.sampler = SamplingOptions::Sampler::ddim, o.steps = fast_steps; }
 inline void use_full_preset(GenerateOptions& o) { o.sampler = SamplingOptions::Sampler::ddpm, o.steps = 0; }
