@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Gate: every file of ours that a comment or a page names exists.
+"""Gate: every file of ours that a comment or a page names exists, and every heading to which a page links.
 
 A name counts as ours if it is a link of a page, begins with a folder of the repository, is a header (*.hpp, *.ipp,
 *.inc) or a page (*.md). It is looked for from the root, from include/ and include/motionlang/, and beside the file that
@@ -21,7 +21,13 @@ others = {line for line in (root / "tests/gates/links_others.txt").read_text(enc
 
 folders = r"(?:include|examples|tests|single_include|\.ci|\.github)"
 word = re.compile(rf"(?<![\w./*-])((?:{folders}/[\w./-]*[\w])|(?:[\w][\w./-]*\.(?:hpp|ipp|inc|md)))(?![\w*/-])")
-page_link = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
+page_link = re.compile(r"\]\(([^)#\s]*)(?:#([^)]*))?\)")
+
+
+def headings(page):
+    """The anchors of a page, as GitHub makes them of its headings."""
+    lines = re.findall(r"^#+ +(.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", line.lower()).replace(" ", "-") for line in lines}
 
 
 def exists(name, beside):
@@ -53,12 +59,18 @@ for file in files:
             line = line[comment.start():]
         names = word.findall(line)
         if page:
-            names += [name for name in page_link.findall(line) if "://" not in name]
+            for name, heading in page_link.findall(line):
+                target = (file.parent / name).resolve() if name else file
+                if "://" not in name and name:
+                    names.append(name)
+                if heading and target.suffix == ".md" and target.is_file() and heading not in headings(target):
+                    print(f"{file}:{number}: {target.name} has no heading #{heading}")
+                    missing += 1
         for name in names:
             checked += 1
             if not exists(name, file.parent):
                 print(f"{file}:{number}: there is no {name}")
                 missing += 1
 if missing:
-    sys.exit(f"{missing} names of files that do not exist")
+    sys.exit(f"{missing} names of files or headings that do not exist")
 print(f"{checked} names of files in {len(files)} files: all exist")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Gate: no text of ours has a word or phrase of words.txt.
+"""Gate: no text of ours has a word or phrase of words.txt. A third column there limits a rule to a folder.
 
     python3 tests/gates/words.py [FILE ...]
 """
@@ -12,10 +12,10 @@ from files import root, tracked
 rules = []
 for line in (root / "tests/gates" / "words.txt").read_text(encoding="utf-8").splitlines():
     if line and not line.startswith("#"):
-        pattern, better = line.split("\t")
-        rules.append((re.compile(pattern), better))
+        pattern, better, folder = (line.split("\t") + [""])[:3]
+        rules.append((re.compile(pattern), better, str(root / folder)))
 
-files = sys.argv[1:]
+files = [pathlib.Path(name).resolve() for name in sys.argv[1:]]
 if not files:
     files = [root / name for name in tracked(
         "*.hpp", "*.ipp", "*.inc", "*.cpp", "*.h", "*.c", "*.md", "*.sh", "*.cmake", "*.txt", "*.py",
@@ -24,12 +24,12 @@ if not files:
 marker = re.compile(r"^\s*(///?|\*|#)?\s*")
 found = 0
 for file in files:
-    lines = pathlib.Path(file).read_text(encoding="utf-8").splitlines()
+    lines = file.read_text(encoding="utf-8").splitlines()
     for number, line in enumerate(lines, 1):
         begin = line.rstrip() + " "
         rest = marker.sub("", lines[number]) if number < len(lines) else ""  # a phrase may go on in the next line
-        for pattern, better in rules:
-            match = pattern.search(begin + rest)
+        for pattern, better, folder in rules:
+            match = str(file).startswith(folder) and pattern.search(begin + rest)
             if match and match.start() < len(begin):
                 print(f"{file}:{number}: '{match.group()}': write {better}")
                 found += 1
