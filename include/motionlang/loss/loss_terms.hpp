@@ -22,7 +22,7 @@ struct LossTerms {
   void add(std::string name, double weight, Tensor<B, 0> value) {
     terms.push_back({std::move(name), weight, std::move(value)});
   }
-  /// The terms of another loss, with something behind their names.
+  /// Adds the terms of another loss, with a suffix behind their names.
   void append(LossTerms other, const std::string& suffix = "") {
     for (Term& t : other.terms) add(t.name + suffix, t.weight, std::move(t.value));
   }
@@ -32,7 +32,7 @@ struct LossTerms {
     for (const Term& t : terms) sum = sum + t.value * t.weight;
     return sum;
   }
-  /// The terms whose names begin so, without their weights.
+  /// The terms whose names begin with a prefix, without their weights.
   Tensor<B, 0> sum_of(std::string_view beginning) const {
     Tensor<B, 0> sum(0.0);
     for (const Term& t : terms) {

@@ -77,8 +77,8 @@ struct BatchNorm {
   }
 };
 
-/// Statistics of use for a constant norm, of training for one that may change: so one function runs a network both
-/// ways.
+/// Uses running statistics for a constant norm, and those of the rows for a norm that may change. So one function runs
+/// a network both ways.
 template <Backend B>
 Tensor<B, 2> batch_norm(const BatchNorm<B>& norm, const Tensor<B, 2>& x) {
   return norm(x);

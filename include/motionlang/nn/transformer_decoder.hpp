@@ -12,9 +12,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 /// Cross-attention to one row of memory per sequence: softmax over one key is 1, so every query reads the value of that
-/// row. It is computed once for each sequence; weights of queries and keys play no role and get gradient 0. What
-/// dropout leaves is one weight for each query and head: queries of one sequence that keep the same heads read the
-/// same, and each such reading is computed once.
+/// row. It is computed once for each sequence; weights of queries and keys have no effect and get gradient 0. Dropout
+/// keeps or drops one weight for each query and head. Queries of one sequence that keep the same heads read the same
+/// value, which is computed once.
 template <Backend B>
 Tensor<B, 2> attend_one_row(const MultiheadAttention<B>& attention, const Tensor<B, 2>& memory, const Offsets& offsets,
                             const Context& context) {

@@ -24,13 +24,13 @@ namespace detail {
 /// The options that `diffusion_run` reads, under the names that the systems give them.
 nlohmann::ordered_json diffusion_options(const DiffusionRun& run);
 
-/// The files of a text encoder that reading it takes. `weights`: not only those of its tokenizer.
+/// The files from which a text encoder is read. `weights`: with its weights, not only those of its tokenizer.
 std::vector<std::filesystem::path> text_encoder_files(const std::filesystem::path& path, bool weights = true);
 
-/// True if a tensor of the checkpoint belongs to the model: of what is beside it only CLIP's text tower.
+/// True if a tensor of the checkpoint belongs to the model or to CLIP's text tower beside it.
 bool is_packed(const std::string& name, const DiffusionRun& run);
 
-/// Everything but the statistics. tensors: those of the statistics
+/// Writes the folder. `tensors` are those of the statistics.
 void write_diffusion_folder(const FilePath& path, const RunFolder& run, const TensorSet& weights,
                             const DiffusionRun& about, std::vector<TensorView> tensors, const PackOptions& options);
 

@@ -10,11 +10,13 @@
 /// motion tokenizer, beside it (its checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one
 /// of the folders above.
 ///
-/// Sizes    from the shapes of the tensors; early or late attention, too, which the options have to agree with. The
-///          number of heads from the options, 8 unless they say it
-/// Differs  from the published program: `model` has what is in the folder and the tokenizer; the rest of it is empty
+/// Sizes    come from the shapes of the tensors, as does early or late attention, with which the options must agree.
+/// The
+///          number of heads comes from the options; the default is 8
+/// Differs  from the published program: `model` holds the parts in the folder and the tokenizer; its other parts are
+/// empty
 /// Source   TM2T networks/modules.py, networks/transformer.py, and the files that its training programs write
-/// Throws   io_error 401 for what is missing, saying where it was looked for; 404 for another model; 406, 407 for
+/// Throws   io_error 401 for a missing file, with the places that were tried; 404 for another model; 406, 407 for
 ///          tensors; config_error 102 where the parts do not fit each other
 #pragma once
 

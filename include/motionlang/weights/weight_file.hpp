@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
-/// Weights from whatever file they are in: safetensors, PyTorch (zip, TorchScript, the older form, Lightning), NumPy
-/// (npy, npz), pickles, joblib dumps, and folders of them as training runs leave them. The format is known by content,
-/// never by name.
+/// Weights from files of every kind: safetensors, PyTorch (zip, TorchScript, the older form, Lightning), NumPy
+/// (npy, npz), pickles, joblib dumps, and folders of them as training runs leave them. The format is known by the
+/// content, never by the name.
 ///
 ///     const WeightFile file = open_weights("logs/last.ckpt");
 ///     load_module(model, file, "denoiser.");
 ///     if (const FileValue* epoch = file.value("epoch")) use(*epoch);
 ///
-/// Nothing in a file is executed: objects of classes that are not known are skipped, and listed; numbers and texts in
-/// their fields are read as values. Tensors that lie in order in the file are views of it, without a copy.
+/// Nothing in a file is executed. Objects of unknown classes are skipped and listed; numbers and texts in their fields
+/// are read as values. Tensors that lie in order in the file are views of it, without a copy.
 ///
-/// Memory   besides the mapped file at most twice its size and 64 MiB. What is packed as a whole (a joblib dump that
-///          was written with compress=, or gzip) is unpacked in memory: to at most twice the size of the file and 30
-///          MiB, into which the copies of arrays in another order have to fit, too; what gives more is refused with
-///          io_error 405, and what is packed with bzip2, xz, lzma, lz4 or zstd with 404: unpack it first
+/// Memory   besides the mapped file at most twice its size and 64 MiB. A file that is packed as a whole (gzip, or a
+///          joblib dump written with compress=) is unpacked in memory, to at most twice its size and 30 MiB. Copies of
+///          arrays in another order must fit into that, too. A larger result is io_error 405. Files packed with bzip2,
+///          xz, lzma, lz4 or zstd are io_error 404: unpack them first
 /// Source   the readers of the formats: safetensors.hpp, torch_file.hpp, pickle_arrays.hpp, npz.hpp
 #pragma once
 
@@ -46,13 +46,13 @@ WeightFile open_weights(const FilePath& path, const WeightOptions& options = {})
 
 namespace detail {
 class WeightReader;
-/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`. Looks how long it is before it
+/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`. It checks the length before it
 /// allocates.
 std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::size_t limit, const std::string& name);
 }  // namespace detail
 
-/// Tensors of a file, sorted by name, and what else it says. A tensor in dictionaries is called by their keys, joined
-/// with '.' in PyTorch's files and with '/' in others; a tensor on its own is called "array".
+/// The tensors of a file, sorted by name, and its other values. The name of a tensor in dictionaries is their keys,
+/// joined with '.' in PyTorch's files and with '/' in others; a tensor on its own is called "array".
 class WeightFile : public TensorSet {
  public:
   /// "safetensors", "torch zip", "TorchScript", "torch legacy", "npy", "npz", "pickle", "joblib", "shards", "folder",
@@ -64,7 +64,7 @@ class WeightFile : public TensorSet {
   const FileValue* value(std::string_view path) const { return find_value(values_, path); }
   /// The first 1,000 values that were skipped, in the order of the file.
   const std::vector<SkippedValue>& skipped() const { return skipped_; }
-  /// All files that hold these tensors; of shards their index as well. None of bytes in memory.
+  /// All files that hold these tensors, with the index of shards. None for bytes in memory.
   const std::vector<std::filesystem::path>& files() const { return files_; }
 
   /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
