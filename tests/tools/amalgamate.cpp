@@ -8,6 +8,9 @@
 // place. Other includes stay, once each. Text below an #if counts as present only below the same #if, because its
 // condition may be false. Every file is guarded by a macro of its own, so that the same text in several places does no
 // harm. No library goes with these headers: MOTIONLANG_INSTANTIATED counts as undefined.
+//
+// A file *.inc that is included several times (the kernels, once per instruction set) is written once, at the end,
+// below an #if. Where it belongs, the header defines the macro of that #if and includes itself by its own name.
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -18,6 +21,7 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -99,7 +103,9 @@ class Instantiated {
 
 class Amalgamation {
  public:
-  explicit Amalgamation(fs::path include) : include_(std::move(include)) {}
+  /// `repeated` are the files *.inc that are written once; none yet in a first pass, which counts them.
+  Amalgamation(fs::path include, std::string name, std::set<std::string> repeated = {})
+      : include_(std::move(include)), name_(std::move(name)), repeated_(std::move(repeated)) {}
 
   /// Appends the text of `header`, a path below the include folder, or of all headers of a folder.
   void add(const std::string& header) {
@@ -107,10 +113,11 @@ class Amalgamation {
     const auto lines = read_lines(include_ / header);
     const bool once =
         std::any_of(lines.begin(), lines.end(), [](const auto& l) { return is_directive(l, "pragma once"); });
-    if (!once) return add_lines(lines);
+    if (!once) return add_part(header, lines);
+    if (in_part_) throw std::runtime_error("amalgamate: a file *.inc includes " + header);
     if (is_present(header)) return;
     present_[header].push_back(conditions_);
-    const std::string guard = guard_of(header);
+    const std::string guard = macro_of(header, "HAS");
     append("");
     append("#ifndef " + guard + "  // <" + header + ">");
     append("#define " + guard);
@@ -121,10 +128,50 @@ class Amalgamation {
   void include(const std::string& header) {
     add(header);
     text_ = "#include <" + header + ">\n";
+    parts_.clear();
+    times_.clear();
   }
-  const std::string& text() const { return text_; }
+  /// The whole file, except its first lines.
+  std::string text() const {
+    if (parts_.empty()) return "#pragma once\n\n" + text_;
+    std::string none, parts;
+    for (const auto& [header, part] : parts_) {
+      const std::string defined = "defined(" + macro_of(header, "TEXT") + ")";
+      none += " && !" + defined;
+      parts += "#elif " + defined + "  // <" + header + ">\n" + part;
+    }
+    const std::string guard = macro_of("single_include/" + name_, "SINGLE");
+    return "#if" + none.substr(3) + "\n#ifndef " + guard + "\n#define " + guard + "\n\n" + text_ + "\n#endif\n" +
+           parts + "#endif\n";
+  }
+  /// Files *.inc that were included several times.
+  std::set<std::string> repeated() const {
+    std::set<std::string> out;
+    for (const auto& [header, times] : times_) {
+      if (times > 1) out.insert(header);
+    }
+    return out;
+  }
 
  private:
+  /// A file without #pragma once: its text stands at every place, or it is included from the end of the file.
+  void add_part(const std::string& header, const std::vector<std::string>& lines) {
+    if (in_part_) return add_lines(lines);
+    ++times_[header];
+    const bool apart = repeated_.contains(header);
+    if (!apart || !parts_.contains(header)) {
+      std::string outer = apart ? std::exchange(text_, "") : "";
+      in_part_ = true;
+      add_lines(lines);
+      in_part_ = false;
+      if (apart) parts_[header] = std::exchange(text_, std::move(outer));
+    }
+    if (!apart) return;
+    const std::string macro = macro_of(header, "TEXT");
+    append("#define " + macro);
+    append("#include \"" + name_ + "\"");
+    append("#undef " + macro);
+  }
   void add_folder(const std::string& folder) {
     std::set<std::string> headers;
     for (const auto& entry : fs::directory_iterator(include_ / folder)) {
@@ -168,17 +215,22 @@ class Amalgamation {
     if (line.empty() && (text_.empty() || text_.ends_with("\n\n"))) return;
     text_ += line + "\n";
   }
-  static std::string guard_of(const std::string& header) {
+  static std::string macro_of(const std::string& header, const std::string& kind) {
     std::string name;
     for (const char c : header.substr(header.find('/') + 1)) {
       const auto u = static_cast<unsigned char>(c);
       name += std::isalnum(u) ? static_cast<char>(std::toupper(u)) : '_';
     }
-    return "MOTIONLANG_HAS_" + name;
+    return "MOTIONLANG_" + kind + "_" + name;
   }
 
   fs::path include_;
+  std::string name_;                // of the file that is written
+  std::set<std::string> repeated_;  // written once
   std::string text_;
+  bool in_part_ = false;                                                  // in the text of a file without #pragma once
+  std::map<std::string, int> times_;                                      // of their inclusions
+  std::map<std::string, std::string> parts_;                              // texts of those that are repeated
   std::vector<std::string> conditions_;                                   // of the line being read, outermost first
   std::map<std::string, std::vector<std::vector<std::string>>> present_;  // the conditions of every inclusion
 };
@@ -190,12 +242,15 @@ std::string version_of(const fs::path& include) {
 }
 
 std::string text_of(const Output& output, const fs::path& include) {
-  Amalgamation all(include);
-  if (!output.base.empty()) all.include(output.base);
-  for (const auto& header : output.headers) all.add(header);
+  const auto amalgamated = [&](std::set<std::string> repeated) {
+    Amalgamation all(include, output.name, std::move(repeated));
+    if (!output.base.empty()) all.include(output.base);
+    for (const auto& header : output.headers) all.add(header);
+    return all;
+  };
+  const Amalgamation all = amalgamated(amalgamated({}).repeated());
   return "// SPDX-License-Identifier: MIT\n/// motionlang " + version_of(include) +
-         ", generated from include/ by tests/tools/amalgamate.cpp. Changes belong there.\n#pragma once\n\n" +
-         all.text();
+         ", generated from include/ by tests/tools/amalgamate.cpp. Changes belong there.\n" + all.text();
 }
 
 }  // namespace
