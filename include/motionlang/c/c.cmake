@@ -12,6 +12,8 @@ if(TARGET Eigen3::Eigen AND TARGET nlohmann_json::nlohmann_json)  # not componen
   else()
     target_link_libraries(motionlang_c PRIVATE motionlang_instantiated)
     set_target_properties(motionlang_instantiated PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    # As fast as without: GCC may inline what a program could replace.
+    target_compile_options(motionlang_instantiated PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-semantic-interposition>)
   endif()
   target_include_directories(motionlang_c INTERFACE
                              $<TARGET_PROPERTY:motionlang::motionlang,INTERFACE_INCLUDE_DIRECTORIES>)
