@@ -80,6 +80,7 @@
 #include <motionlang/kinematics/body_motion.hpp>
 #include <motionlang/kinematics/body_partition.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
+#include <motionlang/kinematics/body_root.hpp>
 #include <motionlang/kinematics/chain_kinematics.hpp>
 #include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/kinematics/face_landmarks.hpp>

@@ -29,6 +29,11 @@ struct MappedJoint {
   /// its parent.
   std::string second{};
   double share = 0;
+
+  /// Whether a skeleton may lack the source: hands, toes and collars.
+  bool optional() const {
+    return target.ends_with("_hand") || target.ends_with("_foot") || target.ends_with("_collar");
+  }
 };
 
 /// A kind of skeleton. Hands, toes and collars may be missing; all other joints of the table must be there.

@@ -45,8 +45,7 @@ MOTIONLANG_BODY const MappedJoint* SkeletonTable::find(std::string_view target) 
 
 MOTIONLANG_BODY std::string SkeletonTable::missing(const Skeleton& source) const {
   for (const MappedJoint& j : joints) {
-    const bool optional = j.target.ends_with("_hand") || j.target.ends_with("_foot") || j.target.ends_with("_collar");
-    if (!optional && find_joint(source, j.source) < 0) return j.source;
+    if (!j.optional() && find_joint(source, j.source) < 0) return j.source;
     if (!j.second.empty() && find_joint(source, j.second) < 0) return j.second;
   }
   return {};
