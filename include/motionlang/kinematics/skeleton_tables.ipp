@@ -98,6 +98,13 @@ inline constexpr KnownTable known_tables[] = {
       {"left_collar", "L_Collar"}, {"left_shoulder", "L_Shoulder"}, {"left_elbow", "L_Elbow"}, {"left_wrist", "L_Wrist"}, {"left_hand", "L_Hand"},
       {"right_collar", "R_Collar"}, {"right_shoulder", "R_Shoulder"}, {"right_elbow", "R_Elbow"}, {"right_wrist", "R_Wrist"}, {"right_hand", "R_Hand"}},
      true, true},
+    // Noitom's suits (Axis Neuron): a T-pose without rotations, four joints in the spine, no toes.
+    {"Noitom",
+     {{"pelvis", "Hips"}, {"spine1", "Spine"}, {"spine2", "Spine1", "+x+y", {}, "Spine2", 0.5}, {"spine3", "Spine3"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
+      {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
+      {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"}, {"left_hand", "LeftHandMiddle1"},
+      {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightHandMiddle1"}}},
     // Rigs of game characters: as GLB files hold them, rest rotations are taken out, so that all axes are "+x+y".
     {"Mixamo",
      {{"pelvis", "Hips"}, {"spine1", "Spine"}, {"spine2", "Spine1"}, {"spine3", "Spine2"}, {"neck", "Neck"}, {"head", "Head"},
@@ -122,6 +129,22 @@ inline constexpr KnownTable known_tables[] = {
       {"right_hip", "RightHip"}, {"right_knee", "RightKnee"}, {"right_ankle", "RightAnkle"}, {"right_foot", "RightToe"},
       {"left_collar", "LeftCollar"}, {"left_shoulder", "LeftShoulder"}, {"left_elbow", "LeftElbow"}, {"left_wrist", "LeftWrist"},
       {"right_collar", "RightCollar"}, {"right_shoulder", "RightShoulder"}, {"right_elbow", "RightElbow"}, {"right_wrist", "RightWrist"}}},
+    // Rokoko's suits, with the names of Studio's own skeleton ("Newton").
+    {"Rokoko",
+     {{"pelvis", "Hips"}, {"spine1", "Spine1"}, {"spine2", "Spine2", "+x+y", {}, "Spine3", 0.5}, {"spine3", "Spine4"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "LeftThigh"}, {"left_knee", "LeftShin"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToe"},
+      {"right_hip", "RightThigh"}, {"right_knee", "RightShin"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToe"},
+      {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"}, {"left_hand", "LeftFinger3Proximal"},
+      {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightFinger3Proximal"}}},
+    // SOMA, the skeleton of Kimodo and BONES-SEED: LeftLeg is the thigh. Bones lie along x without rotations; axes and turns
+    // are those of its T-pose.
+    {"SOMA",
+     {{"pelvis", "Hips", "+z+x"}, {"spine1", "Spine1", "+z+x"}, {"spine2", "Spine2", "+z+x", {-6, 0, 0}}, {"spine3", "Chest", "+z+x"},
+      {"neck", "Neck1", "+z+x", {17, 0, 0}}, {"head", "Head", "+z+x", {-7, 0, 0}},
+      {"left_hip", "LeftLeg", "+z-x", {1, 0, 0}}, {"left_knee", "LeftShin", "+z-x", {5, 0, 0}}, {"left_ankle", "LeftFoot", "+z-y", {21, 0, 0}}, {"left_foot", "LeftToeBase", "+z-y", {16, 0, 0}},
+      {"right_hip", "RightLeg", "+z+x", {1, 0, 0}}, {"right_knee", "RightShin", "+z+x", {5, 0, 0}}, {"right_ankle", "RightFoot", "+z+y", {21, 0, 0}}, {"right_foot", "RightToeBase", "+z+y", {16, 0, 0}},
+      {"left_collar", "LeftShoulder", "+x-z", {0, 20, 0}}, {"left_shoulder", "LeftArm", "+x-z"}, {"left_elbow", "LeftForeArm", "+x-z"}, {"left_wrist", "LeftHand", "+x-z", {10, 0, 0}}, {"left_hand", "LeftHandMiddle1", "+x-z", {10, 0, 0}},
+      {"right_collar", "RightShoulder", "+x+z", {0, -20, 0}}, {"right_shoulder", "RightArm", "+x+z"}, {"right_elbow", "RightForeArm", "+x+z"}, {"right_wrist", "RightHand", "+x+z", {10, 0, 0}}, {"right_hand", "RightHandMiddle1", "+x+z", {10, 0, 0}}}},
     {"KayKit",
      {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "chest", "+x+y", {}, "head", 0.5}, {"head", "head"},
       {"left_hip", "upperleg.l"}, {"left_knee", "lowerleg.l"}, {"left_ankle", "foot.l"}, {"left_foot", "toes.l"},

@@ -275,6 +275,57 @@ TEST_CASE("Xsens and 100STYLE: there and back") {
   CHECK(synthetic::largest_distance(walk, again) < 0.011);
 }
 
+TEST_CASE("Noitom and Rokoko: there and back") {
+  for (const char* name : {"Noitom", "Rokoko"}) {
+    ml::Skeleton suit = rigs::skeleton_of(ml::skeleton_table(name), 0, 100);
+    // the second joint of the row of spine2, at its end
+    const ml::MappedJoint& row = *ml::skeleton_table(name).find("spine2");
+    const int at = suit[row.source];
+    for (int& parent : suit.parents) parent += parent >= at ? 1 : 0;
+    const auto place = static_cast<std::ptrdiff_t>(at);
+    suit.parents.insert(suit.parents.begin() + place + 1, at);
+    suit.names.insert(suit.names.begin() + place + 1, row.second);
+    suit.offsets.insert(suit.offsets.begin() + place + 1, ml::Vec3<double>{});
+    suit.validate();
+    CHECK(ml::detect_skeleton_table(suit).name == name);
+    CHECK(ml::detect_skeleton_table(renamed(suit, "Toe", "Tip")).name == name);  // Axis Neuron writes no toes
+    const auto walk = synthetic::walk({.frames = 10, .turn = 0.5});
+    const auto again = ml::retarget(ml::retarget(walk, suit, {.floor = false}), walk.skeleton, {.floor = false});
+    CHECK(synthetic::largest_distance(walk, again) < 0.011);
+  }
+}
+
+TEST_CASE("SOMA: standing by the axes of its T-pose, and LeftLeg is the thigh") {
+  const ml::SkeletonTable& table = ml::skeleton_table("SOMA");
+  std::vector<ml::Joint> joints;
+  const ml::Skeleton rig = rigs::skeleton_of(table);
+  // World rotations of the T-pose as SOMA's authors give them, and offsets that lead to the same places.
+  std::vector<ml::Quaternion<double>> world;
+  for (int j = 0; j < rig.size(); ++j) {
+    const ml::MappedJoint* row = nullptr;
+    for (const ml::MappedJoint& r : table.joints) row = r.source == rig.name(j) ? &r : row;
+    const int p = rig.parent(j);
+    world.push_back(row != nullptr ? ml::detail::axes_rotation(*row)
+                    : p < 0        ? ml::Quaternion<double>::identity()
+                                   : world[static_cast<std::size_t>(p)]);
+    const auto up = p < 0 ? ml::Quaternion<double>::identity() : world[static_cast<std::size_t>(p)];
+    joints.push_back({rig.name(j), p < 0 ? "" : rig.name(p), rotate(inverse(up), rig.offset(j))});
+  }
+  const auto x_of = [&](const char* joint) {
+    return rotate(world[static_cast<std::size_t>(rig[joint])], ml::Vec3<double>{1, 0, 0});
+  };
+  CHECK(ml::norm(x_of("Hips") - ml::Vec3<double>{0, 1, 0}) < 1e-9);
+  CHECK(ml::norm(x_of("RightArm") - ml::Vec3<double>{1, 0, 0}) < 1e-9);
+  CHECK(x_of("LeftLeg").y < -0.99);
+  CHECK(x_of("RightShin").y > 0.99);
+  CHECK(x_of("LeftFoot").z > 0.9);
+  CHECK(x_of("LeftFoot").y < -0.3);
+  const ml::Skeleton soma = ml::Skeleton::from_joints(joints);
+  CHECK(ml::detect_skeleton_table(soma).name == "SOMA");
+  const ml::Motion rest = ml::retarget(posed(soma, world), ml::SkeletonMap(soma));
+  for (std::size_t j = 0; j < 24; ++j) CHECK(ml::distance(rest.local[j], ml::Quaternion<double>::identity()) < 0.01);
+}
+
 TEST_CASE("names are compared without regard to capital letters where no joint has just this name") {
   ml::Skeleton unity = rigs::skeleton_of(ml::skeleton_table("VRM"));
   for (std::string& name : unity.names) name[0] = static_cast<char>(std::toupper(name[0]));
