@@ -3,6 +3,7 @@
 /// beside the hips; the hips walk, so that they must be the root of a motion's skeleton.
 #pragma once
 
+#include <span>    // movements
 #include <vector>  // joints
 
 #include <motionlang/kinematics/skeleton_tables.hpp>
@@ -14,6 +15,17 @@ MOTIONLANG_NAMESPACE_BEGIN
 int body_root(const Skeleton& skeleton, const SkeletonTable& table);
 /// The same by the built-in table that fits; 0, the root of the skeleton, if none fits.
 int body_root(const Skeleton& skeleton);
+
+/// How a joint moves against the joint before it, in a whole file.
+struct JointMovement {
+  double way = 0;      // across which its position goes, in the unit of the offsets
+  bool turns = false;  // whether its rotation changes
+};
+/// Where a body begins if names tell nothing: from the root down, the only child that moves, or the one that moves and
+/// has most of the joints below it. Below a joint that moves itself, and beside joints that turn, as legs do beside a
+/// spine, it has to move farther than its longest chain of bones is long: a bone that stretches is no root.
+/// movements  of each joint
+int moving_root(const Skeleton& skeleton, std::span<const JointMovement> movements);
 
 /// A joint and all joints below it, ascending.
 std::vector<int> joints_from(const Skeleton& skeleton, int joint);

@@ -26,6 +26,10 @@ ml::Skeleton with_more(ml::Philox& random, int above, int beside) {
   return ml::Skeleton::from_joints(joints);
 }
 
+std::vector<ml::JointMovement> at_rest(const ml::Skeleton& s) {
+  return std::vector<ml::JointMovement>(static_cast<std::size_t>(s.size()));
+}
+
 }  // namespace
 
 TEST_CASE("the pelvis is the root of a body, whatever stands above and beside it") {
@@ -63,4 +67,37 @@ TEST_CASE("a skeleton that no table knows begins at its root, and ends go along"
   CHECK(c.names == std::vector<std::string>{"c"});
   CHECK(c.offsets == std::vector<ml::Vec3<double>>{{1, 0, 1}});
   CHECK(c.ends == std::vector<ml::Vec3<double>>{{0, 0, 3}});
+}
+
+TEST_CASE(
+    "without known names the movement tells: the child that moves with most of the joints, not a bone that stretches") {
+  // floor > {trunk > {arm, head > hat}, prop}
+  const auto s = ml::Skeleton::from_joints({{"floor", "", {}},
+                                            {"trunk", "floor", {0, 1, 0}},
+                                            {"arm", "trunk", {0.5, 0, 0}},
+                                            {"head", "trunk", {0, 1, 0}},
+                                            {"hat", "head", {0, 0.2, 0}},
+                                            {"prop", "floor", {1, 0, 0}}});
+  auto moves = at_rest(s);
+  CHECK(ml::moving_root(s, moves) == 0);
+  moves[1].way = 0.3;  // beside a prop at rest
+  CHECK(ml::moving_root(s, moves) == 1);
+  moves[5].turns = true;  // beside something that may be a leg
+  CHECK(ml::moving_root(s, moves) == 0);
+  moves[1].way = 1.1;  // less than trunk, head and hat are long
+  CHECK(ml::moving_root(s, moves) == 0);
+  moves[1].way = 1.3;
+  CHECK(ml::moving_root(s, moves) == 1);
+  moves[3].way = 0.01;  // the neck stretches a little
+  CHECK(ml::moving_root(s, moves) == 1);
+  moves[0].way = 1;  // the floor moves as well: it may be the hips, and the trunk a spine
+  moves[1].way = 1.1;
+  CHECK(ml::moving_root(s, moves) == 0);
+  moves = at_rest(s);
+  moves[5].way = 3;  // a prop alone
+  CHECK(ml::moving_root(s, moves) == 0);
+  const auto chain = ml::Skeleton::from_joints({{"a", "", {}}, {"b", "a", {0, 1, 0}}, {"c", "b", {0, 1, 0}}});
+  moves = at_rest(chain);
+  moves[1].way = 1e-3;  // carried by a alone
+  CHECK(ml::moving_root(chain, moves) == 1);
 }
