@@ -11,4 +11,5 @@
 #include <motionlang/core/quantile.ipp>
 #include <motionlang/core/rounding.ipp>
 #include <motionlang/core/shape.ipp>
+#include <motionlang/core/text_encoding.ipp>
 #include <motionlang/core/utf8.ipp>
