@@ -40,6 +40,7 @@
 #include <motionlang/core/shape.hpp>
 #include <motionlang/core/sort.hpp>
 #include <motionlang/core/standard_library.hpp>
+#include <motionlang/core/text_encoding.hpp>
 #include <motionlang/core/text_lines.hpp>
 #include <motionlang/core/thread_object.hpp>
 #include <motionlang/core/torch_random.hpp>
@@ -114,6 +115,7 @@
 #include <motionlang/kinematics/standing_skeleton.hpp>
 #include <motionlang/kinematics/surface_points.hpp>
 #include <motionlang/kinematics/uniform_skeleton.hpp>
+#include <motionlang/kinematics/up_axis.hpp>
 
 #include <motionlang/nn/batch_norm.hpp>
 #include <motionlang/nn/bi_gru.hpp>

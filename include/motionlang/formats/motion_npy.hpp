@@ -16,12 +16,11 @@
 
 #include <motionlang/file/file_path.hpp>
 #include <motionlang/kinematics/motion.hpp>
+#include <motionlang/kinematics/up_axis.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct NpyArray;
-
-enum class UpAxis { found, y, z };
 
 struct MotionArrayOptions {
   double fps = 0;             // 0: as published, 20 or 12.5 frames per second

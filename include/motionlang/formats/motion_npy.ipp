@@ -19,10 +19,14 @@ MOTIONLANG_BODY bool is_joint_count(Index joints) { return joints == 24 || joint
 inline Motion motion_from_positions(std::vector<Vec3<double>> joints, Index count, const MotionArrayOptions& options) {
   const Vec3<double> height = mean_height(joints, static_cast<std::size_t>(count));
   const bool z_up = options.up == UpAxis::z || (options.up == UpAxis::found && std::abs(height.z) > std::abs(height.y));
-  if (z_up) joints = turned_up(std::move(joints), false);
+  if (z_up) {
+    joints = turned_up(std::move(joints), false);
+  } else if (const auto upright = upright_rotation(options.up); options.up > UpAxis::z) {
+    for (Vec3<double>& p : joints) p = rotate(upright, p);
+  }
   if (count != mmm_joints)
     return motion_from_joints(smpl24_skeleton(), joints, count, options.fps > 0 ? options.fps : 20);
-  if (z_up) {  // these were not reflected
+  if (z_up || options.up > UpAxis::z) {  // these were not reflected
     for (Vec3<double>& p : joints) p.x = -p.x;
   }
   return motion_from_joints(kit21_skeleton(), mmm_in_metres(std::move(joints)), options.fps > 0 ? options.fps : 12.5);

@@ -10,6 +10,7 @@
 #include <motionlang/geometry/so3.hpp>
 #include <motionlang/kinematics/body_joints.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/kinematics/up_axis.hpp>
 #include <motionlang/metrics/inspect_motion.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -41,13 +42,6 @@ inline constexpr std::array<double, 16> root_factors{100,    0.01,       1000,  
                                                      0.0254, 1 / 0.0254, 2.54 / 0.45, 0.45 / 2.54};
 
 inline double hundredths(double x) { return std::round(x * 100) / 100; }
-
-/// From the ankles to the head in the rest pose; length 1.
-inline Vec3<double> standing_direction(const Skeleton& skeleton, const BodyJoints& body) {
-  const auto rest = skeleton.rest_positions();
-  auto place = [&](int joint) { return rest[static_cast<std::size_t>(joint)]; };
-  return normalized(place(body.head) - 0.5 * (place(body.ankle.left) + place(body.ankle.right)));
-}
 
 /// The second derivative of the parabola through values at whole steps, by least squares, and how far they are off it,
 /// as the root of the mean square. At least three.
@@ -207,28 +201,14 @@ class MotionInspector {
   /// Trunk and legs point up in most clips. Of those that lie, swim or crawl all the time, the feet would not be on the
   /// floor along the other axis, and their rest pose stands.
   void check_up_axis() {
-    Vec trunk{}, legs{};
-    for (Index f = first_; f < frames(); ++f) {
-      const Vec hips = middle(f, body_->hip);
-      trunk = trunk + normalized(middle(f, body_->shoulder) - hips);
-      legs = legs + normalized(hips - middle(f, body_->ankle));
-    }
-    const double n = static_cast<double>(frames() - first_);
-    const Vec rest = standing_direction(motion_.skeleton, *body_);
-    struct Axis {
-      std::string_view name;
-      Vec direction;
-    };
-    for (const Axis& a :
-         {Axis{"+Z", {0, 0, 1}}, {"-Z", {0, 0, -1}}, {"+X", {1, 0, 0}}, {"-X", {-1, 0, 0}}, {"-Y", {0, -1, 0}}}) {
-      const double up = dot(trunk, a.direction) / n, down = dot(legs, a.direction) / n;
-      if (up < limits_.upright || down < limits_.upright) continue;
-      if (dot(rest, a.direction) < limits_.upright && std::abs(sole_height(a.direction)) > limits_.standing) continue;
-      add(Fault::up_axis, first_, "the body stands along ", a.name, ", not +Y (", hundredths(up), " of 1)");
-      out_.cure.upright = rotation_between(a.direction, Vec{0, 1, 0});
-      for (Vec& p : positions_) p = rotate(out_.cure.upright, p);
-      return;
-    }
+    const auto seen = std::span<const Vec>(positions_).subspan(static_cast<std::size_t>(first_ * columns_));
+    const auto stands = find_up_axis({seen, columns_, *body_, standing_direction(motion_.skeleton, *body_)},
+                                     {.upright = limits_.upright, .standing = limits_.standing});
+    if (!stands) return;
+    add(Fault::up_axis, first_, "the body stands along ", to_string(stands->axis), ", not +Y (",
+        hundredths(stands->share), " of 1)");
+    out_.cure.upright = upright_rotation(stands->axis);
+    for (Vec& p : positions_) p = rotate(out_.cure.upright, p);
   }
 
   /// The bones are a person's by now. A root in another unit holds the feet far off the floor, and they slide; by the
@@ -573,21 +553,10 @@ MOTIONLANG_BODY Motion mended(const Motion& motion, const Cure& cure) {
   }
   out = crop(out, cure.lead_in, out.frames());
   if (cure.fps > 0) out.fps = cure.fps;
-  // The rest pose is turned along if it stands along the same axis as the figure.
-  const auto& up = cure.upright;
-  const auto body = find_body_joints(out.skeleton);
-  const bool turn_rest = body && rotate(up, detail::standing_direction(out.skeleton, *body)).y > 0.7;
-  for (Vec3<double>& r : out.root) r = cure.scale * cure.root * rotate(up, r) + Vec3<double>{0, cure.lift, 0};
+  out = turned_upright(out, cure.upright);
+  for (Vec3<double>& r : out.root) r = cure.scale * cure.root * r + Vec3<double>{0, cure.lift, 0};
   for (auto* bones : {&out.skeleton.offsets, &out.skeleton.ends}) {
-    for (Vec3<double>& o : *bones) o = cure.scale * (turn_rest ? rotate(up, o) : o);
-  }
-  for (Index f = 0; f < out.frames(); ++f) {
-    const auto pose = out.rotations(f);
-    if (turn_rest) {
-      for (auto& q : pose) q = up * q * inverse(up);
-    } else {
-      pose[0] = up * pose[0];
-    }
+    for (Vec3<double>& o : *bones) o = cure.scale * o;
   }
   return out;
 }
