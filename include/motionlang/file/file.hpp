@@ -17,7 +17,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// A file mapped into memory for reading. Pages are loaded when they are touched (on Windows, all when it is opened).
 class MappedFile {
  public:
-  /// Throws io_error 401.
+  /// Throws io_error 401, also for a pointer of Git LFS, which stands in a repository for a file that was not fetched.
   static std::shared_ptr<const MappedFile> open(const FilePath& path);
   /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read
   /// again. Null if there is no place for it.
@@ -46,7 +46,11 @@ class MappedFile {
   MappedFile* next_ = nullptr;  // of all that are mapped
 };
 
-/// The whole file as text. Throws io_error 401.
+/// Throws io_error 401 if the bytes of a file are a pointer of Git LFS.
+/// Source  the specification of Git LFS, "The Pointer"
+void refuse_lfs_pointer(std::span<const std::byte> bytes, std::string_view name);
+
+/// The whole file as text. Throws io_error 401, also for a pointer of Git LFS.
 std::string read_file(const FilePath& path);
 
 /// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is, which has its

@@ -58,7 +58,19 @@ class Descriptor {
 }  // namespace detail
 
 MOTIONLANG_BODY std::shared_ptr<const MappedFile> MappedFile::open(const FilePath& path) {
-  return std::shared_ptr<const MappedFile>(new MappedFile(path));
+  auto file = std::shared_ptr<const MappedFile>(new MappedFile(path));
+  refuse_lfs_pointer(file->bytes(), path.string());
+  return file;
+}
+
+MOTIONLANG_BODY void refuse_lfs_pointer(std::span<const std::byte> bytes, std::string_view name) {
+  constexpr std::size_t longest = 1024;
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), longest));
+  if (bytes.size() >= longest || !text.starts_with("version https://git-lfs.github.com/spec/")) return;
+  const std::size_t size = text.find("\nsize ");
+  const std::string_view number = size == text.npos ? "?" : text.substr(size + 6, text.find('\n', size + 6) - size - 6);
+  raise<io_error>(401, name, " is not the file but a Git LFS pointer to it (", number,
+                  " bytes): 'git lfs pull' in its repository fetches the file");
 }
 
 MOTIONLANG_BODY std::shared_ptr<const MappedFile> MappedFile::put_aside(std::span<const std::byte> bytes) {

@@ -7,7 +7,9 @@
 /// stands where the parent bone ends, and its rotation turns the bone. In the rest pose all rotations are the identity.
 #pragma once
 
+#include <string>       // notes
 #include <string_view>  // texts
+#include <vector>       // notes
 
 #include <motionlang/file/file_path.hpp>
 #include <motionlang/formats/detail/asf_skeleton.hpp>
@@ -27,14 +29,17 @@ AsfSkeleton read_asf(const FilePath& path);
 /// One joint for each bone, at its start; metres.
 Skeleton to_skeleton(const AsfSkeleton& asf);
 
-/// Reads the text of an AMC file that belongs to the skeleton. Bones that no frame names rest; translations count for
-/// the root only. Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after
+/// Reads the text of an AMC file that belongs to the skeleton. Bones that no frame names rest. Bones keep their length:
+/// one that is translated (tx, ty, tz) begins where it does in the mean, and changing lengths (l) are left out.
+/// notes  gets a sentence for each bone of which something is left out so
+/// Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after
 /// the other, bones that a frame names twice or, unlike others, not at all), 405 (far more bones than numbers),
 /// config_error 101 (fps), numeric_error 301 (numbers so large that they overflow).
 Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options = {},
-                 std::string_view name = "AMC text");
+                 std::string_view name = "AMC text", std::vector<std::string>* notes = nullptr);
 /// Throws io_error 401 and as parse_amc.
-Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcReadOptions& options = {});
+Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcReadOptions& options = {},
+                std::vector<std::string>* notes = nullptr);
 
 MOTIONLANG_NAMESPACE_END
 

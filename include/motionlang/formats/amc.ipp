@@ -2,7 +2,8 @@
 // Bodies of amc.hpp.
 #pragma once
 
-#include <charconv>  // from_chars: numbers of frames
+#include <algorithm>  // max, min
+#include <charconv>   // from_chars: numbers of frames
 
 #include <motionlang/file/file.hpp>
 #include <motionlang/formats/amc.hpp>
@@ -39,12 +40,13 @@ class AmcParser {
         asf_(asf),
         limit_(max_text_rotations(text.size())),
         unit_(asf.degrees ? degree : 1),
-        named_(asf.bones.size()) {
+        named_(asf.bones.size()),
+        ways_(asf.bones.size()) {
     motion_.name = name;
     motion_.skeleton = to_skeleton(asf);
   }
 
-  Motion parse(double fps) && {
+  Motion parse(double fps, std::vector<std::string>* notes) && {
     motion_.fps = fps;
     while (!scan_.at_end()) {
       const std::string_view word = scan_.word("a bone");
@@ -62,11 +64,39 @@ class AmcParser {
     }
     if (motion_.root.empty()) scan_.fail(402, "no frame");
     require_all_bones();
+    for (std::size_t b = 1; b < ways_.size(); ++b) move_bone(b);
     motion_.validate();
+    if (notes != nullptr) tell(*notes);
     return std::move(motion_);
   }
 
  private:
+  /// The values of a bone's degrees of freedom besides rotations, over all frames.
+  struct Ways {
+    Vec3<double> low{}, high{}, sum{};
+    double shortest = 0, longest = 0;  // dof "l"
+    bool has_length = false;
+  };
+
+  /// A bone that is translated begins where it does in the mean, as a skeleton has constant bones.
+  void move_bone(std::size_t bone) {
+    const Vec3<double> mean = (1 / static_cast<double>(motion_.root.size())) * ways_[bone].sum;
+    Vec3<double>& offset = motion_.skeleton.offsets[bone];
+    offset = offset + asf_.metres_per_unit * rotate(asf_.bones[bone].axis, mean);
+  }
+  void tell(std::vector<std::string>& notes) const {
+    if (const std::string& number = scan_.decimal_comma(); !number.empty())
+      notes.push_back(concat_text("numbers have decimal commas: '", number, "' is read as with a point"));
+    for (std::size_t b = 0; b < ways_.size(); ++b) {
+      const Ways& w = ways_[b];
+      if (const double way = asf_.metres_per_unit * norm(w.high - w.low); b > 0 && way > 1e-6)
+        notes.push_back(concat_text("left out is how '", asf_.bones[b].name, "' is moved (tx, ty, tz) across ", way,
+                                    " m: it keeps its mean place at the bone before"));
+      if (w.has_length)
+        notes.push_back(concat_text("left out are the lengths (l) of '", asf_.bones[b].name, "', from ", w.shortest,
+                                    " to ", w.longest, ": it keeps that of the skeleton"));
+    }
+  }
   void header(std::string_view word) {
     if (same_word(word, ":degrees")) unit_ = degree;
     if (same_word(word, ":radians")) unit_ = 1;
@@ -107,6 +137,8 @@ class AmcParser {
       scan_.fail(403, "frame ", number_, " has numbers of '", name, "', unlike those before it");
     frames = motion_.root.size();
     Vec3<double> translation{};
+    Ways& ways = ways_[static_cast<std::size_t>(number)];
+    const bool first = motion_.root.size() == 1;
     Quaternion<double> turn = Quaternion<double>::identity();
     for (const AsfChannel& channel : bone.channels) {
       const double v = scan_.number("a value of the motion");
@@ -114,6 +146,17 @@ class AmcParser {
       if (channel.kind == AsfChannel::Kind::translation) {
         (channel.axis == 0 ? translation.x : channel.axis == 1 ? translation.y : translation.z) = v;
       }
+      if (channel.kind == AsfChannel::Kind::length) {
+        ways.shortest = ways.has_length ? std::min(ways.shortest, v) : v;
+        ways.longest = ways.has_length ? std::max(ways.longest, v) : v;
+        ways.has_length = true;
+      }
+    }
+    if (first) ways.low = ways.high = translation;
+    for (double Vec3<double>::*x : {&Vec3<double>::x, &Vec3<double>::y, &Vec3<double>::z}) {
+      ways.low.*x = std::min(ways.low.*x, translation.*x);
+      ways.high.*x = std::max(ways.high.*x, translation.*x);
+      ways.sum.*x += translation.*x;
     }
     motion_.rotations(motion_.frames() - 1)[static_cast<std::size_t>(number)] = bone.axis * turn * inverse(bone.axis);
     if (number == 0) motion_.root.back() = motion_.skeleton.offset(0) + asf_.metres_per_unit * translation;
@@ -125,18 +168,20 @@ class AmcParser {
   double unit_;                     // radians per unit of the angles
   std::uint64_t number_ = 0;        // of the frame
   std::vector<std::size_t> named_;  // frames that there were when a bone was named last
+  std::vector<Ways> ways_;          // of each bone
   Motion motion_;
 };
 
 }  // namespace detail
 
 MOTIONLANG_BODY Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options,
-                                 std::string_view name) {
-  return detail::AmcParser(text, name, asf).parse(options.fps);
+                                 std::string_view name, std::vector<std::string>* notes) {
+  return detail::AmcParser(text, name, asf).parse(options.fps, notes);
 }
 
-MOTIONLANG_BODY Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcReadOptions& options) {
-  return parse_amc(read_file(path), asf, options, path.string());
+MOTIONLANG_BODY Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcReadOptions& options,
+                                std::vector<std::string>* notes) {
+  return parse_amc(read_file(path), asf, options, path.string(), notes);
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -29,9 +29,10 @@ struct BvhWriteOptions {
   double end_length = 0.1;
 };
 
-/// The meaning of the file. End sites are the ends of bones, no joints; joints of one name get numbers ("Hand",
-/// "Hand_2"). Below the root, positions that change (stretching bones) are replaced by their mean. A root that merely
-/// carries another moving root is joined with it, so that the root of the motion is the one that moves.
+/// The meaning of the file. End sites are the ends of bones, no joints; joints of one name get numbers ("Hand", "Hand_2").
+/// The root of the motion is that of the body (kinematics/body_root.hpp), with all movement of what stands above it;
+/// what is beside it is no joint (joints_beside_body). Below it, positions that change (stretching bones) are replaced
+/// by their mean.
 /// Throws  config_error 101 (scale, number of the root), io_error 405 (far more joints than channels),
 ///         numeric_error 301 (numbers so large that they overflow)
 Motion to_motion(const Bvh& file, const BvhReadOptions& options = {});
@@ -40,6 +41,9 @@ int bvh_roots(const Bvh& file);
 /// Names of the joints below a root that move through positions of their own, as bones that stretch do: to_motion
 /// leaves this out. Throws config_error 101 (number of the root).
 std::vector<std::string> stretched_joints(const Bvh& file, int root = 0);
+/// Names of what hangs beside the body under a root: bones for inverse kinematics, props, cameras. Throws config_error
+/// 101 (number of the root).
+std::vector<std::string> joints_beside_body(const Bvh& file, int root = 0);
 /// Throws io_error 401 and as parse_bvh, to_motion.
 Motion read_bvh_motion(const FilePath& path, const BvhReadOptions& options = {});
 
@@ -53,6 +57,10 @@ EulerAngles<double> continue_curve(const EulerAngles<double>& angles, const Eule
 std::vector<int> depth_first_order(const Skeleton& skeleton);
 
 }  // namespace detail
+
+/// The names of the joints in a BVH file. They are those of the skeleton, in UTF-8 and with colons. Blanks, control
+/// characters and braces become "_", and a name that another joint has then gets a number.
+std::vector<std::string> bvh_names(const Skeleton& skeleton);
 
 /// The motion as a BVH file: root first with OFFSET 0 and three positions, three rotation channels on every joint, an
 /// end site behind every leaf. Joints come depth first, whatever their order in the skeleton. Angles follow smooth

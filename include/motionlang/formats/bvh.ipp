@@ -2,17 +2,20 @@
 // Bodies of bvh.hpp.
 #pragma once
 
-#include <algorithm>      // any_of, count_if
+#include <algorithm>      // any_of, count_if, max, min
 #include <cmath>          // round
 #include <numbers>        // pi
 #include <unordered_map>  // names
 #include <unordered_set>  // names
 #include <utility>        // exchange
 
+#include <motionlang/core/text_encoding.hpp>
 #include <motionlang/core/text_lines.hpp>
+#include <motionlang/core/utf8.hpp>
 #include <motionlang/file/detail/text_scanner.hpp>
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/geometry/degree.hpp>
+#include <motionlang/kinematics/body_root.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -119,19 +122,65 @@ inline bool moves(const BvhJoint& joint, const BvhTable& table) {
   return false;
 }
 
-/// Takes away the roots that only carry another root (Bandai-Namco's joint_Root, a "Reference" node): while the first
-/// joint has one child and that child moves through positions of its own.
-inline std::vector<BvhJoint> take_carriers(std::vector<BvhJoint>& joints, const BvhTable& table) {
-  std::vector<BvhJoint> carriers;
-  auto children = [&] {
-    return std::count_if(joints.begin(), joints.end(), [](const BvhJoint& j) { return j.parent == 0; });
-  };
-  while (joints.size() > 1 && children() == 1 && moves(joints[1], table)) {
-    carriers.push_back(joints.front());
-    joints.erase(joints.begin());
-    for (BvhJoint& j : joints) --j.parent;
+/// Across which the positions of a joint go, in units of the file; 0 where they change by no more than rounding.
+inline double way_of(const BvhJoint& joint, const BvhTable& table) {
+  if (!moves(joint, table)) return 0;
+  Vec3<double> low = joint.translation(table[0]), high = low;
+  for (Index f = 1; f < table.rows; ++f) {
+    const Vec3<double> t = joint.translation(table[f]);
+    low = {std::min(low.x, t.x), std::min(low.y, t.y), std::min(low.z, t.z)};
+    high = {std::max(high.x, t.x), std::max(high.y, t.y), std::max(high.z, t.z)};
   }
-  return carriers;
+  return norm(high - low);
+}
+
+inline bool turns(const BvhJoint& joint, const BvhTable& table) {
+  constexpr double rounding = 1e-3;  // degrees
+  for (std::size_t c = 0; c < joint.node->channels.size(); ++c) {
+    if (!is_rotation(joint.node->channels[c])) continue;
+    for (Index f = 1; f < table.rows; ++f) {
+      if (std::abs(table[f][joint.first_channel + c] - table[0][joint.first_channel + c]) > rounding) return true;
+    }
+  }
+  return false;
+}
+
+/// The joints of a tree of the file by what they are to the body in it.
+struct BvhBody {
+  std::vector<BvhJoint> carriers{};  // above the root of the body, from the top: their movement is the root's
+  std::vector<BvhJoint> joints{};    // the root and what is below it
+  std::vector<BvhJoint> beside{};    // no part of the body: bones for inverse kinematics, props, cameras
+};
+
+inline BvhBody bvh_body(std::vector<BvhJoint> all, const BvhTable& table) {
+  Skeleton skeleton;
+  for (const BvhJoint& j : all) {
+    skeleton.names.push_back(j.node->name);
+    skeleton.parents.push_back(j.parent);
+    skeleton.offsets.push_back(j.node->offset);
+  }
+  const SkeletonTable* table_of_names = find_skeleton_table(skeleton);
+  int root = 0;
+  if (table_of_names != nullptr) {
+    root = body_root(skeleton, *table_of_names);
+  } else {
+    std::vector<JointMovement> movements;
+    for (const BvhJoint& j : all) movements.push_back({way_of(j, table), turns(j, table)});
+    root = moving_root(skeleton, movements);
+  }
+  std::vector<bool> in_body(all.size(), false), carries(all.size(), false);
+  for (const int j : joints_from(skeleton, root)) in_body[static_cast<std::size_t>(j)] = true;
+  for (int j = skeleton.parent(root); j >= 0; j = skeleton.parent(j)) carries[static_cast<std::size_t>(j)] = true;
+  BvhBody body;
+  std::vector<int> number(all.size(), -1);
+  for (std::size_t j = 0; j < all.size(); ++j) {
+    if (in_body[j]) {
+      number[j] = static_cast<int>(body.joints.size());
+      all[j].parent = body.joints.empty() ? -1 : number[static_cast<std::size_t>(all[j].parent)];
+    }
+    (in_body[j] ? body.joints : carries[j] ? body.carriers : body.beside).push_back(all[j]);
+  }
+  return body;
 }
 
 /// The offset of a joint below the root; position channels replace it, by their mean (a skeleton has constant bones).
@@ -163,23 +212,26 @@ inline std::vector<Vec3<double>> bvh_ends(const Bvh& file, std::span<const BvhJo
 MOTIONLANG_BODY Motion to_motion(const Bvh& file, const BvhReadOptions& options) {
   if (!(options.scale > 0)) raise<config_error>(101, file.name, ": scale ", options.scale);
   const detail::BvhTable table(file);
-  auto joints = detail::bvh_joints(file, options.root);
+  const detail::BvhBody body = detail::bvh_body(detail::bvh_joints(file, options.root), table);
+  const std::vector<detail::BvhJoint>& joints = body.joints;
   const auto frames = static_cast<std::size_t>(file.frames);
   if (frames > detail::max_text_rotations(2 * file.values.size()) / joints.size()) {
     raise<io_error>(405, file.name, ": ", counted(frames, "frame"), " of ", counted(joints.size(), "joint"));
   }
-  const auto carriers = detail::take_carriers(joints, table);
 
   Motion motion;
   motion.name = file.name;
   motion.fps = detail::frames_per_second(file.frame_time);
   Skeleton& skeleton = motion.skeleton;
   detail::UniqueNames unique;
+  Vec3<double> carried{};  // to where the root of the body is at rest
+  for (const detail::BvhJoint& carrier : body.carriers) carried = carried + carrier.node->offset;
   for (const detail::BvhJoint& j : joints) {
     skeleton.names.push_back(unique(j.node->name));
     skeleton.parents.push_back(j.parent);
     const bool is_root = skeleton.size() == 1;
-    skeleton.offsets.push_back(options.scale * (is_root ? j.node->offset : detail::constant_offset(j, table)));
+    const Vec3<double> offset = is_root ? carried + j.node->offset : detail::constant_offset(j, table);
+    skeleton.offsets.push_back(options.scale * offset);
   }
   skeleton.ends = detail::bvh_ends(file, joints, options.scale);
   motion.root.reserve(frames);
@@ -188,7 +240,7 @@ MOTIONLANG_BODY Motion to_motion(const Bvh& file, const BvhReadOptions& options)
     const auto row = table[f];
     Vec3<double> position{};
     auto rotation = Quaternion<double>::identity();
-    for (const detail::BvhJoint& carrier : carriers) {
+    for (const detail::BvhJoint& carrier : body.carriers) {
       position = position + rotate(rotation, carrier.translation(row));
       rotation = rotation * carrier.rotation(row);
     }
@@ -208,12 +260,19 @@ MOTIONLANG_BODY int bvh_roots(const Bvh& file) {
 
 MOTIONLANG_BODY std::vector<std::string> stretched_joints(const Bvh& file, int root) {
   const detail::BvhTable table(file);
-  auto joints = detail::bvh_joints(file, root);
-  detail::take_carriers(joints, table);
+  const detail::BvhBody body = detail::bvh_body(detail::bvh_joints(file, root), table);
   std::vector<std::string> names;
-  for (const detail::BvhJoint& j : std::span(joints).subspan(1)) {
+  for (const detail::BvhJoint& j : std::span(body.joints).subspan(1)) {
     if (detail::moves(j, table)) names.push_back(j.node->name);
   }
+  return names;
+}
+
+MOTIONLANG_BODY std::vector<std::string> joints_beside_body(const Bvh& file, int root) {
+  const detail::BvhTable table(file);
+  std::vector<std::string> names;
+  for (const detail::BvhJoint& j : detail::bvh_body(detail::bvh_joints(file, root), table).beside)
+    names.push_back(j.node->name);
   return names;
 }
 
@@ -238,15 +297,13 @@ MOTIONLANG_BODY EulerAngles<double> continue_curve(const EulerAngles<double>& an
   return step(twin) < step(same) ? twin : same;
 }
 
-/// A name that every reader accepts: letters, digits, "_", "-", "." (no blanks, no ":").
-inline std::string plain_name(std::string_view name) {
-  std::string plain(name);
-  for (char& c : plain) {
-    const bool keep =
-        (lower(c) >= 'a' && lower(c) <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
-    if (!keep) c = '_';
+/// A name as a BVH file can hold it: words and braces end one, and what is no UTF-8 no program shows.
+inline std::string bvh_name(std::string_view name) {
+  std::string out = is_utf8(name) ? std::string(name) : from_latin1(name);
+  for (char& c : out) {
+    if (static_cast<unsigned char>(c) <= ' ' || c == '{' || c == '}' || c == '\x7F') c = '_';
   }
-  return plain.empty() ? "joint" : plain;
+  return out.empty() ? "joint" : out;
 }
 
 MOTIONLANG_BODY std::vector<int> depth_first_order(const Skeleton& skeleton) {
@@ -273,6 +330,14 @@ inline Vec3<double> end_offset(const Skeleton& skeleton, int joint, double lengt
 
 }  // namespace detail
 
+MOTIONLANG_BODY std::vector<std::string> bvh_names(const Skeleton& skeleton) {
+  std::vector<std::string> names(skeleton.names.size());
+  detail::UniqueNames unique;
+  for (const int j : detail::depth_first_order(skeleton))
+    names[static_cast<std::size_t>(j)] = unique(detail::bvh_name(skeleton.name(j)));
+  return names;
+}
+
 MOTIONLANG_BODY Bvh to_bvh(const Motion& motion, const BvhWriteOptions& options) {
   motion.validate();
   const EulerOrder order = EulerOrder::parse(options.order);
@@ -285,9 +350,9 @@ MOTIONLANG_BODY Bvh to_bvh(const Motion& motion, const BvhWriteOptions& options)
   std::vector<BvhChannel> channels{BvhChannel::x_position, BvhChannel::y_position, BvhChannel::z_position};
   for (const int axis : order.axis) channels.push_back(static_cast<BvhChannel>(axis + 3));
   std::vector<int> node_of(joints.size());
-  detail::UniqueNames unique;
+  const std::vector<std::string> names = bvh_names(skeleton);
   for (const int j : joints) {
-    const std::string name = unique(detail::plain_name(skeleton.name(j)));
+    const std::string& name = names[static_cast<std::size_t>(j)];
     node_of[static_cast<std::size_t>(j)] = static_cast<int>(file.nodes.size());
     const int parent = j == 0 ? -1 : node_of[static_cast<std::size_t>(skeleton.parent(j))];
     const Vec3<double> offset = j == 0 ? Vec3<double>{} : options.scale * skeleton.offset(j);

@@ -37,6 +37,8 @@ struct Bvh {
   Index frames = 0;
   std::vector<double> values{};  // (frames, channels)
   std::string name{};            // of the file, for messages
+  /// What the reader of the text left out or took for something else, a sentence each.
+  std::vector<std::string> notes{};
 
   Index channels() const {
     std::size_t n = 0;
@@ -49,9 +51,11 @@ struct Bvh {
 };
 
 /// Reads the text of a BVH file. Accepts any order and number of channels, positions on every joint, keywords in any
-/// case, any line ends, frames broken over lines, names with blanks, names after "End Site", several ROOTs, and joints
-/// without channels. Throws io_error 402 (too short), 403 (malformed; also when numbers are left over), 405 (too many
-/// joints); messages give file, line and column.
+/// case, any line ends, frames broken over lines, names with blanks, names after "End Site", several ROOTs, joints
+/// without channels, UTF-16 and decimal commas. Where every frame is a line, there may be more or fewer of them than
+/// are declared, and something else behind them: `notes` say so.
+/// Throws io_error 402 (too short), 403 (malformed; also when numbers are left over), 405 (too many joints); messages
+/// give file, line and column.
 Bvh parse_bvh(std::string_view text, std::string_view name = "BVH text");
 /// Throws io_error 401 and as parse_bvh.
 Bvh read_bvh(const FilePath& path);

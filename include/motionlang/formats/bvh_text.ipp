@@ -2,10 +2,12 @@
 // Bodies of bvh_text.hpp.
 #pragma once
 
-#include <algorithm>  // count
+#include <algorithm>  // count, min
 #include <cmath>      // isfinite
 
 #include <motionlang/core/standard_library.hpp>
+#include <motionlang/core/text_encoding.hpp>
+#include <motionlang/core/utf8.hpp>
 #include <motionlang/file/detail/bytes.hpp>
 #include <motionlang/file/detail/text_scanner.hpp>
 #include <motionlang/file/file.hpp>
@@ -26,6 +28,10 @@ class BvhParser {
     } while (same_word(scan_.peek(), "root"));
     scan_.expect("motion");
     motion();
+    if (const std::string& number = scan_.decimal_comma(); !number.empty())
+      note("numbers have decimal commas: '", number, "' is read as with a point");
+    if (!joined_.empty()) note("names of several words are joined: '", joined_, "'");
+    if (latin1_ > 0) note(counted(latin1_, "name"), latin1_ == 1 ? " is" : " are", " no UTF-8, read as ISO 8859-1");
     return std::move(bvh_);
   }
 
@@ -59,12 +65,15 @@ class BvhParser {
   /// Name and opening brace; the number of the new node.
   int node(int parent, bool end_site) {
     std::string name;
+    bool several = false;
     for (std::string_view w = scan_.word("'{'"); w != "{"; w = scan_.word("'{'")) {
       if (w == "}") scan_.fail(403, "expected '{', found '}'");
-      if (!name.empty()) name += '_';
+      if (!name.empty()) name += '_', several = true;
       name += w;
     }
     if (name.empty()) scan_.fail(403, "a joint without a name");
+    if (!is_utf8(name)) name = from_latin1(name), ++latin1_;
+    if (several && !end_site && joined_.empty()) joined_ = TextScanner::shortened(name);
     if (bvh_.nodes.size() == max_text_joints) scan_.fail(405, "more than ", max_text_joints, " joints");
     bvh_.nodes.push_back({.name = std::move(name), .parent = parent, .end_site = end_site});
     has_offset_.push_back(false);
@@ -95,20 +104,60 @@ class BvhParser {
     label("time");
     bvh_.frame_time = scan_.number("the frame time");
     if (!(bvh_.frame_time > 0)) scan_.fail(403, "the frame time is ", bvh_.frame_time, " seconds");
-    const auto frames = static_cast<std::size_t>(bvh_.frames), columns = static_cast<std::size_t>(bvh_.channels());
+    rows(static_cast<std::size_t>(bvh_.frames), static_cast<std::size_t>(bvh_.channels()));
+  }
+  /// Some programs write a row more or less than they declare, or something else behind the table. Where every row is a
+  /// line, it is clear what belongs to it: the rest is left out, with a note.
+  void rows(std::size_t frames, std::size_t columns) {
     if (frames != 0 && columns == 0) scan_.fail(403, counted(frames, "frame"), ", but no channels");
+    const std::string declared = concat_text(counted(frames, "declared frame"), " of ", counted(columns, "channel"));
     // each number takes at least two bytes, one of them a blank (which the last may lack)
-    if (frames != 0 && (scan_.bytes_left() + 1) / 2 / columns < frames) {
-      scan_.fail(402, "the text is too short for ", counted(frames, "frame"), " of ", counted(columns, "channel"),
-                 ", which it declares");
+    if (frames != 0) bvh_.values.reserve(std::min(frames, (scan_.bytes_left() + 1) / 2 / columns) * columns);
+    bool are_lines = true, whole = true;
+    std::size_t row = 0;
+    while (whole && columns != 0 && (frames == 0 || row < frames) && at_number()) {
+      for (std::size_t c = 0; c < columns && whole; ++c) {
+        if (scan_.at_end() || (c + 1 < columns && is_cut_off())) {
+          whole = false;
+          continue;
+        }
+        bvh_.values.push_back(scan_.number("a value of the motion"));
+        if (c == 0 && !scan_.began_line()) are_lines = false;
+      }
+      if (whole) ++row;
     }
-    bvh_.values.resize(frames * columns);
-    for (double& v : bvh_.values) v = scan_.number("a value of the motion");
+    if (row < frames && (row == 0 || !are_lines) && scan_.at_end())
+      scan_.fail(402, "the text is too short for the ", declared, ": it has ", counted(bvh_.values.size(), "number"));
+    if (row == 0 && frames != 0) scan_.number("a value of the motion");  // it is none, which is an error
     if (!scan_.at_end()) {
       const std::string_view extra = scan_.word("the end");
-      scan_.fail(403, "'", TextScanner::shortened(extra), "' follows the ", counted(frames, "declared frame"), " of ",
-                 counted(columns, "channel"));
+      if (!are_lines || !scan_.began_line())
+        scan_.fail(403, "'", TextScanner::shortened(extra), "' follows the ",
+                   row < frames ? counted(row, "whole frame") + " among " : "", declared);
+      note("left out is what follows the ", counted(row, "frame"), ", from '", TextScanner::shortened(extra), "' on");
     }
+    if (row != frames) note("it has ", counted(row, "whole frame"), ", not the ", declared);
+    bvh_.frames = static_cast<Index>(row);
+    bvh_.values.resize(row * columns);
+  }
+  /// Whether the text ends with the word that follows, which may be half a number; moves behind it then.
+  bool is_cut_off() {
+    constexpr std::size_t longest = 64;
+    if (scan_.bytes_left() > longest) return false;
+    const std::size_t word = scan_.peek().size();  // moves to it
+    if (word < scan_.bytes_left()) return false;
+    scan_.word("a value of the motion");
+    return true;
+  }
+  /// Whether a number follows, or what stands for one that is not finite.
+  bool at_number() {
+    const std::string_view w = scan_.peek();
+    return !w.empty() && (std::string_view("0123456789.,+-").find(w[0]) != w.npos || same_word(w.substr(0, 3), "nan") ||
+                          same_word(w.substr(0, 3), "inf"));
+  }
+  template <class... T>
+  void note(const T&... text) {
+    bvh_.notes.push_back(concat_text(text...));
   }
   /// "Frames:", "FRAMES :", "frames".
   void label(std::string_view lower_case) {
@@ -119,6 +168,8 @@ class BvhParser {
   TextScanner scan_;
   Bvh bvh_;
   std::vector<bool> has_offset_;  // of the nodes that are open
+  std::size_t latin1_ = 0;        // names that are no UTF-8
+  std::string joined_{};          // the first name of several words
 };
 
 }  // namespace detail

@@ -28,7 +28,7 @@ struct MotionReadOptions {
   double scale = 0.01;          // metres per unit of a BVH file
   std::optional<double> fps{};  // of .glb, .gltf, .vrm and .vrma, whose keys have times of their own; none: rate()
   double rate = 0;              // of an .npy, .amc or .npz file that has none; 0: as published, 120 for AMC
-  UpAxis up = UpAxis::found;    // of an .npy file with positions
+  UpAxis up = UpAxis::found;    // of all but .npz files, turned to +Y; `found`: of an .npy file with positions only
   std::string asf{};            // skeleton of an AMC file; "": asf_beside
   std::string joints{};         // skeleton table by which motions are put on SMPL's joints; "": they stay on their own
   bool drop_lead_in = false;    // leave out a T-pose that an exporter put in front (detect_t_pose_lead_in)

@@ -18,7 +18,9 @@
 #include <motionlang/formats/mdm_results.hpp>
 #include <motionlang/formats/motion_file.hpp>
 #include <motionlang/formats/skeleton_table_file.hpp>
+#include <motionlang/kinematics/body_root.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
+#include <motionlang/kinematics/skeleton_tables.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -111,17 +113,42 @@ inline std::vector<Motion> every_animation(std::span<const std::byte> bytes, con
   return motions;
 }
 
-/// One motion of each ROOT, with its name.
+/// One motion of each ROOT, with its name. Beside a body, a ROOT with a few joints is a prop or a camera.
 inline std::vector<Motion> every_root(std::span<const std::byte> bytes, const std::string& name, double scale,
                                       std::string* notes) {
+  constexpr int few = 8;
   const Bvh file = parse_bvh(as_text(bytes), name);
+  const auto tell = [&](const auto&... text) {
+    if (notes != nullptr) *notes += concat_text(name, ": ", text..., "\n");
+  };
+  for (const std::string& note : file.notes) tell(note);
   std::vector<Motion> motions;
-  for (int root = 0; root < bvh_roots(file); ++root) {
-    motions.push_back(to_motion(file, {.scale = scale, .root = root}));
-    motions.back().name = motions.back().skeleton.name(0);
-    note_stretched(name, stretched_joints(file, root), "mean length", notes);
+  for (int root = 0; root < bvh_roots(file); ++root) motions.push_back(to_motion(file, {.scale = scale, .root = root}));
+  const auto is_body = [](const Motion& m) { return find_skeleton_table(m.skeleton) != nullptr; };
+  const bool has_body = motions.size() > 1 && std::any_of(motions.begin(), motions.end(), is_body);
+  std::vector<Motion> kept;
+  for (int root = 0; root < std::ssize(motions); ++root) {
+    Motion& m = motions[static_cast<std::size_t>(root)];
+    m.name = m.skeleton.name(0);
+    if (has_body && m.skeleton.size() < few && !is_body(m)) {
+      tell("left out is ROOT '", m.name, "' with ", counted(m.skeleton.size(), "joint"), ", which is no body");
+      continue;
+    }
+    if (const auto beside = joints_beside_body(file, root); !beside.empty())
+      tell("left out ", beside.size() == 1 ? "is " : "are ", listed_joints(beside), " beside '", m.name,
+           "', the root of the body");
+    const std::vector<std::string> stretched = stretched_joints(file, root);
+    note_stretched(name, stretched, "mean length", notes);
+    for (const std::string& joint : stretched) {
+      const int j = m.skeleton.find(joint);
+      const auto below = j < 0 ? 0 : std::ssize(joints_from(m.skeleton, j)) - 1;
+      if (2 * below >= m.skeleton.size())
+        tell("with that the walk is lost: '", joint, "' carries ", below, " of the ",
+             counted(m.skeleton.size(), "joint"));
+    }
+    kept.push_back(std::move(m));
   }
-  return motions;
+  return kept;
 }
 
 /// The skeleton of an AMC file.
@@ -141,16 +168,35 @@ inline void require_read_kind(const std::string& name) {
                         kind, "'", about_fbx(kind));
 }
 
-/// load()  the bytes of the file, after all that can be refused without them
+/// A page that a server sent in place of a file.
+inline void refuse_page(std::span<const std::byte> bytes, const std::string& name) {
+  std::string start(trim(as_text(bytes.first(std::min<std::size_t>(bytes.size(), 64)))));
+  for (char& c : start) c = lower(c);
+  if (start.starts_with("<!doctype html") || start.starts_with("<html"))
+    raise<io_error>(403, name, " is no motion but a page (HTML), as servers send where there is no such file");
+}
+
+/// load_bytes()  the bytes of the file, after all that can be refused without them
 template <class Load>
 std::vector<Motion> motions_of_file(const std::string& name, const MotionReadOptions& options, std::string* notes,
-                                    Load load) {
+                                    Load load_bytes) {
   require_read_kind(name);
   const std::string kind = file_kind(name);
+  const auto load = [&] {
+    const std::span<const std::byte> bytes = load_bytes();
+    refuse_lfs_pointer(bytes, name);
+    refuse_page(bytes, name);
+    return bytes;
+  };
   if (kind == ".amc") {
     const AsfSkeleton asf = asf_of(name, options);
-    return {parse_amc(as_text(load()), asf, options.rate > 0 ? AmcReadOptions{.fps = options.rate} : AmcReadOptions{},
-                      name)};
+    std::vector<std::string> told;
+    const AmcReadOptions amc = options.rate > 0 ? AmcReadOptions{.fps = options.rate} : AmcReadOptions{};
+    std::vector<Motion> motions{parse_amc(as_text(load()), asf, amc, name, &told)};
+    for (const std::string& note : told) {
+      if (notes != nullptr) *notes += concat_text(name, ": ", note, "\n");
+    }
+    return motions;
   }
   const std::span<const std::byte> bytes = load();
   if (kind == ".bvh") return every_root(bytes, name, options.scale, notes);
@@ -170,9 +216,12 @@ inline void note_lead_in(const std::string& file, Index frames, const std::strin
 inline std::vector<Motion> finished_motions(std::vector<Motion> motions, const std::string& file,
                                             const MotionReadOptions& options, std::string* notes) {
   std::set<std::string> taken;
+  const std::string kind = file_kind(file);
+  const bool turn = options.up > UpAxis::y && kind != ".npy" && kind != ".npz";
   for (Motion& m : motions) {
     if (m.name.empty() || motions.size() == 1) m.name = std::filesystem::path(file).stem().string();
     m.name = unique_name(m.name, taken);
+    if (turn) m = turned_upright(m, options.up);
     if (!options.joints.empty())
       m = retarget(m, SkeletonMap(m.skeleton, smpl24_skeleton(), read_skeleton_table(options.joints, m.skeleton)));
   }

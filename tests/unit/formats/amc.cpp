@@ -1,11 +1,14 @@
 // ASF and AMC: units, axes, degrees of freedom, hierarchy, refused files.
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <numbers>
 #include <string>
 
+#include <motionlang/core/rng.hpp>
 #include <motionlang/file/file.hpp>
 #include <motionlang/formats/amc.hpp>
+#include <motionlang/formats/motion_file.hpp>
 #include <motionlang/geometry/degree.hpp>
 #include <motionlang/geometry/euler.hpp>
 #include <motionlang/geometry/so3.hpp>
@@ -140,13 +143,68 @@ TEST_CASE("AMC: radians, in the skeleton or in the motion; other units; other ra
   CHECK(ml::parse_amc(frames, inches, {.fps = 60}).fps == 60);
 }
 
-TEST_CASE("ASF: position and orientation of the root; lengths are read and not used") {
+TEST_CASE("ASF: position and orientation of the root") {
   const auto text = with(with(leg, "position 0 0 0", "position 0 1 0"), "orientation 0 0 0", "orientation 0 90 0");
   const auto motion = ml::parse_amc("1\nroot 0 0 0 90 0 0 shin 0 foot 0 0", ml::parse_asf(text));
   check_equal(motion.root_at(0), {0, unit, 0});
   check_equal(rotate(motion.local[0], ml::Vec3{1.0, 0.0, 0.0}), {0, -1, 0});  // about -z, the x of the turned axes
-  const auto stretched = ml::parse_asf(with(leg, "dof rx\n", "dof rx l\n"));
-  CHECK(ml::parse_amc("1\nshin 0 7" + others + "2\nshin 0 8" + others, stretched).frames() == 2);
+}
+
+TEST_CASE("AMC: a bone that is translated begins where it does in the mean; a note says what is left out") {
+  // The shin's x is the world's y, and its y the world's -x.
+  const auto asf = ml::parse_asf(with(leg, "dof rx\n", "dof tx ty rx\n"));
+  std::vector<std::string> notes;
+  const auto still = ml::parse_amc("1\nshin 2 1 0" + others + "2\nshin 2 1 0" + others, asf, {}, "m.amc", &notes);
+  check_equal(still.skeleton.offset(2), {2 * unit, 2 * unit, 0});
+  CHECK(notes.empty());
+  const auto moving = ml::parse_amc("1\nshin 1 0 0" + others + "2\nshin 3 0 0" + others, asf, {}, "m.amc", &notes);
+  check_equal(moving.skeleton.offset(2), {3 * unit, 2 * unit, 0});
+  check_equal(moving.positions()[2], {3 * unit, 2 * unit, 0});
+  REQUIRE(notes.size() == 1);
+  CHECK(notes[0].starts_with("left out is how 'shin' is moved (tx, ty, tz) across 0.11"));
+}
+
+TEST_CASE("AMC: lengths that a bone has in a frame are left out, and a note says so") {
+  const auto asf = ml::parse_asf(with(leg, "dof rx\n", "dof rx l\n"));
+  std::vector<std::string> notes;
+  const auto motion = ml::parse_amc("1\nshin 0 7" + others + "2\nshin 0 8.5" + others, asf, {}, "m.amc", &notes);
+  CHECK(motion.frames() == 2);
+  check_equal(motion.skeleton.offset(3), {0, -4 * unit, 0});
+  REQUIRE(notes.size() == 1);
+  CHECK(notes[0] == "left out are the lengths (l) of 'shin', from 7 to 8.5: it keeps that of the skeleton");
+  const TemporaryFolder folder;
+  ml::write_file(folder / "leg.asf", with(leg, "dof rx\n", "dof rx l\n"));
+  ml::write_file(folder / "leg.amc", "1\nshin 0 7" + others);
+  std::string lines;
+  ml::read_motion(folder / "leg.amc", {}, &lines);
+  CHECK_MESSAGE(lines.find("leg.amc: left out are the lengths (l) of 'shin', from 7 to 7") != lines.npos, lines);
+}
+
+TEST_CASE("AMC: random degrees of freedom, against what they mean") {
+  ml::Philox draw{.seed = 4};
+  const auto number = [&](double size) { return size * (2 * draw.uniform() - 1); };
+  for (int i = 0; i < 50; ++i) {
+    const double angle = number(180);
+    const auto text =
+        with(with(leg, "axis 0 0 90 XYZ\n    dof rx\n", "axis 0 0 " + std::to_string(angle) + " XYZ\n dof tx ty tz\n"),
+             "direction 0 -1 0", "direction 0 -1 0");
+    const auto asf = ml::parse_asf(text);
+    ml::Vec3<double> sum{};
+    std::string amc;
+    for (int f = 1; f <= 5; ++f) {
+      const ml::Vec3<double> t{number(3), number(3), number(3)};
+      sum = sum + t;
+      amc += std::to_string(f) + "\nshin " + std::to_string(t.x) + " " + std::to_string(t.y) + " " +
+             std::to_string(t.z) + others;
+    }
+    std::vector<std::string> notes;
+    const auto motion = ml::parse_amc(amc, asf, {}, "m.amc", &notes);
+    const ml::Vec3<double> mean = 0.2 * sum;
+    const double c = std::cos(angle * ml::degree), s = std::sin(angle * ml::degree);
+    const ml::Vec3<double> wanted{3 + c * mean.x - s * mean.y, s * mean.x + c * mean.y, mean.z};
+    CHECK(ml::norm(motion.skeleton.offset(2) - unit * wanted) < 1e-6);
+    CHECK(notes.size() == 1);
+  }
 }
 
 TEST_CASE("ASF: CRLF, comments, capitals, files") {

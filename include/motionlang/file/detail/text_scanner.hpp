@@ -6,11 +6,13 @@
 #include <cmath>        // isfinite
 #include <concepts>     // integral
 #include <cstdint>      // uint64_t
+#include <optional>     // decimal commas
 #include <string>       // messages
 #include <string_view>  // the text
 
 #include <motionlang/core/error.hpp>
 #include <motionlang/core/standard_library.hpp>  // from_chars: numbers without the locale
+#include <motionlang/core/text_encoding.hpp>
 #include <motionlang/core/text_lines.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -30,13 +32,17 @@ constexpr bool same_word(std::string_view a, std::string_view lower_case) {
   return true;
 }
 
-/// A position in a text. Blank is everything up to and including the space, so CR, LF and CRLF end lines alike.
+/// A position in a text in UTF-8, UTF-16 or UTF-32. Blank is everything up to and including the space, so CR, LF and
+/// CRLF end lines alike.
 /// Throws io_error 402 where the text ends too early, 403 where it is malformed; messages begin "name:line:column: ".
 class TextScanner {
  public:
-  TextScanner(std::string_view text, std::string_view name) : text_(text), name_(name) {
+  TextScanner(std::string_view text, std::string_view name)
+      : converted_(from_wide_text(text)), text_(converted_ ? *converted_ : text), name_(name) {
     if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);  // byte order mark
   }
+  TextScanner(const TextScanner&) = delete;
+  TextScanner& operator=(const TextScanner&) = delete;
 
   bool at_end() {
     skip_blanks();
@@ -73,7 +79,7 @@ class TextScanner {
     if (!same_word(w, lower_case)) fail(403, "expected '", lower_case, "', found '", shortened(w), "'");
   }
 
-  /// A finite number; a leading plus sign is accepted, a value too small for a double is 0.
+  /// A finite number; a leading plus sign and a decimal comma are accepted, a value too small for a double is 0.
   double number(std::string_view wanted) {
     double value = 0;
     if (plain_decimal(value)) return value;
@@ -83,10 +89,14 @@ class TextScanner {
     if (whole && problem == std::errc::result_out_of_range && (w.find("e-") != w.npos || w.find("E-") != w.npos))
       return 0;
     if (problem != std::errc{} || !whole || !std::isfinite(value)) {
-      fail(403, "expected ", wanted, ", found '", shortened(w), "'");
+      if (const auto comma = with_decimal_comma(w)) return *comma;
+      fail(403, "expected ", wanted, ", found '", shortened(w), "'",
+           w.find(',') == w.npos ? "" : "; a number has one decimal point or comma, and nothing between thousands");
     }
     return value;
   }
+  /// The first number that had a decimal comma; empty if none had.
+  const std::string& decimal_comma() const { return decimal_comma_; }
   /// A whole number that is not negative.
   template <std::integral I>
   I count(std::string_view wanted) {
@@ -172,6 +182,20 @@ class TextScanner {
     at_ = static_cast<std::size_t>(p - text_.data());
     return true;
   }
+  /// "0,5" as 0.5: programs write so where the system does.
+  std::optional<double> with_decimal_comma(std::string_view w) {
+    constexpr std::size_t longest = 400;
+    const std::size_t comma = w.find(',');
+    if (comma == w.npos || w.size() > longest || w.find('.') != w.npos) return std::nullopt;
+    std::string with_point(w);
+    with_point[comma] = '.';
+    double value = 0;
+    const auto [end, problem] = from_digits(std::string_view(with_point), value);
+    if (problem != std::errc{} || end != with_point.data() + with_point.size() || !std::isfinite(value))
+      return std::nullopt;
+    if (decimal_comma_.empty()) decimal_comma_ = shortened(w);
+    return value;
+  }
   template <class N>
   static std::from_chars_result from_digits(std::string_view w, N& value) {
     if (w.size() > 1 && w[0] == '+' && w[1] != '-') w.remove_prefix(1);
@@ -188,8 +212,10 @@ class TextScanner {
     return {line, offset - start + 1};
   }
 
+  std::optional<std::string> converted_;  // a text in another encoding
   std::string_view text_;
   std::string name_;
+  std::string decimal_comma_{};
   std::size_t at_ = 0;
   std::size_t last_ = 0;  // where the last word began
 };

@@ -11,8 +11,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One number of a bone in an AMC frame: along or about an axis (0, 1, 2). A changing length (dof "l") is read, not
-/// used.
+/// One number of a bone in an AMC frame: along or about an axis (0, 1, 2), or its length (dof "l").
 struct AsfChannel {
   enum class Kind { translation, rotation, length };
   Kind kind;
