@@ -1,12 +1,16 @@
 // The body of a skeleton, and the film strip: poses, labels, tracks, and what must not get into an SVG file.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <string>
 #include <vector>
 
+#include <motionlang/core/rng.hpp>
 #include <motionlang/formats/figure.hpp>
 #include <motionlang/kinematics/joint_sides.hpp>
+#include <motionlang/view/detail/film_strip_drawing.hpp>
 #include <motionlang/view/detail/markup.hpp>
 #include <motionlang/view/detail/stroke_font.hpp>
 #include <motionlang/view/film_strip.hpp>
@@ -244,4 +248,57 @@ TEST_CASE("numbers and texts in markup") {
   CHECK(ml::detail::fixed(-0.01) == "0");
   CHECK(ml::detail::fixed(100, 0) == "100");
   CHECK(ml::detail::escape_markup("a\x01<\U0001F3C3") == "a\uFFFD&lt;\U0001F3C3");
+}
+
+TEST_CASE("pixels: many cones of a piece are painted as each pixel's nearest one says") {
+  ml::Philox draw{.seed = 8};
+  const auto number = [&](double low, double high) { return low + (high - low) * draw.uniform(); };
+  for (const double scale : {1.0, 2.0, 0.7}) {
+    for (int i = 0; i < 4; ++i) {
+      std::vector<ml::detail::RoundCone2> cones(static_cast<std::size_t>(1 + 12 * draw.uniform()));
+      for (auto& c : cones) {
+        const ml::detail::Point2 from{number(-10, 70), number(-10, 50)};
+        const double far = draw.uniform() < 0.3 ? 1 : 40;  // some circles hold the other one
+        c = {from, number(0.2, 8), {from.x + number(-far, far), from.y + number(-far, far)}, number(0.2, 8)};
+        if (draw.uniform() < 0.1) c.to = c.from;
+      }
+      ml::detail::PixelSurface surface(60, 40, scale);
+      surface.piece(cones, {10, 20, 30});
+      const ml::Picture picture = surface.finish();
+      double worst = 0;
+      // A cone is all circles between its ends: the distance to the nearest of many of them.
+      for (ml::Index y = 0; y < picture.height; ++y) {
+        for (ml::Index x = 0; x < picture.width; ++x) {
+          const double px = (static_cast<double>(x) + 0.5) / scale, py = (static_cast<double>(y) + 0.5) / scale;
+          double d = 1e9;
+          for (const auto& c : cones) {
+            for (int k = 0; k <= 400; ++k) {
+              const double t = k / 400.0;
+              d = std::min(
+                  d, std::hypot(px - c.from.x - t * (c.to.x - c.from.x), py - c.from.y - t * (c.to.y - c.from.y)) -
+                         (1 - t) * c.radius_from - t * c.radius_to);
+            }
+          }
+          const auto red = static_cast<int>(picture.rgb[static_cast<std::size_t>(3 * (y * picture.width + x))]);
+          const double cover = std::clamp(0.5 - d * scale, 0.0, 1.0);
+          worst = std::max(worst, std::abs(red - (255 + cover * (10 - 255))));  // the edge is white on white
+        }
+      }
+      CHECK(worst <= 6);
+    }
+  }
+}
+
+TEST_CASE("thousands of joints are a picture in little time") {
+  ml::Philox draw{.seed = 1};
+  std::vector<ml::Joint> joints{{"R", "", {0, 0, 0}}};
+  for (int i = 0; i < 2000; ++i) {
+    const double u = 6.28 * draw.uniform(), v = 2 * draw.uniform() - 1, w = std::sqrt(1 - v * v);
+    joints.push_back({"J" + std::to_string(i), "R", {w * std::cos(u), v, w * std::sin(u)}});
+  }
+  const ml::Motion motion = standing(ml::Skeleton::from_joints(joints), 5);
+  const auto before = std::chrono::steady_clock::now();
+  const ml::Picture picture = ml::film_strip_picture(motion);
+  CHECK(std::chrono::steady_clock::now() - before < std::chrono::seconds(20));  // 2 s where nothing else runs
+  CHECK(picture.width == 2560);
 }

@@ -35,6 +35,56 @@ struct RoundCone2 {
   }
 };
 
+/// Where lines across a round cone lie in it: from x to x at a height. The hull is two circles and the quadrangle of
+/// the points in which both tangents touch them.
+class RoundConeRows {
+ public:
+  /// wider   by which both radii are larger; circles without a positive radius are left out
+  RoundConeRows(const RoundCone2& cone, double wider) {
+    const auto& [a, ra, b, rb] = cone;
+    const double from = ra + wider, to = rb + wider;
+    if (from > 0 && (ra >= rb || !cone.is_circle())) circles_[circle_count_++] = {a, from};
+    if (to > 0 && (ra < rb || !cone.is_circle())) circles_[circle_count_++] = {b, to};
+    if (circle_count_ < 2) return;
+    const double axis = std::atan2(b.y - a.y, b.x - a.x);
+    const double tangent = std::acos(std::clamp((ra - rb) / std::hypot(b.x - a.x, b.y - a.y), -1.0, 1.0));
+    for (std::size_t side = 0; side < 2; ++side) {
+      const double angle = side == 0 ? axis + tangent : axis - tangent, x = std::cos(angle), y = std::sin(angle);
+      corners_[side] = {a.x + from * x, a.y + from * y};
+      corners_[3 - side] = {b.x + to * x, b.y + to * y};
+    }
+  }
+
+  struct Row {
+    double low = 0, high = -1;  // none if high < low
+  };
+  Row at(double y) const {
+    Row row{1e300, -1e300};
+    const auto take = [&](double x) { row = {std::min(row.low, x), std::max(row.high, x)}; };
+    for (std::size_t i = 0; i < circle_count_; ++i) {
+      const auto& [middle, radius] = circles_[i];
+      const double square = radius * radius - (y - middle.y) * (y - middle.y);
+      if (square < 0) continue;
+      const double half = std::sqrt(square);
+      take(middle.x - half), take(middle.x + half);
+    }
+    for (std::size_t i = 0; i < 4 && circle_count_ == 2; ++i) {
+      const Point2 &p = corners_[i], &q = corners_[(i + 1) % 4];
+      if ((p.y <= y) != (q.y <= y)) take(p.x + (y - p.y) / (q.y - p.y) * (q.x - p.x));
+    }
+    return row;
+  }
+
+ private:
+  struct Circle {
+    Point2 middle;
+    double radius = 0;
+  };
+  std::array<Circle, 2> circles_{};
+  std::size_t circle_count_ = 0;
+  std::array<Point2, 4> corners_{};
+};
+
 enum class TextAnchor { start, middle, end };
 /// `bar`: white, on a coloured bar.
 enum class TextRole { usual, title, small, bar };
@@ -169,7 +219,7 @@ class PixelSurface {
   }
   void disc(Point2 c, double r, const Rgb& colour) {
     const RoundCone2 circle{c, r, c, r};
-    piece_without_edge(std::span(&circle, 1), 0, {colour, 1});
+    piece_without_edge(std::span(&circle, 1), {colour, 1});
   }
   /// Dots of 1.5 units, 6 apart.
   void dotted_line(std::span<const Point2> points) {
@@ -196,8 +246,7 @@ class PixelSurface {
         });
   }
   void piece(std::span<const RoundCone2> cones, const Rgb& colour) {
-    piece_without_edge(cones, 0.9, {{255, 255, 255}, 1});
-    piece_without_edge(cones, 0, {colour, 1});
+    layers(cones, {{{0.9, {{255, 255, 255}, 1}}, {0, {colour, 1}}}});
   }
   void guide(double x, double top, double bottom) {
     fill(
@@ -261,23 +310,109 @@ class PixelSurface {
     return rise * u + slope * v - ra;
   }
 
-  void piece_without_edge(std::span<const RoundCone2> cones, double wider, const Ink& ink) {
-    Box box{{1e9, 1e9}, {-1e9, -1e9}};
+  /// A colour for what is nearer to a shape than `wider`.
+  struct Layer {
+    double wider;
+    Ink ink;
+  };
+  void piece_without_edge(std::span<const RoundCone2> cones, const Ink& ink) {
+    layers(cones, {{{0, ink}, {0, {ink.colour, 0}}}});
+  }
+  /// Paints the first layer, then the second. The distance to the nearest cone is found once, and only where a cone's
+  /// edge is: thousands of cones lie one over the other in a piece.
+  void layers(std::span<const RoundCone2> cones, const std::array<Layer, 2>& both) {
+    constexpr double far = 1e9;
+    const double widest = std::max(both[0].wider, both[1].wider), pixel = 1 / scale_;
+    Box box{{far, far}, {-far, -far}};
     for (const RoundCone2& c : cones) {
-      for (const auto& [p, r] : {std::pair{c.from, c.radius_from + wider}, std::pair{c.to, c.radius_to + wider}}) {
+      for (const auto& [p, r] : {std::pair{c.from, c.radius_from + widest}, std::pair{c.to, c.radius_to + widest}}) {
         box.low = {std::min(box.low.x, p.x - r), std::min(box.low.y, p.y - r)};
         box.high = {std::max(box.high.x, p.x + r), std::max(box.high.y, p.y + r)};
       }
     }
-    fill(
-        box,
-        [&](Point2 p) {
-          double d = 1e9;
-          for (const RoundCone2& c : cones) d = std::min(d, distance(c, p));
-          return d - wider;
-        },
-        [&](Point2) { return ink; });
+    const PixelBox area = pixels(box);
+    if (area.x0 >= area.x1 || area.y0 >= area.y1) return;
+    const auto columns = static_cast<std::size_t>(area.x1 - area.x0),
+               rows = static_cast<std::size_t>(area.y1 - area.y0);
+    if (nearest_.size() < columns * rows) nearest_.resize(columns * rows, far);
+    rows_.assign(rows, {});
+    for (const RoundCone2& c : cones) {
+      const RoundConeRows outer(c, widest + 1.5 * pixel), inner(c, -1.5 * pixel);
+      const PixelBox own = pixels({{0, std::min(c.from.y - c.radius_from, c.to.y - c.radius_to) - widest},
+                                   {0, std::max(c.from.y + c.radius_from, c.to.y + c.radius_to) + widest}});
+      for (Index y = std::max(own.y0, area.y0); y < std::min(own.y1, area.y1); ++y) {
+        const double middle = (static_cast<double>(y) + 0.5) * pixel;
+        const auto [from, to] = columns_of(outer.at(middle), area);
+        PieceRow& row = rows_[static_cast<std::size_t>(y - area.y0)];
+        if (from >= to || (from >= row.full_from && to <= row.full_to)) continue;
+        const auto [full_from, full_to] = columns_of(inner.at(middle), area);
+        double* const nearest = nearest_.data() + static_cast<std::size_t>(y - area.y0) * columns;
+        for (Index x = from; x < to; ++x) {
+          double& d = nearest[x - area.x0];
+          if (x >= row.full_from && x < row.full_to) {
+            x = row.full_to - 1;
+          } else if (x >= full_from && x < full_to) {
+            d = -far;
+          } else {
+            d = std::min(d, distance(c, {(static_cast<double>(x) + 0.5) * pixel, middle}));
+          }
+        }
+        row.add(from, to, full_from, full_to);
+      }
+    }
+    for (const Layer& layer : both) {
+      if (layer.ink.opacity == 0) continue;
+      for (std::size_t y = 0; y < rows; ++y) {
+        const double* const nearest = nearest_.data() + y * columns;
+        for (Index x = rows_[y].from; x < rows_[y].to; ++x) {
+          const double coverage = std::clamp(0.5 - (nearest[x - area.x0] - layer.wider) * scale_, 0.0, 1.0);
+          if (coverage > 0) blend(x, area.y0 + static_cast<Index>(y), layer.ink, coverage);
+        }
+      }
+    }
+    for (std::size_t y = 0; y < rows; ++y) {  // as it was, for the next piece
+      for (Index x = rows_[y].from; x < rows_[y].to; ++x)
+        nearest_[y * columns + static_cast<std::size_t>(x - area.x0)] = far;
+    }
   }
+
+  struct PixelBox {
+    Index x0, y0, x1, y1;
+  };
+  /// The pixels in and around a box.
+  PixelBox pixels(const Box& box) const {
+    const auto pixel = [&](double v, Index limit) {
+      return static_cast<Index>(std::clamp(v * scale_, -1.0, static_cast<double>(limit) + 1));
+    };
+    return {std::max<Index>(0, pixel(box.low.x, picture_.width) - 1),
+            std::max<Index>(0, pixel(box.low.y, picture_.height) - 1),
+            std::min(picture_.width, pixel(box.high.x, picture_.width) + 2),
+            std::min(picture_.height, pixel(box.high.y, picture_.height) + 2)};
+  }
+  /// The pixels whose middles lie on a part of a row.
+  std::pair<Index, Index> columns_of(const RoundConeRows::Row& row, const PixelBox& area) const {
+    if (row.high < row.low) return {0, 0};
+    const double low = std::clamp(row.low * scale_ - 0.5, -1.0, static_cast<double>(area.x1) + 1),
+                 high = std::clamp(row.high * scale_ - 0.5, -1.0, static_cast<double>(area.x1) + 1);
+    return {std::max(area.x0, static_cast<Index>(std::ceil(low))),
+            std::min(area.x1, static_cast<Index>(std::floor(high)) + 1)};
+  }
+  /// Pixels of a row of a piece: those that it touches, and some that it covers wholly.
+  struct PieceRow {
+    Index from = 0, to = 0, full_from = 0, full_to = 0;
+
+    void add(Index first, Index last, Index full_first, Index full_last) {
+      from = from == to ? first : std::min(from, first);
+      to = std::max(to, last);
+      if (full_first >= full_last) return;
+      if (full_first <= full_to && full_last >= full_from && full_from < full_to) {
+        full_from = std::min(full_from, full_first), full_to = std::max(full_to, full_last);
+      } else if (full_last - full_first > full_to - full_from) {
+        full_from = full_first, full_to = full_last;
+      }
+    }
+  };
+
   void strokes(const StrokedText& text, Point2 at, double unit, double radius, const Ink& ink) {
     for (const auto& stroke : text.strokes) {
       std::vector<RoundCone2> lines;
@@ -289,20 +424,14 @@ class PixelSurface {
         const double r = stroke.size() > 1 ? radius : 1.4 * radius;  // dots are a little thicker than lines
         lines.push_back({point(stroke[i > 0 ? i - 1 : 0]), r, point(stroke[i]), r});
       }
-      piece_without_edge(lines, 0, ink);
+      piece_without_edge(lines, ink);
     }
   }
 
   /// distance(p) and ink(p) are asked for at the middle of every pixel in and around the box.
   template <class Distance, class InkAt>
   void fill(const Box& box, Distance distance, InkAt ink) {
-    const auto pixel = [&](double v, Index limit) {
-      return static_cast<Index>(std::clamp(v * scale_, -1.0, static_cast<double>(limit) + 1));
-    };
-    const Index x0 = std::max<Index>(0, pixel(box.low.x, picture_.width) - 1),
-                y0 = std::max<Index>(0, pixel(box.low.y, picture_.height) - 1),
-                x1 = std::min(picture_.width, pixel(box.high.x, picture_.width) + 2),
-                y1 = std::min(picture_.height, pixel(box.high.y, picture_.height) + 2);
+    const auto [x0, y0, x1, y1] = pixels(box);
     for (Index y = y0; y < y1; ++y) {
       for (Index x = x0; x < x1; ++x) {
         const Point2 p{(static_cast<double>(x) + 0.5) / scale_, (static_cast<double>(y) + 0.5) / scale_};
@@ -321,6 +450,8 @@ class PixelSurface {
 
   double scale_;
   Picture picture_;
+  std::vector<double> nearest_;  // distances of a piece by pixels, far away between pieces
+  std::vector<PieceRow> rows_;   // of a piece
 };
 
 }  // namespace detail
