@@ -5,6 +5,7 @@
 #include <map>
 
 #include <motionlang/weights/run_folder.hpp>
+#include <motionlang/weights/vae_run.hpp>
 
 #include "../commands.hpp"
 #include "../generate/generation.hpp"

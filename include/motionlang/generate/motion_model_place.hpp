@@ -37,9 +37,6 @@ struct MotionModelPlace {
 /// for a folder without a model, and what find_run throws.
 MotionModelPlace find_motion_model(const std::filesystem::path& path);
 
-/// The system of a folder as weights/run_folder.hpp finds it, where runs of TEACH and SINC look like those of TEMOS.
-std::string system_of_run(const FilePath& run);
-
 /// Throws option_error 102 if `sources` name something for a model that has its own.
 void require_no_sources(const MotionModelPlace& place, const ModelSources& sources);
 

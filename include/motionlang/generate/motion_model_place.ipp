@@ -32,12 +32,6 @@ MOTIONLANG_BODY bool MotionModelPlace::is_diffusion() const {
   return !is_trained() && std::find(std::begin(others), std::end(others), system) == std::end(others);
 }
 
-MOTIONLANG_BODY std::string system_of_run(const FilePath& run) {
-  const RunFolder folder = find_run(run);
-  if (folder.system != "temos" || folder.weights.empty()) return folder.system;
-  return lightning_system(open_weights(folder.weights));
-}
-
 MOTIONLANG_BODY MotionModelPlace find_motion_model(const std::filesystem::path& path) {
   if (!std::filesystem::is_directory(path)) return {path, ""};
   RunFolder run = find_run(path);

@@ -2,7 +2,7 @@
 /// ACTOR and the classifiers that judge it from their published checkpoints: sizes come from the shapes of the tensors.
 ///
 ///     const RunFolder run = find_run("exps/humanact12");  // or load_actor_run, weights/vae_run.hpp
-///     const auto actor = load_actor<B>(open_weights(run.weights), run);
+///     const auto actor = actor_network<B>(open_weights(run.weights), run);
 ///     const auto gru = load_gru_classifier<B>(open_weights("models/actionrecognition/humanact12_gru.tar"));
 ///     const auto stgcn = load_stgcn<B>(open_weights("models/actionrecognition/uestc_rot6d_stgcn.tar"));
 ///
@@ -50,7 +50,7 @@ ActorPointOptions actor_point_options(const RunFolder& run, const TensorSet& wei
 
 /// `run` has the options, if there are any.
 template <Backend B>
-Actor<B> load_actor(const TensorSet& file, const RunFolder& run = {}) {
+Actor<B> actor_network(const TensorSet& file, const RunFolder& run = {}) {
   const ActorConfig config = detail::actor_config(detail::RunReader(run, file, ""));
   const auto room = detail::room_of(file);
   NoInit zeros;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// TEACH and SINC from their published checkpoints: sizes come from the shapes of the tensors.
 ///
-///     const auto teach = load_teach<B>(open_weights("last.ckpt"), find_run(folder));
-///     const auto sinc = load_sinc<B>(open_weights("last.ckpt"));
+///     const auto teach = teach_network<B>(open_weights("last.ckpt"), find_run(folder));
+///     const auto sinc = sinc_network<B>(open_weights("last.ckpt"));
 ///
 /// Heads    do not show in shapes: from the options of the run, else 4. The options ask for 6 under a misspelled name,
 ///          which the code passes over
@@ -27,7 +27,7 @@ inline bool beside_teach_and_sinc(const std::string& name) {
 
 /// hist_frames and z_prev_text do not show in shapes: from the options of the run, else 5 and no.
 template <Backend B>
-Teach<B> load_teach(const TensorSet& file, const RunFolder& run = {}) {
+Teach<B> teach_network(const TensorSet& file, const RunFolder& run = {}) {
   const detail::RunReader r(run, file, "");
   auto config = detail::temos_sizes<TeachConfig>(r);
   config.hist_frames = r.number({"model/hist_frames"}, config.hist_frames, 1024);
@@ -42,7 +42,7 @@ Teach<B> load_teach(const TensorSet& file, const RunFolder& run = {}) {
 }
 /// mode: not to be seen in the tensors; released models take one sentence.
 template <Backend B>
-Sinc<B> load_sinc(const TensorSet& file, const RunFolder& run = {}, SincMode mode = SincMode::single) {
+Sinc<B> sinc_network(const TensorSet& file, const RunFolder& run = {}, SincMode mode = SincMode::single) {
   const detail::RunReader r(run, file, "");
   auto config = detail::temos_sizes<SincConfig>(r);
   config.mode = mode;

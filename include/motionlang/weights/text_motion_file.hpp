@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /// TEMOS and TMR from their published checkpoints: sizes come from the shapes of the tensors.
 ///
-///     const auto tmr = load_tmr<B>(open_weights(folder), find_run(folder));   // last_weights/*.pt, or a .ckpt
-///     const auto temos = load_temos<B>(open_weights("last.ckpt"));            // with statistics: weights/vae_run.hpp
+///     const auto tmr = tmr_network<B>(open_weights(folder), find_run(folder));   // last_weights/*.pt, or a .ckpt
+///     const auto temos = temos_network<B>(open_weights("last.ckpt"));    // with statistics: weights/vae_run.hpp
 ///
 /// Heads    do not show in shapes: from the options of the run, else 4, which is what both papers' models have. TEMOS'
 ///          options ask for 6 under a misspelled name, which its code passes over
@@ -46,7 +46,7 @@ bool beside_temos(const std::string& name);
 
 /// `run` has the options, if there are any.
 template <Backend B>
-Temos<B> load_temos(const TensorSet& file, const RunFolder& run = {}) {
+Temos<B> temos_network(const TensorSet& file, const RunFolder& run = {}) {
   const TemosConfig config = detail::temos_config(detail::RunReader(run, file, ""));
   const auto room = detail::room_of(file);
   NoInit zeros;
@@ -55,7 +55,7 @@ Temos<B> load_temos(const TensorSet& file, const RunFolder& run = {}) {
   return model;
 }
 template <Backend B>
-Tmr<B> load_tmr(const TensorSet& file, const RunFolder& run = {}) {
+Tmr<B> tmr_network(const TensorSet& file, const RunFolder& run = {}) {
   const TmrConfig config = detail::tmr_config(detail::RunReader(run, file, ""));
   const auto room = detail::room_of(file);
   NoInit zeros;

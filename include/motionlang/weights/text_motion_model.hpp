@@ -111,7 +111,7 @@ struct TextMotionModel {
     if (words) return (*words)(texts).tokens;
     if (language) return (*language)(texts, context);
     if (states == nullptr)
-      raise<config_error>(102, "this model reads the states of a language model: --text-encoder names it");
+      raise<config_error>(102, "this model reads the states of a language model: `text_encoder` names it");
     return states->encode<B>(texts).tokens;
   }
 };
@@ -242,7 +242,7 @@ void save_text_motion(const std::filesystem::path& folder, const TextMotionModel
 template <Backend B>
 TmrModel<B> load_published_tmr(const TensorSet& weights, const RunFolder& run, const MotionFeatures& features) {
   TmrModel<B> m;
-  m.system = load_tmr<B>(weights, run);
+  m.system = tmr_network<B>(weights, run);
   const Index width = m.system.config.motion_nfeats;
   if (width != features.width)
     raise<config_error>(102, run.folder.string(), ": a model of features of ", counted(width, "number"), ", '",

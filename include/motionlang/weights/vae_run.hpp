@@ -88,7 +88,7 @@ ActorRun<B> load_actor_run(const RunFolder& run) {
   const WeightFile weights = open_weights(run.weights);
   const detail::RunReader r(run, weights, "");
   ActorRun<B> out;
-  out.model = load_actor<B>(weights, run);
+  out.model = actor_network<B>(weights, run);
   out.longest = actor_longest(run, weights, out.model.config);
   out.features = actor_point_options(run, weights).features;
   out.points = actor_loss_points(run, weights);
@@ -108,6 +108,9 @@ ActorRun<B> load_actor_run(const FilePath& folder) {
 
 /// "temos", "teach" or "sinc", by the token that stands between texts.
 std::string lightning_system(const TensorSet& weights);
+/// The system of a folder as weights/run_folder.hpp finds it; runs of TEACH and SINC, which look like those of TEMOS,
+/// differ in their weights. Throws what find_run and open_weights throw.
+std::string system_of_run(const FilePath& folder);
 
 namespace detail {
 
@@ -145,17 +148,17 @@ WeightFile lightning_weights(const RunFolder& run, const char* system);
 template <Backend B>
 TemosRun<B> load_temos_run(const RunFolder& run, const TemosRunOptions& options = {}) {
   const WeightFile weights = detail::lightning_weights(run, "temos");
-  return detail::text_motion_run<B>(run, weights, load_temos<B>(weights, run), 12.5, 0, options);
+  return detail::text_motion_run<B>(run, weights, temos_network<B>(weights, run), 12.5, 0, options);
 }
 template <Backend B>
 TeachRun<B> load_teach_run(const RunFolder& run, const TemosRunOptions& options = {}) {
   const WeightFile weights = detail::lightning_weights(run, "teach");
-  return detail::text_motion_run<B>(run, weights, load_teach<B>(weights, run), 30, 0, options);
+  return detail::text_motion_run<B>(run, weights, teach_network<B>(weights, run), 30, 0, options);
 }
 template <Backend B>
 SincRun<B> load_sinc_run(const RunFolder& run, const TemosRunOptions& options = {}) {
   const WeightFile weights = detail::lightning_weights(run, "sinc");
-  return detail::text_motion_run<B>(run, weights, load_sinc<B>(weights, run), 30, sinc_eps, options);
+  return detail::text_motion_run<B>(run, weights, sinc_network<B>(weights, run), 30, sinc_eps, options);
 }
 template <Backend B>
 TemosRun<B> load_temos_run(const FilePath& folder, const TemosRunOptions& options = {}) {

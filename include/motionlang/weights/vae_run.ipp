@@ -37,6 +37,12 @@ MOTIONLANG_BODY std::string lightning_system(const TensorSet& weights) {
   return weights.find("textencoder.separation_token") != nullptr ? "sinc" : "temos";
 }
 
+MOTIONLANG_BODY std::string system_of_run(const FilePath& folder) {
+  const RunFolder run = find_run(folder);
+  if (run.system != "temos" || run.weights.empty()) return run.system;
+  return lightning_system(open_weights(run.weights));
+}
+
 namespace detail {
 
 MOTIONLANG_BODY WeightFile lightning_weights(const RunFolder& run, const char* system) {

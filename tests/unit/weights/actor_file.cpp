@@ -31,7 +31,7 @@ TEST_CASE("ACTOR: networks are known by their tensors, the rest by the options; 
       run.options.push_back({"ablation", std::string("concat_bias")});
     if (config.conditioning == ml::ActorConditioning::time_encoding)
       run.options.push_back({"ablation", std::string("time_encoding")});
-    const auto loaded = ml::load_actor<B>(
+    const auto loaded = ml::actor_network<B>(
         file_of(model, {"encoder.sequence_pos_encoder.pe", "decoder.sequence_pos_encoder.pe", "decoder.pe.pe"}), run);
     CHECK(loaded.config == config);
     const auto x = fixed ? small_actor::motions({5, 5}) : small_actor::motions({4, 7});
@@ -59,10 +59,10 @@ TEST_CASE("ACTOR: a run folder") {
                                         "num_heads: 2\nnum_layers: 2\nvertstrans: true\n";
   const auto run = ml::find_run(folder.path);
   const auto last = ml::open_weights(run.weights);
-  CHECK(ml::load_actor<B>(last, run).config == config);
+  CHECK(ml::actor_network<B>(last, run).config == config);
   auto first = config;
   first.num_classes = 9;
-  CHECK(ml::load_actor<B>(ml::open_weights(folder / "checkpoint_0100.pth.tar"), run).config == first);
+  CHECK(ml::actor_network<B>(ml::open_weights(folder / "checkpoint_0100.pth.tar"), run).config == first);
   const auto o = ml::actor_point_options(run, last);
   CHECK(o.features.rotations == ml::PoseRepresentation::rotvec);
   CHECK_FALSE(o.features.global);
@@ -114,12 +114,12 @@ TEST_CASE("ACTOR: which frames a run took of clips, and which points its loss co
 
 TEST_CASE("ACTOR: what does not fit is refused") {
   const auto model = small_actor::model_of(small_actor::small());
-  CHECK_ERROR(ml::load_actor<B>(file_of(model, {"encoder.extra"})), "[motionlang.io.406]");
-  CHECK_ERROR(ml::load_actor<B>(file_of(*model.decoder)), "[motionlang.io.406]");
+  CHECK_ERROR(ml::actor_network<B>(file_of(model, {"encoder.extra"})), "[motionlang.io.406]");
+  CHECK_ERROR(ml::actor_network<B>(file_of(*model.decoder)), "[motionlang.io.406]");
   auto refused = [&](const char* key, auto value, const char* id) {
     ml::RunFolder run;
     run.options = {{key, value}};
-    CHECK_ERROR(ml::load_actor<B>(file_of(model), run), id);
+    CHECK_ERROR(ml::actor_network<B>(file_of(model), run), id);
   };
   refused("num_heads", std::int64_t{3}, "[motionlang.config.101]");
   refused("num_heads", std::string("four"), "[motionlang.config.107]");
@@ -135,12 +135,13 @@ TEST_CASE("ACTOR: what does not fit is refused") {
 }
 
 TEST_CASE("ACTOR: a file that is too small for a network of its sizes is refused before memory is taken") {
-  CHECK_ERROR(ml::load_actor<B>(models::file_of_shapes({{"encoder.muQuery", {2, 70'000}},
-                                                        {"encoder.seqTransEncoder.layers.0.linear1.weight", {2, 1}},
-                                                        {"decoder.finallayer.weight", {6, 1}},
-                                                        {"decoder.actionBiases", {2, 1}},
-                                                        {"decoder.seqTransDecoder.layers.0.linear1.weight", {2, 1}}})),
-              "[motionlang.config.102] model.ckpt: 140012 numbers");
+  CHECK_ERROR(
+      ml::actor_network<B>(models::file_of_shapes({{"encoder.muQuery", {2, 70'000}},
+                                                   {"encoder.seqTransEncoder.layers.0.linear1.weight", {2, 1}},
+                                                   {"decoder.finallayer.weight", {6, 1}},
+                                                   {"decoder.actionBiases", {2, 1}},
+                                                   {"decoder.seqTransDecoder.layers.0.linear1.weight", {2, 1}}})),
+      "[motionlang.config.102] model.ckpt: 140012 numbers");
   const auto connected = [](ml::Index latent) {
     return ml::ActorConfig{.latent_dim = latent,
                            .encoder = ml::ActorEncoderKind::fully_connected,

@@ -24,7 +24,7 @@ TEST_CASE("TEMOS: the variants are known by their tensors; tables, language mode
                                       : ml::TemosNetwork::transformer;
     c.motion_decoder = variant == 2 ? ml::TemosNetwork::gru : ml::TemosNetwork::transformer;
     const auto model = small::temos<B>(c);
-    const auto loaded = ml::load_temos<B>(
+    const auto loaded = ml::temos_network<B>(
         file_of(model, {"motiondecoder.sequence_pos_encoding.pe", "textencoder.sequence_pos_encoding.pe",
                         "textencoder.text_model.embeddings.LayerNorm.bias", "_losses.losses_train.total"}));
     CHECK(loaded.config == c);
@@ -41,7 +41,7 @@ TEST_CASE("TMR") {
   for (bool vae : {true, false}) {
     c.vae = vae;
     const auto model = small::tmr<B>(c);
-    const auto loaded = ml::load_tmr<B>(file_of(model, {"stats.mean", "stats.std"}));
+    const auto loaded = ml::tmr_network<B>(file_of(model, {"stats.mean", "stats.std"}));
     CHECK(loaded.config == c);
     CHECK(same_bits(loaded.encode_motion(small::motions<B>(263)).mu, model.encode_motion(small::motions<B>(263)).mu));
   }
@@ -49,23 +49,23 @@ TEST_CASE("TMR") {
 
 TEST_CASE("what is not of the model is refused") {
   const auto model = small::tmr<B>();
-  CHECK_ERROR(ml::load_tmr<B>(file_of(model, {"motion_encoder.extra"})), "[motionlang.io.406]");
-  CHECK_ERROR(ml::load_tmr<B>(file_of(model.text_encoder)), "[motionlang.io.406]");
-  CHECK_ERROR(ml::load_temos<B>(file_of(model)), "[motionlang.io.406]");
+  CHECK_ERROR(ml::tmr_network<B>(file_of(model, {"motion_encoder.extra"})), "[motionlang.io.406]");
+  CHECK_ERROR(ml::tmr_network<B>(file_of(model.text_encoder)), "[motionlang.io.406]");
+  CHECK_ERROR(ml::temos_network<B>(file_of(model)), "[motionlang.io.406]");
 }
 
 TEST_CASE("a file that is too small for a network of its sizes is refused before memory is taken") {
   const ml::Index huge = 70'000;
   CHECK_ERROR(
-      ml::load_tmr<B>(models::file_of_shapes({{"motion_encoder.projection.weight", {huge, 1}},
-                                              {"motion_encoder.seqTransEncoder.layers.0.linear1.weight", {2, 1}},
-                                              {"motion_encoder.tokens", {2, 1}},
-                                              {"text_encoder.projection.weight", {2, 1}}})),
+      ml::tmr_network<B>(models::file_of_shapes({{"motion_encoder.projection.weight", {huge, 1}},
+                                                 {"motion_encoder.seqTransEncoder.layers.0.linear1.weight", {2, 1}},
+                                                 {"motion_encoder.tokens", {2, 1}},
+                                                 {"text_encoder.projection.weight", {2, 1}}})),
       "[motionlang.config.102] model.ckpt: 70006 numbers, a network of its sizes has at least 147");
   CHECK_ERROR(
-      ml::load_temos<B>(models::file_of_shapes({{"motiondecoder.final_layer.weight", {2, 1}},
-                                                {"textencoder.projection.1.weight", {huge, 1}},
-                                                {"textencoder.seqTransEncoder.layers.0.linear1.weight", {2, 1}}})),
+      ml::temos_network<B>(models::file_of_shapes({{"motiondecoder.final_layer.weight", {2, 1}},
+                                                   {"textencoder.projection.1.weight", {huge, 1}},
+                                                   {"textencoder.seqTransEncoder.layers.0.linear1.weight", {2, 1}}})),
       "[motionlang.config.102] model.ckpt: 70004 numbers");
 }
 
@@ -73,11 +73,11 @@ TEST_CASE("options of a run say how many heads there are, and have to agree with
   const auto model = small::tmr<B>();
   ml::RunFolder run;
   run.options = {{"model/motion_encoder/num_heads", std::int64_t{2}}};
-  CHECK(ml::load_tmr<B>(file_of(model), run).config.num_heads == 2);
+  CHECK(ml::tmr_network<B>(file_of(model), run).config.num_heads == 2);
   run.options = {{"model/motion_encoder/num_heads", std::int64_t{3}}};
-  CHECK_ERROR(ml::load_tmr<B>(file_of(model), run), "[motionlang.config.101]");
+  CHECK_ERROR(ml::tmr_network<B>(file_of(model), run), "[motionlang.config.101]");
   run.options = {{"model/text_encoder/nfeats", std::int64_t{768}}};
-  CHECK_ERROR(ml::load_tmr<B>(file_of(model), run), "[motionlang.config.102]");
+  CHECK_ERROR(ml::tmr_network<B>(file_of(model), run), "[motionlang.config.102]");
   run.options = {{"model/num_head", std::int64_t{6}}};  // as TEMOS' options have it, and its code does not read
-  CHECK(ml::load_temos<B>(file_of(small::temos<B>()), run).config.num_heads == 4);
+  CHECK(ml::temos_network<B>(file_of(small::temos<B>()), run).config.num_heads == 4);
 }
