@@ -13,8 +13,8 @@
 /// (exp, max, ...) includes <motionlang/backend/eigen.hpp> as well; the compiler says so.
 ///
 /// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library
-/// then, and this header only says what can be called. For other backends (the compiler says so), and for
-/// `generate_from`, include <motionlang/generate/generate_motion.ipp> and <motionlang/weights/stmc_file.hpp> as well.
+/// then, and this header only says what can be called. For other backends, and for `generate_from`, include
+/// <motionlang/generate/generate_motion.ipp> and <motionlang/weights/stmc_file.hpp> as well; the compiler says so.
 #pragma once
 
 #include <motionlang/backend/detail/eigen_class.hpp>

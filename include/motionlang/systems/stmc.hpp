@@ -31,6 +31,14 @@ struct StmcBodies;
 /// True if motionlang::instantiated has the bodies.
 template <class T>
 inline constexpr bool is_compiled_stmc = false;
+/// Says what a unit without the bodies lacks for a function that no library can have compiled. Argument: of it.
+template <class T, class Argument>
+struct HasStmcBodies {
+  static constexpr bool value = true;
+  static_assert(
+      requires { sizeof(StmcBodies<T>); },
+      "motionlang: for generate_from and sample include <motionlang/systems/stmc.ipp>");
+};
 
 }  // namespace detail
 
@@ -91,22 +99,22 @@ struct Stmc {
 
   /// The same with the caller's noise: noise(draw, shape) for draw 0 (initial), 1, 2, ... (steps) is a tensor
   /// (sequences, frames, features) as `shape` says.
-  template <class Noise>
+  template <class Noise, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options = {}) const;
 
   /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape
   /// (rows of the collage, features); whole(collage, x, t) is what a plain run takes.
-  template <class Noise, class Estimate>
+  template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options, Estimate&& estimate) const;
   /// The same from a plan made with `plan_options`, by other rules for texts that want a part at the same time, say.
-  template <class Noise, class Estimate>
+  template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                           Estimate&& estimate) const;
 
   /// The same motions as they are sampled: still normalised.
-  template <class Noise, class Estimate>
+  template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   CleanMotions<B> sample(BatchPlan plan, Noise&& noise, const StmcOptions& options, Estimate&& estimate) const;
   /// Each of them by itself, not normalised: (frames of its timeline in the plan, features).
   std::vector<Tensor<B, 2>> separate(const CleanMotions<B>& clean, const BatchPlan& plan) const;

@@ -41,7 +41,7 @@ PlanOptions Stmc<B, D, E>::plan_options(const StmcOptions& options) const {
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise>
+template <class Noise, bool>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options) const {
   return generate_from(
@@ -50,21 +50,21 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise, class Estimate>
+template <class Noise, class Estimate, bool>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options, Estimate&& estimate) const {
   return generate_from(plan_timelines(timelines, plan_options(options)), noise, options, estimate);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise, class Estimate>
+template <class Noise, class Estimate, bool>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                                        Estimate&& estimate) const {
   return separate(sample(plan, noise, options, estimate), plan);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise, class Estimate>
+template <class Noise, class Estimate, bool>
 CleanMotions<B> Stmc<B, D, E>::sample(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                       Estimate&& estimate) const {
   const auto [text, null] = encode(plan);
