@@ -5,7 +5,6 @@
 #include <string>
 
 #include <motionlang/core/error.hpp>
-#include <motionlang/generate/generate_options.hpp>
 #include <motionlang/version.hpp>
 
 #include "commands.hpp"
@@ -77,13 +76,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? program::ok : program::usage;
   } catch (const program::usage_error& e) {
-    std::fprintf(stderr, "%s\n", e.what());
-    return program::usage;
-  } catch (const motionlang::option_error& e) {  // the library's word for it
-    std::fprintf(stderr, "%s\n", e.what());
+    std::fprintf(stderr, "%s\n", program::with_options(e.what()).c_str());
     return program::usage;
   } catch (const motionlang::timeline_error& e) {
-    std::fprintf(stderr, "%s\n", e.what());
+    std::fprintf(stderr, "%s\n", program::with_options(e.what()).c_str());
     return program::bad_timeline;
   } catch (const motionlang::cancelled&) {
     std::fprintf(stderr, "\nstopped\n");
@@ -92,7 +88,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "there is not enough memory for this\n");
     return program::failed;
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "%s\n", e.what());
+    std::fprintf(stderr, "%s\n", program::with_options(e.what()).c_str());
     return program::failed;
   }
 }

@@ -26,6 +26,7 @@
 #include <motionlang/core/mt19937.hpp>
 #include <motionlang/core/numpy_random.hpp>
 #include <motionlang/core/offsets.hpp>
+#include <motionlang/core/option_error.hpp>
 #include <motionlang/core/parallel.hpp>
 #include <motionlang/core/precision.hpp>
 #include <motionlang/core/processors.hpp>
@@ -59,6 +60,7 @@
 #include <motionlang/tensor/tensor.hpp>
 
 #include <motionlang/geometry/axis_angle.hpp>
+#include <motionlang/geometry/box.hpp>
 #include <motionlang/geometry/degree.hpp>
 #include <motionlang/geometry/euler.hpp>
 #include <motionlang/geometry/guo.hpp>
@@ -92,6 +94,7 @@
 #include <motionlang/kinematics/forward_batch.hpp>
 #include <motionlang/kinematics/gaussian_smooth.hpp>
 #include <motionlang/kinematics/guo_chains.hpp>
+#include <motionlang/kinematics/join_motions.hpp>
 #include <motionlang/kinematics/joint_sides.hpp>
 #include <motionlang/kinematics/known_skeletons.hpp>
 #include <motionlang/kinematics/limb_ik.hpp>
@@ -247,6 +250,7 @@
 #include <motionlang/compose/sinc_composition.hpp>
 #include <motionlang/compose/stitching.hpp>
 #include <motionlang/compose/teach_join.hpp>
+#include <motionlang/compose/text_sinc_parts.hpp>
 #include <motionlang/compose/timeline.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 

@@ -1,20 +1,15 @@
 // motionlang compose, join: one motion out of several, at the same time or one after the other.
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <optional>
-#include <sstream>
 
-#include <motionlang/compose/body_part_lexicon.hpp>
 #include <motionlang/compose/sinc_composition.hpp>
-#include <motionlang/core/text_lines.hpp>
+#include <motionlang/compose/text_sinc_parts.hpp>
 #include <motionlang/datasets/body_part_table.hpp>
-#include <motionlang/kinematics/blend.hpp>
+#include <motionlang/kinematics/join_motions.hpp>
 #include <motionlang/kinematics/match_motion.hpp>
 
 #include "../commands.hpp"
 #include "../option_checks.hpp"
-#include "input_files.hpp"
 #include "motion_files.hpp"
 
 namespace program {
@@ -29,84 +24,40 @@ struct ComposeOptions {
   double blend = 0.3, units = 100;
 };
 
-/// The parts that a list names, "left arm, right arm"; none if it is something else.
-std::optional<ml::SincParts> listed_parts(const std::string& text) {
-  ml::SincParts parts;
-  std::istringstream names(text);
-  for (std::string name; std::getline(names, name, ',');) {
-    const auto part = ml::parse_sinc_part(ml::detail::trim(name));
-    if (!part) return std::nullopt;
-    parts.set(static_cast<std::size_t>(*part));
-  }
-  return parts;
-}
-
-/// STMC's parts as SINC's: the legs are both, with the pelvis, which carries them; spine and head are the torso.
-ml::SincParts as_sinc(const ml::BodyParts& parts) {
-  using enum ml::SincPart;
-  ml::SincParts out;
-  if (parts.has(ml::BodyPart::left_arm)) out |= ml::sinc_parts(left_arm);
-  if (parts.has(ml::BodyPart::right_arm)) out |= ml::sinc_parts(right_arm);
-  if (parts.has(ml::BodyPart::legs)) out |= ml::sinc_parts(global, left_leg, right_leg);
-  if (parts.has(ml::BodyPart::spine) || parts.has(ml::BodyPart::head)) out |= ml::sinc_parts(torso);
-  return out;
-}
-
-/// What an option says of a motion: parts, or a text of which the table knows them, or else guessed. "": all.
-ml::SincParts parts_of(const std::string& text, const std::string& table) {
-  if (text.empty()) return ~ml::SincParts{};
-  if (const auto listed = listed_parts(text)) return *listed;
-  return table.empty() ? as_sinc(ml::guess_body_parts(text)) : ml::open_body_part_table(table).parts(text);
-}
-
-std::string names_of(const ml::SincParts& parts) {
-  std::vector<std::string_view> names;
-  for (std::size_t p = 0; p < ml::sinc_part_count; ++p) {
-    if (parts[p]) names.push_back(ml::sinc_part_names[p]);
-  }
-  return ml::join_text(names);
-}
-
 void write(const ComposeOptions& o, const ml::Motion& m) {
   std::fputs(write_motion(o.out, m, o.units).c_str(), stdout);
 }
 
 void compose(const ComposeOptions& o) {
   require_folder_of(o.out);
-  InputFiles(o.in).refuse(o.out);
+  ml::InputFiles(o.in).refuse(o.out);
   const auto clip = [&](const std::string& file) {
     return on_smpl(read_only_performed_motion(file, ml::options_for_file(o.read, file)));
   };
   const ml::Motion first = clip(o.in[0]), second = ml::match_motion(clip(o.in[1]), first);
-  const ml::SincParts of_first = parts_of(o.first, o.table), of_second = parts_of(o.second, o.table);
-  std::printf("%s: %s\n%s: %s\n", o.in[0].c_str(), names_of(of_first).c_str(), o.in[1].c_str(),
-              names_of(of_second).c_str());
+  std::optional<ml::BodyPartTable> table;
+  if (!o.table.empty()) table = ml::open_body_part_table(o.table);
+  const auto parts_of = [&](const std::string& text) { return ml::text_sinc_parts(text, table ? &*table : nullptr); };
+  const ml::SincParts of_first = parts_of(o.first), of_second = parts_of(o.second);
+  std::printf("%s: %s\n%s: %s\n", o.in[0].c_str(), ml::list_sinc_parts(of_first).c_str(), o.in[1].c_str(),
+              ml::list_sinc_parts(of_second).c_str());
   if (of_first.all() && of_second.all())
     ml::raise<usage_error>(102, "compose: both motions have all parts, nothing of '", first.name,
                            "' would be left: name the parts of one by --first or --second");
   if (!ml::are_compatible(of_first, of_second) && !o.first.empty())
-    std::printf("both move: %s; the motion with fewer parts has them\n", names_of(of_first & of_second).c_str());
+    std::printf("both move: %s; the motion with fewer parts has them\n",
+                ml::list_sinc_parts(of_first & of_second).c_str());
   write(o, ml::compose_motions(first, of_first, second, of_second,
                                o.center ? ml::SincTrim::both_ends : ml::SincTrim::end));
 }
 
-/// Throws config_error 101 for a motion that is shorter than the blend.
-ml::Motion joined(const ml::Motion& first, const ml::Motion& second, double blend) {
-  const double frames = std::max(1.0, std::round(blend * first.fps));
-  const ml::Motion& shorter = first.frames() < second.frames() ? first : second;
-  if (frames > static_cast<double>(shorter.frames()))
-    ml::raise<usage_error>(101, "join: '", shorter.name, "' has ", ml::counted(shorter.frames(), "frame"), " at ",
-                           shorter.fps, " per second, --blend ", blend, " takes ", frames);
-  return ml::blend_into(first, second, static_cast<ml::Index>(frames));
-}
-
 void join(const ComposeOptions& o) {
   require_folder_of(o.out);
-  InputFiles(o.in).refuse(o.out);
+  ml::InputFiles(o.in).refuse(o.out);
   std::optional<ml::Motion> whole;
   for (const std::string& file : o.in) {
     for (ml::Motion& m : read_performed_motions(file, ml::options_for_file(o.read, file)))
-      whole = whole ? joined(*whole, ml::match_motion(std::move(m), *whole), o.blend) : std::move(m);
+      whole = whole ? ml::join_motions(*whole, std::move(m), o.blend) : std::move(m);
   }
   whole->name = std::filesystem::path(o.out).stem().string();
   write(o, *whole);

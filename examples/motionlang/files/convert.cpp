@@ -1,27 +1,15 @@
 // motionlang convert, strip, view: a file of motion in, another file, a picture or a page out.
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <map>
-#include <optional>
-#include <set>
-#include <sstream>
 #include <utility>
 
-#include <motionlang/features/motion_features.hpp>
-#include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/merged_body.hpp>
-#include <motionlang/kinematics/edit_motion.hpp>
-#include <motionlang/kinematics/motion_tools.hpp>
-#include <motionlang/kinematics/retarget.hpp>
+#include <motionlang/view/convert_motions.hpp>
 
 #include "../commands.hpp"
 #include "../formatted.hpp"
 #include "../generate/generation.hpp"
 #include "../option_checks.hpp"
 #include "../progress_bar.hpp"
-#include "box.hpp"
-#include "input_files.hpp"
 #include "motion_files.hpp"
 #include "texts.hpp"
 #include "weights.hpp"
@@ -43,15 +31,15 @@ struct ConvertOptions {
   const DataSetForm* data_set = nullptr;  // clips go into a folder of this form
   MotionReadOptions read;
   RigOptions rig;
-  BodyOptions body;
-  double scale = 100, fps = 0, from = 0, to = 0, speed = 1, loop = 0;
-  bool smpl = false, mirror = false, smooth = false, fix_feet = false, in_place = false;
+  ml::ShownBodyOptions body;
+  ml::TimeEdits time;
+  ml::MotionEdits edits;
+  double scale = 100;
   bool replace = false;  // clips of the data set
 };
 
 /// What a motion becomes by --denoise; none without it. The model is loaded at once.
-using Denoiser = std::function<ml::Motion(const ml::Motion&)>;
-Denoiser denoiser_of(const ConvertOptions& o) {
+std::function<ml::Motion(const ml::Motion&)> denoiser_of(const ConvertOptions& o) {
   if (o.denoise.empty()) return {};
   const std::shared_ptr<const ml::MotionModel> generator = load_generator("eigen", o.denoise, o.sources);
   const ml::LatentMotionModel& model = require_latent(*generator, "--denoise", o.denoise);
@@ -59,298 +47,66 @@ Denoiser denoiser_of(const ConvertOptions& o) {
     ml::raise<usage_error>(102, "ACTOR has to know which action a motion shows to denoise it: --action names it");
   if (!model.takes_actions() && !o.action.empty())
     ml::raise<usage_error>(102, "--action '", o.action, "' is for ACTOR; this model reads the motion alone");
-  return [generator, &model, &o](const ml::Motion& m) { return model.denoised(m, o.action); };
+  return [generator, &model, action = o.action](const ml::Motion& m) { return model.denoised(m, action); };
 }
 
-/// What is read: motions and what the options name.
-InputFiles inputs_of(const ConvertOptions& o, const std::vector<fs::path>& motions) {
-  InputFiles inputs{o.rig.file, o.rig.joints,  o.body.file == "free" ? "" : o.body.file,
-                    o.skeleton, o.read.joints, o.read.asf};
-  for (const fs::path& file : motions) inputs.add(file);
-  return inputs;
+/// What the options name besides motions.
+ml::InputFiles inputs_of(const ConvertOptions& o) {
+  return {o.rig.file, o.rig.joints, o.body.file == "free" ? "" : o.body.file, o.skeleton, o.read.joints, o.read.asf};
+}
+/// The files that the options name are read at once. body: stays the caller's.
+ml::MotionConversion conversion_of(const ConvertOptions& o, const ml::ShownBody* body) {
+  ml::MotionConversion out{.read = o.read,
+                           .time = o.time,
+                           .edits = o.edits,
+                           .rig = rig_writer(o.rig),
+                           .body = body,
+                           .features = o.features,
+                           .data_set = o.data_set,
+                           .replace = o.replace,
+                           .scale = o.scale,
+                           .inputs = inputs_of(o)};
+  out.denoise = denoiser_of(o);
+  if (!o.skeleton.empty()) out.skeleton = read_motions(o.skeleton, {.scale = 1 / o.scale}).front().skeleton;
+  return out;
 }
 
-/// What the options name, read once for all files; null without the option.
-struct Loaded {
-  Loaded(const ConvertOptions& o, InputFiles read)
-      : inputs(std::move(read)), rig(rig_writer(o.rig)), body(shown_body(o.body)), denoised(denoiser_of(o)) {
-    if (!o.skeleton.empty()) skeleton = read_motions(o.skeleton, {.scale = 1 / o.scale}).front().skeleton;
+void say(const ml::FolderConversion& made, const ConvertOptions& o) {
+  for (const std::string& f : made.failures) std::fprintf(stderr, "%s\n", with_options(f).c_str());
+  for (const auto& [about, said] : made.notes) {
+    const auto& [first, more] = said;
+    std::printf("%s%s\n", with_options(first).c_str(), more > 0 ? formatted(" (and of %td more)", more).c_str() : "");
   }
-  InputFiles inputs;
-  RigWriter rig;
-  std::unique_ptr<const ShownBody> body;
-  Denoiser denoised;
-  std::optional<ml::Skeleton> skeleton;
-};
-
-/// Features that are not on the clip's own joints, arrays of positions and AMASS are on SMPL's joints, feet are fixed
-/// there, and the user's body has these or its own.
-bool wants_smpl(const ConvertOptions& o, const Loaded& loaded, const ml::Motion& m) {
-  if (loaded.body != nullptr && !loaded.body->has_joints_of(m)) return true;
-  if (loaded.body != nullptr && o.body.file != "free") return false;
-  const bool others = !o.features.empty() && !ml::has_joints_of(ml::motion_features(o.features), m);
-  const bool unknown_order = o.features.empty() && kind_of(o.out) == ".npy" && !ml::has_joints_of_arrays(m);
-  return o.smpl || o.fix_feet || others || unknown_order || kind_of(o.out) == ".npz";
+  std::printf("%s: %zu of %s converted\n", (o.out.empty() ? o.in : o.out).c_str(), made.converted,
+              counted(made.files, "file").c_str());
 }
 
-/// `report` is set if the joints were others than SMPL's and had to become these.
-ml::Motion edited(ml::Motion m, const ConvertOptions& o, const Loaded& loaded, ml::RetargetReport& report) {
-  if (const auto [first, last] = ml::frames_between(m, o.from, o.to); (o.from > 0 || o.to > 0) && first >= last)
-    ml::raise<usage_error>(101, "convert: nothing of the ", m.seconds(), " s is between ", o.from, " and ",
-                           o.to > 0 ? o.to : m.seconds(), " s");
-  m = ml::edit_time(std::move(m), {.from = o.from, .to = o.to, .speed = o.speed, .fps = o.fps});
-  if (loaded.denoised) m = loaded.denoised(m);
-  const bool smpl = wants_smpl(o, loaded, m);
-  m = ml::edit_motion(std::move(m),
-                      {.smpl = smpl,
-                       .mirror = o.mirror,
-                       .smooth = o.smooth,
-                       .fix_feet = o.fix_feet,
-                       .in_place = o.in_place,
-                       .loop = o.loop},
-                      &report);
-  if (loaded.skeleton && m.skeleton != *loaded.skeleton) m = ml::retarget(m, *loaded.skeleton);
-  return m;
-}
-
-/// The longest side of the box around a rest pose, which stands, sits or lies.
-double reach_of(const ml::Skeleton& skeleton) {
-  if (skeleton.size() == 0) return 0;
-  const Box box = box_of(skeleton.rest_positions());
-  const auto size = box.high - box.low;
-  return std::max({size.x, size.y, size.z});
-}
-
-/// The file of one motion of several: out_walk.bvh, and out_walk_2.bvh for another "walk". taken: such files without
-/// extension.
-fs::path name_of(fs::path out, const std::string& name, std::set<std::string>& taken) {
-  const std::string extension = out.extension().string();
-  return unique_name(out.replace_extension().string() + "_" + safe_file_name(name), taken) + extension;
-}
-
-/// The page or the strip of a motion that is given no name: under the motion's whole name, as NAME.html beside NAME.bvh
-/// may be generate's.
-fs::path beside(const fs::path& motion, const std::string& extension) { return motion.string() + extension; }
-
-/// Converts one file into others. It collects the lines about them, for a caller who wants to show them.
-class Conversion {
- public:
-  /// taken: names that clips of a data set have already, or files.
-  Conversion(const ConvertOptions& o, const Loaded& loaded, std::set<std::string>& taken)
-      : o_(o), loaded_(loaded), taken_(taken) {
-    if (kind_of(o.in) != ".npz")
-      motions_ = read_motions(o.in, o.read, &about_input_);
-    else if (loaded.body == nullptr)
-      read_amass();
-    else
-      read_for_body();
-  }
-
-  void run() {
-    ml::RetargetReport report;
-    for (const ml::Motion& m : motions_) note(m);
-    for (const ml::Motion& m : motions_) attempt(m.name, [&] { made_.push_back(edited(m, o_, loaded_, report)); });
-    if (!report.table.empty()) told_ += to_string(report) + "\n";
-    if (!made_.empty()) write();
-    if (failures_ > 0)
-      ml::raise<ml::config_error>(101, "convert: ", failures_, " of the ", ml::counted(motions_.size(), "motion"),
-                                  " of ", o_.in, " could not be made:", reasons_);
-  }
-  /// Lines that begin with the name of the input: what it has and the result lacks.
-  const std::string& about_input() const { return about_input_; }
-  std::string told() const { return about_input_ + told_; }
-
- private:
-  /// What somebody who converts a motion should know of it.
-  void note(const ml::Motion& m) {
-    const std::string where = o_.in + (motions_.size() == 1 ? "" : " " + m.name) + ": ";
-    if (const ml::Index frames = ml::detect_t_pose_lead_in(m); frames > 0 && o_.from == 0)
-      about_input_ +=
-          where + formatted("begins with %s of a T-pose that was put in front; --from %.3g leaves out what was\n",
-                            counted(frames, "frame").c_str(), static_cast<double>(frames) / m.fps);
-    constexpr double smallest = 0.5, largest = 4;  // metres
-    const double reach = reach_of(m.skeleton);
-    if (reach > 0 && (reach < smallest || reach > largest))
-      about_input_ +=
-          where + formatted("the figure is %.2g m large%s\n", reach,
-                            kind_of(o_.in) == ".bvh" ? ": --scale says how long a unit of the file is" : "");
-  }
-  /// Whose motion it is stays with AMASS files; joints and features do not have it, nor hands.
-  void read_amass() {
-    ml::AmassSequence sequence = ml::read_amass_sequence(o_.in, o_.read.rate);
-    motions_.push_back(ml::amass_motion(sequence, fs::path(o_.in).stem().string()));
-    const auto is_set = [](double x) { return x != 0; };
-    bool hands = false;
-    for (ml::Index f = 0; f < sequence.frames; ++f) {
-      const auto columns = static_cast<std::size_t>(sequence.columns);
-      const auto row = std::span(sequence.poses).subspan(static_cast<std::size_t>(f) * columns, columns);
-      hands = hands || std::ranges::any_of(row.subspan(66), is_set);
-    }
-    const bool shape = std::ranges::any_of(sequence.betas, is_set) && kind_of(o_.out) != ".npz";
-    if (hands || shape)
-      about_input_ = o_.in + ": left out are " +
-                     (hands && shape ? "hands, face and betas"
-                      : hands        ? "hands and face"
-                                     : "betas") +
-                     "; --body shows them\n";
-    amass_ = {std::move(sequence.gender), std::move(sequence.betas)};
-  }
-
-  void read_for_body() {
-    BodyClip clip = loaded_.body->read(o_.in, o_.read.rate);
-    motions_.push_back(std::move(clip.motion));
-    betas_ = std::move(clip.betas);
-    about_input_ = std::move(clip.told);
-    if (loaded_.denoised && clip.has_more) about_input_ += o_.in + ": what --denoise makes is without hands and face\n";
-  }
-
-  /// Of several motions one that fails is reported and stops no other.
-  template <class Work>
-  void attempt(const std::string& name, Work work) {
-    try {
-      work();
-    } catch (const ml::error& e) {
-      if (motions_.size() == 1) throw;
-      reasons_ += "\n" + name + ": " + e.what();
-      ++failures_;
-    }
-  }
-
-  void write() {
-    loaded_.inputs.refuse(o_.out);
-    if (loaded_.rig) {
-      told_ += loaded_.rig(o_.out, made_);
-    } else if (loaded_.body != nullptr && holds_several(o_.out)) {
-      told_ += loaded_.body->write(o_.out, made_, betas_);
-    } else if (motions_.size() > 1 && o_.features.empty() && holds_together(o_.out, made_)) {
-      write_motions(o_.out, made_);
-      told_ += ml::concat_text(o_.out, ": ", counted(made_.size(), "motion"), ", ",
-                               counted(made_.front().skeleton.size(), "joint"), "\n");
-    } else if (o_.data_set != nullptr) {
-      for (const ml::Motion& m : made_)
-        attempt(m.name, [&] {
-          told_ +=
-              write_humanml3d(o_.out, unique_name(safe_file_name(m.name), taken_), m, *o_.data_set, o_.fps, o_.replace);
-        });
-    } else {
-      for (const ml::Motion& m : made_) {
-        const auto path = motions_.size() == 1 ? fs::path(o_.out) : name_of(o_.out, m.name, taken_);
-        attempt(m.name, [&] { told_ += write_one(path, m); });
-      }
-    }
-  }
-
-  std::string write_one(const fs::path& path, const ml::Motion& m) const {
-    loaded_.inputs.refuse(path);
-    if (loaded_.body != nullptr) return loaded_.body->write(path, {m}, betas_);
-    if (!o_.features.empty()) return write_features(path, m, o_.features, o_.fps);
-    return write_motion(path, m, {.scale = o_.scale, .body = amass_.value_or(ml::AmassBody{})});
-  }
-
-  const ConvertOptions& o_;
-  const Loaded& loaded_;
-  std::vector<ml::Motion> motions_;
-  std::vector<float> betas_;            // of an AMASS file, for a body
-  std::optional<ml::AmassBody> amass_;  // the same for another AMASS file
-  std::set<std::string>& taken_;
-  std::vector<ml::Motion> made_;
-  std::string about_input_, told_, reasons_;
-  std::size_t failures_ = 0;
-};
-
-/// Every motion file of a folder and of those below it, to the same place below another folder, or into a data set. One
-/// that fails is reported and stops no other.
-class FolderConversion {
- public:
-  explicit FolderConversion(const ConvertOptions& o) : o_(o), files_(files_of(o)), loaded_(o, inputs_of(o, files_)) {}
-
-  void run() {
+void convert_folder(const ConvertOptions& o) {
+  const auto body = shown_body(o.body);
+  ml::FolderConversion made;
+  try {
     ProgressBar bar("converting");
-    std::size_t done = 0;
-    for (const fs::path& file : files_) {
-      convert(file);
-      if (!bar(static_cast<std::ptrdiff_t>(++done), std::ssize(files_)) && done < files_.size()) break;
-    }
-    bar.finish();
-    for (const std::string& f : failures_) std::fprintf(stderr, "%s\n", f.c_str());
-    tell();
-    std::printf("%s: %zu of %s converted\n", (o_.out.empty() ? o_.in : o_.out).c_str(), done - failures_.size(),
-                counted(files_.size(), "file").c_str());
-    if (done < files_.size()) throw ml::cancelled();
-    if (!failures_.empty())
-      ml::raise<ml::config_error>(101, "convert: ", failures_.size(), " of the ", ml::counted(files_.size(), "file"),
-                                  " of ", o_.in, " could not be converted");
-  }
-
- private:
-  /// What is read. Motions that are written must not stand among the originals: they could be in the place of a file
-  /// that is still to be read. In a folder below them they are no originals of the next run.
-  static std::vector<fs::path> files_of(const ConvertOptions& o) {
-    const std::string kind = o.data_set != nullptr ? ".npy" : o.as;
-    const bool are_motions = is_motion_file("a" + kind);
-    if (are_motions && is_same_place(o.in, o.out))
-      ml::raise<usage_error>(102, "convert: ", kind, " files of ", o.in,
-                             " cannot go into the folder itself: name another one, which may be below it");
-    auto files = motion_files_below(o.in, are_motions ? o.out : "");
-    if (files.empty()) ml::raise<ml::config_error>(101, "convert: no motion file in ", o.in);
-    return files;
-  }
-
-  void convert(const fs::path& file) {
-    try {
-      ConvertOptions one = o_;
-      one.in = file.string();
-      static_cast<ml::MotionReadOptions&>(one.read) = ml::options_for_file(o_.read, file);
-      if (o_.out.empty()) {
-        one.out = beside(file, o_.as).string();
-      } else if (o_.data_set == nullptr) {
-        const fs::path place = o_.out / file.lexically_relative(o_.in).replace_extension();
-        fs::create_directories(place.parent_path());
-        one.out = unique_name(place.string(), taken_) + o_.as;
-      }
-      Conversion conversion(one, loaded_, taken_);
-      conversion.run();
-      note(one.in, conversion.about_input());
-    } catch (const std::exception& e) {
-      failures_.push_back(file.string() + ": " + e.what());
-    }
-  }
-
-  /// A line that is the same for many files is printed once.
-  void note(const std::string& file, const std::string& about) {
-    std::istringstream lines(about);
-    for (std::string line; std::getline(lines, line);) {
-      auto& [first, more] = told_[line.starts_with(file) ? line.substr(file.size()) : line];
-      if (first.empty())
-        first = line;
-      else
-        ++more;
-    }
-  }
-  void tell() const {
-    for (const auto& [about, said] : told_) {
-      const auto& [first, more] = said;
-      std::printf("%s%s\n", first.c_str(), more > 0 ? formatted(" (and of %td more)", more).c_str() : "");
-    }
-  }
-
-  const ConvertOptions& o_;
-  const std::vector<fs::path> files_;
-  const Loaded loaded_;
-  std::set<std::string> taken_;
-  std::vector<std::string> failures_;
-  std::map<std::string, std::pair<std::string, std::ptrdiff_t>> told_;  // the first such line, and how many more
-};
+    ml::convert_folder(o.in, o.out, o.as, conversion_of(o, body.get()), made, bar);
+  } catch (const ml::cancelled&) {}
+  std::fputs(made.skipped.c_str(), stderr);
+  say(made, o);
+  if (made.done < made.files) throw ml::cancelled();
+  if (!made.failures.empty())
+    ml::raise<ml::config_error>(101, "convert: ", made.failures.size(), " of the ", ml::counted(made.files, "file"),
+                                " of ", o.in, " could not be converted");
+}
 
 void convert_file(const ConvertOptions& o) {
-  InputFiles inputs = inputs_of(o, {o.in});
+  ml::InputFiles inputs = inputs_of(o);
+  inputs.add(o.in);
   inputs.refuse(o.out);
-  const Loaded loaded(o, std::move(inputs));
-  std::set<std::string> taken;
-  Conversion one(o, loaded, taken);
-  const auto tell = [&] { std::printf("%s", one.told().c_str()); };
+  const auto body = shown_body(o.body);
+  ml::MotionConversion how = conversion_of(o, body.get());
+  how.inputs = std::move(inputs);
+  ml::ConversionNotes notes;
+  const auto tell = [&] { std::printf("%s%s", with_options(notes.input).c_str(), notes.results.c_str()); };
   try {
-    one.run();
+    ml::convert_motions(o.in, o.out, how, &notes);
   } catch (...) {
     tell();
     throw;
@@ -362,7 +118,7 @@ void convert_file(const ConvertOptions& o) {
 void merge_hands(const ConvertOptions& o) {
   if (kind_of(o.out) != ".npz")
     ml::raise<usage_error>(103, o.out, ": a body is written to .npz, not '", kind_of(o.out), "'");
-  InputFiles{o.in, o.hands.at(0), o.hands.at(1)}.refuse(o.out);
+  ml::InputFiles{o.in, o.hands.at(0), o.hands.at(1)}.refuse(o.out);
   ml::merge_smplh(o.in, o.hands.at(0), o.hands.at(1), o.out);
   std::printf("%s: the body of %s with the hands of %s and %s\n", o.out.c_str(), o.in.c_str(), o.hands[0].c_str(),
               o.hands[1].c_str());
@@ -389,7 +145,7 @@ void run(ConvertOptions o) {
                                                  (o.data_set != nullptr ? "data sets" : kind));
   if (o.replace && o.data_set == nullptr)
     throw CLI::ValidationError("--replace", "is for clips of a data set (--features guoh3d or kit, into a folder)");
-  if (folder) return FolderConversion(o).run();
+  if (folder) return convert_folder(o);
   o.read.require_for(o.in);
   if (o.data_set == nullptr) require_folder_of(o.out);
   convert_file(o);
@@ -430,7 +186,7 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
     if (fs::is_directory(o->in)) {
       if (o->as.empty()) o->as = extension;
     } else if (o->out.empty()) {
-      o->out = beside(o->in, extension).string();
+      o->out = ml::beside_motion(o->in, extension).string();
     }
     const std::string kind = kind_of(o->out);
     if (o->as.empty() && kind != extension && !(extension == ".svg" && kind == ".png"))
@@ -473,12 +229,12 @@ void add_convert(CLI::App& app) {
       c->add_option("--store", o->store, "Of weights: floating-point numbers rounded to this type")
           ->transform(CLI::IsMember({"F32", "F16", "BF16"}, CLI::ignore_case));
   c->add_option(
-       "--fps", o->fps,
+       "--fps", o->time.fps,
        "Frames per second of the result; as the input unless given; of a GLB input whose keys are at no frames 30")
       ->check(positive());
-  c->add_option("--from", o->from, "Begin, seconds")->check(not_negative());
-  c->add_option("--to", o->to, "End, seconds")->check(positive());
-  c->add_option("--speed", o->speed, "How much faster")->check(positive())->capture_default_str();
+  c->add_option("--from", o->time.from, "Begin, seconds")->check(not_negative());
+  c->add_option("--to", o->time.to, "End, seconds")->check(positive());
+  c->add_option("--speed", o->time.speed, "How much faster")->check(positive())->capture_default_str();
   c->add_option("--units", o->scale, "Units per metre of a BVH file that is written")
       ->check(positive())
       ->capture_default_str();
@@ -519,14 +275,14 @@ void add_convert(CLI::App& app) {
   c->add_option("--statistics", o->sources.statistics, "Of --denoise with a published model: as for generate")
       ->needs(denoise)
       ->check(CLI::ExistingDirectory);
-  c->add_flag("--smpl", o->smpl, "On SMPL's 24 joints");
-  c->add_flag("--mirror", o->mirror, "Left becomes right");
-  c->add_flag("--smooth", o->smooth, "Without trembling");
-  c->add_flag("--in-place", o->in_place, "The root stays over the origin");
-  c->add_option("--loop", o->loop, "Makes a loop: so many seconds at the end are blended into the start")
+  c->add_flag("--smpl", o->edits.smpl, "On SMPL's 24 joints");
+  c->add_flag("--mirror", o->edits.mirror, "Left becomes right");
+  c->add_flag("--smooth", o->edits.smooth, "Without trembling");
+  c->add_flag("--in-place", o->edits.in_place, "The root stays over the origin");
+  c->add_option("--loop", o->edits.loop, "Makes a loop: so many seconds at the end are blended into the start")
       ->check(positive());
   c->add_flag(
-      "--fix-feet", o->fix_feet,
+      "--fix-feet", o->edits.fix_feet,
       "On SMPL's 24 joints, and feet that stand do not slide: the path over the floor becomes what the feet say, "
       "a tenth shorter for some recorded runs");
   const CLI::Option* hands =
@@ -547,7 +303,7 @@ void add_convert(CLI::App& app) {
                                                    " for weights, written as .safetensors; the result is ", o->out));
     }
     if (!o->rig.file.empty()) o->rig.joints = std::exchange(o->read.joints, {});
-    if (o->fps > 0) o->read.fps = o->fps;  // GLB keys are sampled where they are wanted
+    if (o->time.fps > 0) o->read.fps = o->time.fps;  // GLB keys are sampled where they are wanted
     run(*o);
   });
   add_picture(app, "strip", "Draws a film strip (SVG or PNG) of a motion", ".svg");

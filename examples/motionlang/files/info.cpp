@@ -6,13 +6,13 @@
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/mdm_results.hpp>
+#include <motionlang/geometry/box.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
 
 #include "../commands.hpp"
 #include "../formatted.hpp"
 #include "../generate/timelines.hpp"
 #include "../option_checks.hpp"
-#include "box.hpp"
 #include "motion_files.hpp"
 #include "weights.hpp"
 
@@ -29,7 +29,7 @@ void joints_of(const ml::Skeleton& s) {
 
 /// Of one position at least.
 std::string extent_of(std::span<const ml::Vec3<double>> positions) {
-  const auto [low, high] = box_of(positions);
+  const auto [low, high] = ml::box_of(positions);
   return formatted("x %.2f ... %.2f, y %.2f ... %.2f, z %.2f ... %.2f m", low.x, high.x, low.y, high.y, low.z, high.z);
 }
 

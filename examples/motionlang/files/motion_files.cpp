@@ -6,11 +6,10 @@
 #include <cerrno>
 #include <cstdio>
 
-#include <motionlang/datasets/humanml3d_clip.hpp>
-#include <motionlang/formats/features_npy.hpp>
 #include <motionlang/formats/glb_rig.hpp>
 #include <motionlang/formats/skeleton_table_file.hpp>
 #include <motionlang/kinematics/retarget.hpp>
+#include <motionlang/view/convert_motions.hpp>
 
 #include <CLI/CLI.hpp>
 
@@ -88,24 +87,9 @@ std::vector<std::filesystem::path> motion_files_below(const std::filesystem::pat
   return files;
 }
 
-std::string write_motion(const std::filesystem::path& path, const ml::Motion& motion,
-                         const ml::MotionWriteOptions& options) {
-  const std::string kind = kind_of(path);
-  if (!ml::is_written_motion(path) && !ml::is_view(path))
-    ml::raise<usage_error>(103, path.string(),
-                           ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", kind, "'",
-                           kind == ".obj" ? ": .obj shows a body, --body says which" : ml::detail::about_fbx(kind));
-  ml::write_motion_or_view(path, motion, options);
-  return line_about(path, motion);
-}
 std::string write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre) {
-  return write_motion(path, motion, ml::MotionWriteOptions{.scale = bvh_units_per_metre});
-}
-
-std::string line_about(const std::filesystem::path& path, const ml::Motion& motion) {
-  return formatted("%s: %s at %g per second, %.2f s, %s\n", path.string().c_str(),
-                   counted(motion.frames(), "frame").c_str(), motion.fps, motion.seconds(),
-                   counted(motion.skeleton.size(), "joint").c_str());
+  ml::write_motion_or_view(path, motion, {.scale = bvh_units_per_metre});
+  return ml::line_about_motion(path, motion);
 }
 
 namespace {
@@ -130,22 +114,6 @@ ml::Motion read_only_performed_motion(const std::filesystem::path& path, ml::Mot
   options.drop_lead_in = true;
   PrintedNotes notes;
   return ml::read_motion(path, options, &notes.lines);
-}
-
-std::string write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features,
-                           double fps) {
-  if (kind_of(path) != ".npy")
-    ml::raise<usage_error>(103, path.string(), ": features are written to .npy, not '", kind_of(path), "'");
-  const ml::FeatureRows made = ml::write_features_npy(path, motion, ml::motion_features(features), fps);
-  return formatted("%s: %s of %td numbers at %g per second, %.2f s\n", path.string().c_str(),
-                   counted(made.rows, "row").c_str(), made.width, made.fps, made.seconds());
-}
-
-std::string write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion,
-                            const DataSetForm& form, double fps, bool replace) {
-  const ml::AddedClip clip = ml::add_humanml3d_clip(folder, id, motion, form, fps, replace);
-  return formatted("%s: clip %s, %s at %g per second, %s\n", folder.string().c_str(), id.c_str(),
-                   counted(clip.frames, "frame").c_str(), clip.fps, counted(clip.captions, "caption").c_str());
 }
 
 RigWriter rig_writer(const RigOptions& options) {

@@ -12,7 +12,9 @@
 
 #include <motionlang/datasets/data_set_form.hpp>
 #include <motionlang/features/feature_rows.hpp>
+#include <motionlang/file/input_files.hpp>
 #include <motionlang/formats/motion_folder.hpp>
+#include <motionlang/view/shown_body.hpp>
 #include <motionlang/view/view_file.hpp>
 
 #include "../usage_error.hpp"
@@ -89,27 +91,8 @@ std::vector<ml::Motion> read_performed_motions(const std::filesystem::path& path
 /// The only one of them. Throws config_error 102 if there are several, and as read_motions.
 ml::Motion read_only_performed_motion(const std::filesystem::path& path, ml::MotionReadOptions options = {});
 
-/// ml::write_motion_or_view. Returns a line about it. Throws usage_error 103 for another extension.
+/// ml::write_motion_or_view. Returns a line about it.
 std::string write_motion(const std::filesystem::path& path, const ml::Motion& motion, double bvh_units_per_metre = 100);
-std::string write_motion(const std::filesystem::path& path, const ml::Motion& motion,
-                         const ml::MotionWriteOptions& options);
-/// The line: frames, rate, seconds and joints of a motion that is in a file now.
-std::string line_about(const std::filesystem::path& path, const ml::Motion& motion);
-
-/// The features of a motion on SMPL's joints or on theirs, as the systems have them, one row for each frame, to an .npy
-/// file: at `fps` frames per second (0: the rate of the features). Returns a line about what it wrote. Throws
-/// config_error 103 for an unknown name (motion_features) and for other joints, usage_error 103 for another
-/// extension.
-std::string write_features(const std::filesystem::path& path, const ml::Motion& motion, const std::string& features,
-                           double fps = 0);
-
-/// A clip of a data set in HumanML3D's or KIT-ML's form (data_set_form.hpp): features, joints, its captions if there
-/// are any already, its id in all.txt. Returns a line about it.
-/// replace  another motion of this id gives way to it
-/// Throws   what write_humanml3d_clip throws; config_error 102 if the clips of the data set are of the other form, or
-///          if another motion has this id and does not give way
-std::string write_humanml3d(const std::filesystem::path& folder, const std::string& id, const ml::Motion& motion,
-                            const DataSetForm& form, double fps = 0, bool replace = false);
 
 /// A character's GLB file to put motions on: --rig.
 struct RigOptions {
@@ -122,33 +105,7 @@ struct RigOptions {
 using RigWriter = std::function<std::string(const std::filesystem::path&, std::span<const ml::Motion>)>;
 RigWriter rig_writer(const RigOptions& options);
 
-/// A body to show motions on: --body.
-struct BodyOptions {
-  std::string file{};  // SMPL, SMPL-H or SMPL-X, the user's own: .npz or .pkl; "free": capsules along the bones
-  std::vector<double> betas{};  // its shape, the others are 0; none: that of an AMASS file, or 0
-};
-/// The motion of an AMASS file on a body.
-struct BodyClip {
-  ml::Motion motion;           // on the joints of the body
-  std::vector<float> betas{};  // the file's shape
-  std::string told{};          // a line: what it has besides the 22 joints of the body, and what is left out
-  bool has_more = false;       // hands or a face, which move
-};
-/// A body that is read once for all motions that are shown on it.
-class ShownBody {
- public:
-  virtual ~ShownBody() = default;
-  /// Whether a motion is on the body's own joints, or the body takes any. Others are retargeted to SMPL's.
-  virtual bool has_joints_of(const ml::Motion& motion) const = 0;
-  /// fps: of a file that does not say it, or 0. Throws what read_amass_sequence throws.
-  virtual BodyClip read(const std::filesystem::path& npz, double fps) const = 0;
-  /// Motions on the body: .glb (all motions, with a skin), .html (all motions), .obj (a file for each frame; one
-  /// motion). betas: their shape unless the user gave one; none: 0. Returns a line about what it wrote. Throws
-  /// config_error 103 for another extension, and what the writers throw.
-  virtual std::string write(const std::filesystem::path& path, std::vector<ml::Motion> motions,
-                            const std::vector<float>& betas) const = 0;
-};
-/// Null if the options name none. Throws what read_body throws.
-std::unique_ptr<const ShownBody> shown_body(const BodyOptions& options);
+/// The body of --body; null if the options name none. Throws what ml::load_shown_body throws.
+std::unique_ptr<const ml::ShownBody> shown_body(const ml::ShownBodyOptions& options);
 
 }  // namespace program

@@ -4,7 +4,6 @@
 #include <motionlang/datasets/annotated_texts.hpp>
 
 #include "../formatted.hpp"
-#include "input_files.hpp"
 #include "motion_files.hpp"
 
 namespace program {
@@ -27,7 +26,7 @@ std::string convert_texts(const std::filesystem::path& in, const std::filesystem
     ml::raise<ml::config_error>(
         103, out.string(), ": texts of motions are written to .json or, as files of captions, into a folder, not '",
         kind_of(out), "'");
-  InputFiles{in}.refuse(out);
+  ml::InputFiles{in}.refuse(out);
   auto motions = ml::read_annotated_texts(in);
   std::string told;
   if (folder) {

@@ -10,7 +10,6 @@
 #include <motionlang/weights/safetensors_copy.hpp>
 #include <motionlang/weights/weight_file.hpp>
 
-#include "input_files.hpp"
 #include "motion_files.hpp"
 
 namespace program {
@@ -69,7 +68,7 @@ void convert_weights(const std::filesystem::path& in, const std::filesystem::pat
   ml::WeightOptions options;
   if (!keys.empty()) options.path = keys;
   const auto file = ml::open_weights(in, options);
-  InputFiles(file.files()).refuse(out);
+  ml::InputFiles(file.files()).refuse(out);
   ml::write_safetensors_copy(out, file, stored);
   std::printf("%s: %s\n", out.string().c_str(), summary(ml::open_weights(out)).c_str());
   show_skipped(file);

@@ -6,10 +6,9 @@
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/datasets/humanml3d_folder.hpp>
 #include <motionlang/file/json.hpp>
-#include <motionlang/weights/tm2t_run.hpp>
+#include <motionlang/generate/motion_describer.hpp>
 
 #include "../commands.hpp"
-#include "../files/input_files.hpp"
 #include "../files/motion_files.hpp"
 #include "../files/weights.hpp"
 #include "../machine_options.hpp"
@@ -27,8 +26,8 @@ using B = ml::EigenBackend<float>;
 struct DescribeOptions {
   std::vector<std::string> inputs;
   std::string model, tokenizer, words, out;
-  Index top = 1, beams = 2, top_k = 100;
-  bool sample = false, json = false;
+  ml::DescribeOptions how;
+  bool json = false;
   std::uint64_t seed = 0;
   MotionReadOptions read;
   MachineOptions machine;
@@ -41,12 +40,10 @@ struct MotionPlace {
   bool in_folder = false;  // that was named, not the file
 };
 
-/// A motion, or a part of a long one, and what is said about it, the most probable first.
-struct Described {
+/// A motion, or a part of a long one, and what is said about it.
+struct Described : ml::DescribedPart {
   MotionPlace place;
   std::string name;  // of one motion of several in a file
-  double start = 0, end = 0;
-  std::vector<ml::Description> texts{};
 };
 
 /// Clips that only their extensions tell apart keep these. Throws usage_error 102 if the table, where there is to be
@@ -62,7 +59,7 @@ std::vector<MotionPlace> places_of(const DescribeOptions& o) {
       out.push_back({file, file.lexically_relative(input).generic_string(), true});
   }
   if (out.empty()) ml::raise<ml::config_error>(101, "describe: no motion file in ", o.inputs.front());
-  InputFiles inputs{o.read.joints, o.read.asf};
+  ml::InputFiles inputs{o.read.joints, o.read.asf};
   std::map<std::string, int> named;
   for (const MotionPlace& p : out) {
     inputs.add(p.path);
@@ -86,11 +83,7 @@ class Describer {
   explicit Describer(const DescribeOptions& options)
       : o_(options),
         places_(places_of(o_)),
-        run_(ml::load_tm2t_describer<B>(ml::find_run(o_.model), {.tokenizer = o_.tokenizer, .words = o_.words})),
-        features_(ml::motion_features(run_.width() == 251 ? "kit" : "guoh3d")) {
-    if (features_.width != run_.width())
-      ml::raise<ml::config_error>(102, o_.model, ": a tokenizer of ", ml::counted(run_.width(), "number"),
-                                  " a frame; known are 263 and 251");
+        describer_(ml::load_tm2t_describer<B>(ml::find_run(o_.model), {.tokenizer = o_.tokenizer, .words = o_.words})) {
   }
 
   void run() {
@@ -108,7 +101,8 @@ class Describer {
       }
     }
     if (!o_.out.empty() && !described_.empty()) write_table();
-    for (const std::string& problem : problems_) std::fprintf(stderr, "skipped: %s\n", ml::printable(problem).c_str());
+    for (const std::string& problem : problems_)
+      std::fprintf(stderr, "skipped: %s\n", ml::printable(with_options(problem)).c_str());
     if (described_.empty() && !stopped)
       ml::raise<ml::config_error>(101, "describe: none of the ", ml::counted(places_.size(), "file"),
                                   " could be described");
@@ -118,52 +112,22 @@ class Describer {
 
  private:
   void describe(const MotionPlace& place, const ml::Philox& rng) {
+    const ml::MotionFeatures& features = describer_.features();
     if (kind_of(place.path) == ".npy") {
-      if (const auto shape = npy_shape(place.path); shape.size() == 2 && shape[1] == features_.width) {
-        const auto rows = ml::detail::read_rows(place.path, {features_.width}, /*any_number=*/true);
-        return describe({place, "", 0, static_cast<double>(shape[0]) / features_.fps}, rows, rng);
+      if (const auto shape = npy_shape(place.path); shape.size() == 2 && shape[1] == features.width) {
+        const auto rows = ml::detail::read_rows(place.path, {features.width}, /*any_number=*/true);
+        return add(place, "", describer_.describe_rows(rows, rng, o_.how, place.path.string()));
       }
     }
     ml::MotionReadOptions options = o_.read;
     if (place.in_folder) options = ml::options_for_file(options, place.path);
     const auto motions = read_motions(place.path, options);
-    for (std::size_t m = 0; m < motions.size(); ++m) {
-      const auto values = rows_of_motion(features_, motions[m], features_.fps);
-      const std::vector<float> rows(values.begin(), values.end());
-      describe({place, motions.size() > 1 ? motions[m].name : "", 0, motions[m].seconds()}, rows,
-               m == 0 ? rng : rng.split(static_cast<std::uint64_t>(m)));
-    }
+    for (std::size_t m = 0; m < motions.size(); ++m)
+      add(place, motions.size() > 1 ? motions[m].name : "",
+          describer_(motions[m], m == 0 ? rng : rng.split(static_cast<std::uint64_t>(m)), o_.how));
   }
-  /// The rows in as few equal parts as are no longer than what such models are trained on.
-  void describe(const Described& whole, const std::vector<float>& rows, const ml::Philox& rng) {
-    if (!ml::detail::all_finite(std::span<const float>(rows)))
-      ml::raise<ml::numeric_error>(301, whole.place.path.string(), ": features that are not finite");
-    const Index frames = std::ssize(rows) / features_.width;
-    const Index parts = (frames + ml::tm2t_longest - 1) / ml::tm2t_longest;
-    std::vector<Index> lengths;
-    for (Index p = 0; p < parts; ++p) lengths.push_back(frames * (p + 1) / parts - frames * p / parts);
-    const ml::Sequences<B> x{ml::Tensor<B, 2>::from(rows, {frames, features_.width}), ml::Offsets(lengths)};
-    const auto texts = said_of(x, rng);
-    for (Index p = 0; p < parts; ++p) {
-      Described part = whole;
-      part.start = static_cast<double>(x.offsets.begin(p)) / features_.fps;
-      if (p + 1 < parts) part.end = static_cast<double>(x.offsets.end(p)) / features_.fps;
-      part.texts = texts[static_cast<std::size_t>(p)];
-      described_.push_back(std::move(part));
-    }
-  }
-  std::vector<std::vector<ml::Description>> said_of(const ml::Sequences<B>& x, const ml::Philox& rng) const {
-    if (o_.sample) {
-      auto drawn = run_.model.descriptions_at_random(x, run_.words, rng, o_.top, {.top_k = o_.top_k});
-      for (auto& own : drawn)
-        std::stable_sort(own.begin(), own.end(), [](const ml::Description& a, const ml::Description& b) {
-          return a.log_probability > b.log_probability;
-        });
-      return drawn;
-    }
-    auto found = run_.model.descriptions(x, run_.words, {.beams = std::max(o_.beams, o_.top)});
-    for (auto& own : found) own.resize(std::min(own.size(), static_cast<std::size_t>(o_.top)));
-    return found;
+  void add(const MotionPlace& place, const std::string& name, std::vector<ml::DescribedPart> parts) {
+    for (ml::DescribedPart& part : parts) described_.push_back({std::move(part), place, name});
   }
 
   void say() const {
@@ -214,8 +178,7 @@ class Describer {
 
   const DescribeOptions& o_;
   const std::vector<MotionPlace> places_;
-  ml::Tm2tRun<B> run_;
-  const ml::MotionFeatures& features_;
+  ml::MotionDescriber<B> describer_;
   std::vector<Described> described_;
   std::vector<std::string> problems_;
 };
@@ -245,16 +208,17 @@ void add_describe(CLI::App& app) {
                 "below the folder that was "
                 "given")
       ->check(not_empty());
-  c->add_option("--top", o->top, "So many descriptions of each motion, where there are as many different ones")
+  c->add_option("--top", o->how.top, "So many descriptions of each motion, where there are as many different ones")
       ->check(in_range(1, 100))
       ->capture_default_str();
   CLI::Option* beams =
-      c->add_option("--beams", o->beams,
+      c->add_option("--beams", o->how.beams,
                     "Beams of the search, at least as many as --top; 1: word by word the most probable one")
           ->check(in_range(1, 100))
           ->capture_default_str();
-  CLI::Option* sample = c->add_flag("--sample", o->sample, "Draws words by their probability instead")->excludes(beams);
-  c->add_option("--top-k", o->top_k, "Only so many of the most probable words are drawn")
+  CLI::Option* sample =
+      c->add_flag("--sample", o->how.sample, "Draws words by their probability instead")->excludes(beams);
+  c->add_option("--top-k", o->how.top_k, "Only so many of the most probable words are drawn")
       ->needs(sample)
       ->check(in_range(1, 1000000))
       ->capture_default_str();

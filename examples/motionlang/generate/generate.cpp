@@ -19,7 +19,6 @@
 #include <motionlang/view/viewer.hpp>
 
 #include "../commands.hpp"
-#include "../files/input_files.hpp"
 #include "../files/motion_files.hpp"
 #include "../formatted.hpp"
 #include "../machine_options.hpp"
@@ -113,7 +112,7 @@ constexpr const char* page_extension = ".html";
 
 /// Throws usage_error 102 if one of the files is what is read: before long work rather than after it.
 void require_other_files(const GenerateCommand& o, const std::string& name, const std::vector<std::string>& motions) {
-  const InputFiles inputs{o.keep, o.timeline, o.rig.file, o.noise};
+  const ml::InputFiles inputs{o.keep, o.timeline, o.rig.file, o.noise};
   for (const std::string& motion : motions) {
     for (const char* extension : motion_extensions) inputs.refuse(std::filesystem::path(o.out) / (motion + extension));
   }

@@ -3,10 +3,7 @@
 #include <map>
 
 #include <motionlang/backend/eigen.hpp>
-#include <motionlang/core/progress.hpp>
-#include <motionlang/core/text_lines.hpp>
-#include <motionlang/datasets/annotations.hpp>
-#include <motionlang/weights/embedding_cache.hpp>
+#include <motionlang/weights/embed_texts.hpp>
 #include <motionlang/weights/text_encoder_folder.hpp>
 
 #include "../commands.hpp"
@@ -26,24 +23,6 @@ struct EmbedOptions {
   ml::Index batch = 32;
 };
 
-/// annotations.json (TMR, STMC), or a text on each line.
-std::vector<std::string> read_texts(const EmbedOptions& o) {
-  std::vector<std::string> texts;
-  if (o.empty) texts.emplace_back();  // "" is the unconditional text of diffusion models
-  if (o.texts.ends_with(".json")) {
-    const auto file = ml::AnnotationFile::open(o.texts);
-    for (const std::string& id : file.ids()) {
-      for (const ml::Annotation& a : file.load(id).annotations) texts.push_back(a.text);
-    }
-    return texts;
-  }
-  const std::string contents = ml::read_file(o.texts);
-  ml::detail::for_each_line(contents, [&](std::string_view line, ml::Index) {
-    if (!ml::detail::trim(line).empty()) texts.emplace_back(line);
-  });
-  return texts;
-}
-
 /// The last name of a path, whether a slash follows it or not.
 std::string last_name(const std::string& path) {
   const auto whole = std::filesystem::absolute(path).lexically_normal();
@@ -60,20 +39,12 @@ void run(EmbedOptions o) {
   options.limits.cleaning = ml::ClipCleaning::original;  // as STMC's own caches
   const auto encoder = ml::load_text_encoder<B>(o.encoder, options);
   if (o.name.empty()) o.name = last_name(o.encoder);
-  const auto texts = read_texts(o);
-  const std::string probe = texts.empty() ? "" : texts.front();
-  ml::EmbeddingCache cache(encoder.encode<B>(std::span(&probe, 1)).tokens.width());
-  {
+  std::vector<std::string> texts = ml::texts_to_embed(o.texts);
+  if (o.empty) texts.insert(texts.begin(), "");  // the unconditional text of diffusion models
+  const ml::EmbeddingCache cache = [&] {
     ProgressBar bar("embedding");
-    const ml::Progress progress = bar;
-    const auto count = static_cast<ml::Index>(texts.size());
-    for (ml::Index at = 0; at < count; at += o.batch) {
-      const auto part = std::span(texts).subspan(static_cast<std::size_t>(at),
-                                                 static_cast<std::size_t>(std::min(o.batch, count - at)));
-      cache.add<B>(encoder, part);
-      progress(at + static_cast<ml::Index>(part.size()), count);
-    }
-  }
+    return ml::embed_texts<B>(encoder, texts, o.batch, bar);
+  }();
   const bool sentences = o.pooling == "mean" || o.pooling == "first";  // TMR's have no slices
   cache.write(o.out, o.name, !sentences);
   std::printf("%s/%s: %s, rows of %s\n", o.out.c_str(), o.name.c_str(), ml::counted(cache.count(), "text").c_str(),

@@ -93,7 +93,7 @@ class Indexer {
     bool stopped = !all_of(update);
     if (report.changed() || model_moved_ || !before_ || lacks_graphs()) stopped = write(stopped);
     for (const std::string& problem : report.skipped)
-      std::fprintf(stderr, "skipped: %s\n", ml::printable(problem).c_str());
+      std::fprintf(stderr, "skipped: %s\n", ml::printable(with_options(problem)).c_str());
     std::printf("%s: %s, %s (%td added, %td removed, %td renamed, %td unchanged, %zu skipped)\n", o_.out.c_str(),
                 ml::counted(index_->count(), "clip").c_str(), ml::counted(index_->moments().size(), "moment").c_str(),
                 report.added, report.removed, report.renamed, report.unchanged, report.skipped.size());

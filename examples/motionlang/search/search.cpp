@@ -3,13 +3,10 @@
 
 #include <motionlang/file/json.hpp>
 #include <motionlang/kinematics/edit_motion.hpp>
-#include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/search/search.hpp>
-#include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/search_page.hpp>
 
 #include "../commands.hpp"
-#include "../files/input_files.hpp"
 #include "../files/motion_files.hpp"
 #include "../files/weights.hpp"
 #include "../machine_options.hpp"
@@ -41,15 +38,6 @@ struct SearchOptions {
   }
 };
 
-/// The part of a motion between two times. Throws usage_error 101 if nothing is there.
-ml::Motion part_of(const ml::Motion& m, double from, double to) {
-  const auto [first, last] = ml::frames_between(m, from, to);
-  if (last <= first)
-    ml::raise<usage_error>(101, "'", m.name, "': nothing of its ", m.seconds(), " s is between ", from, " and ", to,
-                           " s");
-  return ml::crop(m, first, last);
-}
-
 class Search {
  public:
   explicit Search(const SearchOptions& options) : o_(options), file_(ml::MotionIndexFile::open(o_.index)) {}
@@ -60,7 +48,7 @@ class Search {
     if (o_.moments && o_.captions)
       ml::raise<usage_error>(102, "search: --moments and --captions are two different searches");
     if (!o_.html.empty()) require_folder_of(o_.html);
-    InputFiles{o_.index, o_.like}.refuse(o_.html);
+    ml::InputFiles{o_.index, o_.like}.refuse(o_.html);
     for (const ml::MotionHit& h : ml::search(file_, vector_of_query(), o_.search()))
       found_.push_back({ml::clip_of(index(), h), h.start, h.end, ml::score_of(h), {}, {}});
     o_.json ? say_json() : say();
@@ -77,8 +65,7 @@ class Search {
     index().require_model(model.model().id, path);
     if (!o_.text.empty()) return model.encode_text(o_.text);
     const ml::Motion like = read_motions(o_.like, o_.read).front();
-    return ml::encode_motion(
-        model, o_.from > 0 || o_.to > 0 ? part_of(like, o_.from, o_.to > 0 ? o_.to : like.seconds()) : like);
+    return ml::encode_motion(model, ml::edit_time(like, {.from = o_.from, .to = o_.to}));
   }
 
   const char* kind() const { return o_.moments ? "moments" : o_.captions ? "captions" : "clips"; }
@@ -112,25 +99,12 @@ class Search {
   }
 
   void write_page() {
-    for (ml::FoundMotion& f : found_) {
-      try {
-        f.strip = ml::film_strip_svg(
-            motion_of(f), {},
-            {.title = f.clip.name.empty() ? std::filesystem::path(f.clip.path).filename().string() : f.clip.name});
-      } catch (const ml::error& e) {
-        f.problem = e.what();
-      }
-    }
+    ml::draw_found(found_, o_.read);
+    for (ml::FoundMotion& f : found_) f.problem = with_options(f.problem);
     const std::string summary = ml::concat_text("The nearest ", kind(), " of ", gallery(), " in ", o_.index);
     ml::write_file(o_.html, ml::search_html(found_, query_text(), summary));
     if (!o_.json)
       std::printf("Open %s in a browser to see them.\n", std::filesystem::absolute(o_.html).string().c_str());
-  }
-  ml::Motion motion_of(const ml::FoundMotion& f) const {
-    for (const ml::Motion& m : read_motions(f.clip.path, ml::options_for_file(o_.read, f.clip.path))) {
-      if (f.clip.name.empty() || m.name == f.clip.name) return part_of(m, f.start, f.end);
-    }
-    ml::raise<ml::config_error>(103, f.clip.path, ": no motion '", f.clip.name, "' any more");
   }
 
   const SearchOptions& o_;

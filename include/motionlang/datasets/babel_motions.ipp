@@ -116,8 +116,8 @@ void for_each_pair(const BabelSequence& s, Index frames, const SpellingTable& sp
 }  // namespace detail
 
 MOTIONLANG_BODY void BabelSources::require_sound() const {
-  if (babel.empty()) raise<config_error>(102, "--babel is required");
-  if (!validation.empty() && !splits.empty()) raise<config_error>(102, "--babel-validation or --splits, not both");
+  if (babel.empty()) raise<config_error>(102, "`babel` is required");
+  if (!validation.empty() && !splits.empty()) raise<config_error>(102, "`validation` or `splits`, not both");
 }
 
 MOTIONLANG_BODY BabelReader sinc_reader(const SincDataConfig& config) {

@@ -250,7 +250,7 @@ MOTIONLANG_BODY std::vector<ClipLine> read_labelled_annotations(const std::files
                     " has a label for none of its stretches, motions and texts");
   if (!any)
     raise<io_error>(403, annotations.string(),
-                    ": no annotation has a label or act_cat; --labels names a table with "
+                    ": no annotation has a label or act_cat; `labels` names a table with "
                     "what a stretch, a motion or a text is labelled");
   return lines;
 }

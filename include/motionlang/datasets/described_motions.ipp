@@ -267,7 +267,7 @@ MOTIONLANG_BODY const std::vector<DescribedMotion>& DescribedMotions::part(const
 
 MOTIONLANG_BODY void DataSources::require_sound() const {
   if (!captions.empty() && !(annotations.empty() && labels.empty()))
-    raise<config_error>(102, "one of --captions, --labels and --annotations, not several");
+    raise<config_error>(102, "one of `captions`, `labels` and `annotations`, not several");
 }
 
 MOTIONLANG_BODY std::string ready_made_features(DataSources& sources) {
@@ -293,7 +293,7 @@ MOTIONLANG_BODY DescribedMotions read_described_motions(const DataSources& sourc
   const bool captions = !sources.captions.empty(), annotations = !sources.annotations.empty();
   sources.require_sound();
   if (sources.actions && !annotations && sources.labels.empty())
-    raise<config_error>(102, "actions need labels: --labels names a table of them, --annotations a file that has some");
+    raise<config_error>(102, "actions need labels: `labels` names a table of them, `annotations` a file that has some");
   if (!config.actions.empty() && !sources.labelled())
     raise<config_error>(102, "data.actions are labels, and texts are to be learnt");
   DataSources listed = sources;  // a data set has lists of its own

@@ -125,12 +125,11 @@ MOTIONLANG_BODY AmassSequence amass_sequence(const ZipArchive& zip, double fps) 
   out.trans = trans.to<double>();
   const std::optional<double> own = amass_rate(npz);
   if (!own && fps == 0)
-    raise<io_error>(406, npz.file(), ": no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps': --rate says it");
+    raise<io_error>(406, npz.file(), ": no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps': `rate` says it");
   out.fps = own.value_or(fps);
   if (!(out.fps > 0 && out.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", out.fps);
   if (fps != 0 && fps != out.fps)
-    raise<config_error>(102, npz.file(), ": has ", out.fps, " frames per second, --rate says ", fps,
-                        " (--fps resamples, --speed makes faster)");
+    raise<config_error>(102, npz.file(), ": has ", out.fps, " frames per second, `rate` says ", fps);
   if (npz.has("gender")) out.gender = detail::amass_gender(zip);
   if (npz.has("betas")) {
     const NpyArray betas = npz.read("betas");

@@ -156,8 +156,7 @@ inline AsfSkeleton asf_of(const std::string& amc, const MotionReadOptions& optio
   const FilePath asf = options.asf.empty() ? asf_beside(amc) : FilePath(options.asf);
   if (options.asf.empty() && !std::filesystem::exists(asf.string()))
     raise<io_error>(401, amc, ": there is no skeleton ", asf.string(),
-                    ", nor just one other .asf file beside it: convert, strip, view, doctor, index, "
-                    "search and describe take it by --asf FILE");
+                    ", nor just one other .asf file beside it: `asf` names one");
   return read_asf(asf);
 }
 

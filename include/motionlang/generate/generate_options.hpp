@@ -13,6 +13,7 @@
 #include <utility>   // pairs of times
 #include <vector>    // motions
 
+#include <motionlang/core/option_error.hpp>
 #include <motionlang/diffusion/sampler.hpp>
 #include <motionlang/file/file_path.hpp>
 #include <motionlang/kinematics/body_parts.hpp>
@@ -20,11 +21,6 @@
 #include <motionlang/systems/stmc_reuse.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
-
-/// Options that a model does not take, or that contradict each other. The caller is wrong, not a file.
-struct option_error : config_error {
-  using config_error::config_error;
-};
 
 /// A motion of which something is kept: the model makes the rest. Frame 0 is that of the timeline.
 struct KeptClip {

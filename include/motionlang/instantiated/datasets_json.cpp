@@ -9,3 +9,4 @@
 #include <motionlang/datasets/clip_lines.ipp>
 #include <motionlang/datasets/described_motions.ipp>
 #include <motionlang/datasets/kit_recordings.ipp>
+#include <motionlang/datasets/label_sentences.ipp>

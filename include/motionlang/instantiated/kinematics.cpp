@@ -10,6 +10,7 @@
 #include <motionlang/kinematics/foot_contact.ipp>
 #include <motionlang/kinematics/foot_lock.ipp>
 #include <motionlang/kinematics/guo_chains.ipp>
+#include <motionlang/kinematics/join_motions.ipp>
 #include <motionlang/kinematics/joint_sides.ipp>
 #include <motionlang/kinematics/known_skeletons.ipp>
 #include <motionlang/kinematics/limb_ik.ipp>

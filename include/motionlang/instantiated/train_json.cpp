@@ -4,10 +4,13 @@
 #include <motionlang/train/actor_training.ipp>
 #include <motionlang/train/classifier_training.ipp>
 #include <motionlang/train/epoch_task.ipp>
+#include <motionlang/train/measured_items.ipp>
+#include <motionlang/train/moment_evaluation.ipp>
 #include <motionlang/train/presets.ipp>
 #include <motionlang/train/recognition.ipp>
 #include <motionlang/train/retrieval_evaluation.ipp>
 #include <motionlang/train/sinc_training.ipp>
+#include <motionlang/train/temos_evaluation.ipp>
 #include <motionlang/train/temos_training.ipp>
 #include <motionlang/train/text_entries.ipp>
 #include <motionlang/train/text_motion_texts.ipp>

@@ -5,5 +5,4 @@
 #include <motionlang/view/film_strip.ipp>
 #include <motionlang/view/inspection_page.ipp>
 #include <motionlang/view/loss_curves.ipp>
-#include <motionlang/view/search_page.ipp>
 #include <motionlang/view/track.ipp>

@@ -5,6 +5,7 @@
 #include <motionlang/weights/detail/run_reader.ipp>
 #include <motionlang/weights/diffusion_folder.ipp>
 #include <motionlang/weights/diffusion_run.ipp>
+#include <motionlang/weights/embed_texts.ipp>
 #include <motionlang/weights/embedding_cache.ipp>
 #include <motionlang/weights/guo_evaluator_file.ipp>
 #include <motionlang/weights/mdm_action_run.ipp>

@@ -18,7 +18,7 @@ struct TimeEdits {
 };
 /// The frames [first, last) of a clip from a time to a time, seconds, each rounded; to = 0: to the end.
 std::pair<Index, Index> frames_between(const Motion& motion, double from, double to);
-/// Throws config_error 101 if nothing of the clip is between `from` and `to`, and what change_speed and resample throw.
+/// Throws option_error 101 if nothing of the clip is between `from` and `to`, and what change_speed and resample throw.
 Motion edit_time(Motion motion, const TimeEdits& edits);
 
 /// In this order.

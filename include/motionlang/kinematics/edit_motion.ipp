@@ -5,6 +5,7 @@
 #include <algorithm>  // clamp, max, min
 #include <cmath>      // lround
 
+#include <motionlang/core/option_error.hpp>
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
@@ -25,7 +26,7 @@ MOTIONLANG_BODY Motion edit_time(Motion m, const TimeEdits& edits) {
   if (edits.from > 0 || edits.to > 0) {
     const auto [first, last] = frames_between(m, edits.from, edits.to);
     if (first >= last)
-      raise<config_error>(101, "'", m.name, "': nothing of its ", m.seconds(), " s is between ", edits.from, " and ",
+      raise<option_error>(101, "'", m.name, "': nothing of its ", m.seconds(), " s is between ", edits.from, " and ",
                           edits.to > 0 ? edits.to : m.seconds(), " s");
     m = crop(m, first, last);
   }

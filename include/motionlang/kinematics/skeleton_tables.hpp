@@ -10,7 +10,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 inline constexpr std::string_view own_table_hint =
-    "a file can name the joints and their axes: read_skeleton_table, --joints FILE of the program";
+    "a file can name the joints and their axes: read_skeleton_table, option `joints`";
 
 }  // namespace detail
 

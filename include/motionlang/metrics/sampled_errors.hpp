@@ -9,6 +9,7 @@
 
 #include <cstdint>     // seed
 #include <functional>  // motions
+#include <string>      // names of rows
 #include <vector>      // positions
 
 #include <motionlang/core/rng.hpp>
@@ -65,6 +66,17 @@ class BlindErrors {
   JointFrames mean_;
   Philox draws_;
 };
+
+/// A row of a table of errors.
+struct NamedErrors {
+  std::string name;
+  ApeAve errors;
+};
+/// "one sample", the first motion of each text; of several also "mean of 10 samples", "best of 10 samples" and "worst
+/// of 10 samples".
+std::vector<NamedErrors> named_errors(const SampledErrors& errors);
+/// "mean pose" and "random clip".
+std::vector<NamedErrors> named_errors(const BlindErrors& errors);
 
 MOTIONLANG_NAMESPACE_END
 

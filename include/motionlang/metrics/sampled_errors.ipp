@@ -65,4 +65,18 @@ MOTIONLANG_BODY void BlindErrors::add(const JointFrames& truth, Index own) {
   clip_.add(other, truth);
 }
 
+MOTIONLANG_BODY std::vector<NamedErrors> named_errors(const SampledErrors& errors) {
+  std::vector<NamedErrors> out{{"one sample", errors.first()}};
+  if (errors.samples() == 1) return out;
+  const std::string samples = " of " + counted(errors.samples(), "sample");
+  out.push_back({"mean" + samples, errors.mean()});
+  out.push_back({"best" + samples, errors.best()});
+  out.push_back({"worst" + samples, errors.worst()});
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<NamedErrors> named_errors(const BlindErrors& errors) {
+  return {{"mean pose", errors.mean_pose()}, {"random clip", errors.random_clip()}};
+}
+
 MOTIONLANG_NAMESPACE_END

@@ -82,7 +82,7 @@ ActorTraining<A>::ActorTraining(const ActorTrainingConfig& config, const Describ
     require_same_rows(from->file.config.clips, config_.clips);
     zip_tensors(model, from->actor, [](const auto& to, const auto& given) {
       if (to.shape() != given.shape())
-        raise<config_error>(102, "--from: '", to.path, "' is ", given.shape(), ", the settings make it ", to.shape());
+        raise<config_error>(102, "`from`: '", to.path, "' is ", given.shape(), ", the settings make it ", to.shape());
       *to.data = *given.data;
     });
   }

@@ -9,14 +9,14 @@ MOTIONLANG_NAMESPACE_BEGIN
 MOTIONLANG_BODY void require_body_files(const ActorTrainingConfig& config, const ActorBodyFiles& files) {
   const std::string& points = config.losses.points;
   if ((points != "joints") != !files.body.empty())
-    raise<config_error>(102, "losses.points = ", points, ", and --body is '", files.body.string(),
+    raise<config_error>(102, "losses.points = ", points, ", and `body` is '", files.body.string(),
                         "': points of a body need one, joints have none");
   if (config.losses.vertstrans && files.body.empty())
     raise<config_error>(102, "losses.vertstrans is of points of a body; joints follow the way anyway");
   if (!files.body.empty() && config.clips.is_xyz())
     raise<config_error>(102, "losses.points = ", points, " are made of rotations; clips.pose is xyz");
   if (files.body.empty() && !files.regressor.empty())
-    raise<config_error>(102, "losses.points = joints has no use for --joint-regressor ", files.regressor.string());
+    raise<config_error>(102, "losses.points = joints has no use for `regressor` ", files.regressor.string());
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -32,11 +32,11 @@ class BertJudge {
           if constexpr (requires { network.words; }) {
             const Index all = std::ssize(network.layers);
             if (layers > all)
-              raise<config_error>(101, "--bert-layer ", layers, ": ", folder.string(), " has ", counted(all, "layer"));
+              raise<config_error>(101, "`layers` ", layers, ": ", folder.string(), " has ", counted(all, "layer"));
             if (layers > 0) network.layers.resize(static_cast<std::size_t>(layers));
             layers_ = std::ssize(network.layers), all_layers_ = all;
           } else {
-            raise<config_error>(102, "--bert ", folder.string(), " is CLIP; BERTScore needs one of the BERT family");
+            raise<config_error>(102, folder.string(), " is CLIP; BERTScore needs one of the BERT family");
           }
         },
         encoder_.network.network);

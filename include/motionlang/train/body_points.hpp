@@ -29,10 +29,10 @@ struct BodyPoints {
       : points(parse_actor_points(name)), body(read_body<B>(path).model) {
     const bool regressed = points != ActorPoints::vertices && points != ActorPoints::smpl;
     if (regressed == regressor.empty())
-      raise<config_error>(102, "points '", name,
-                          regressed ? "' need --joint-regressor, J_regressor_extra.npy of SPIN or VIBE"
-                                    : "' have no use for --joint-regressor ",
-                          regressor.string());
+      raise<config_error>(
+          102, "points '", name,
+          regressed ? "' need `regressor`, J_regressor_extra.npy of SPIN or VIBE" : "' have no use for `regressor` ",
+          regressor.string());
     if (points != ActorPoints::vertices && body.joints() != 24)
       raise<config_error>(102, path.string(), ": a body of ", counted(body.joints(), "joint"), "; points '", name,
                           "' are of SMPL's 24");

@@ -11,7 +11,7 @@ MOTIONLANG_BODY void require_generated_settings(const ClassifierConfig& config, 
   const std::string& kind = config.generated_kind;
   if (share < 0 || share > 1) raise<config_error>(101, "generated_share ", share, " is not in [0, 1]");
   if ((share > 0) != generated)
-    raise<config_error>(102, "generated_share = ", share, ", and --generated is ", generated ? "given" : "not given",
+    raise<config_error>(102, "generated_share = ", share, ", and `generated` is ", generated ? "given" : "not given",
                         ": one needs the other");
   if (kind != "sampled" && kind != "denoised" && kind != "interpolated")
     raise<config_error>(103, "generated_kind '", kind, "' is not sampled, denoised or interpolated");

@@ -58,7 +58,7 @@ struct Embedded {
 };
 
 /// The networks of Guo et al. with what they need: `finest.tar` of text_mot_match, word vectors in a folder above it or
-/// where --text-encoder says, statistics of the features.
+/// where GuoJudgeFiles says, statistics of the features.
 template <Backend B>
 struct GuoJudge {
   GuoEvaluator<B> networks;
@@ -97,7 +97,7 @@ struct GuoJudge {
     for (const char* name : {"finest.tar", "model/finest.tar"}) {
       if (std::filesystem::exists(given / name)) return given / name;
     }
-    raise<io_error>(401, "--evaluator ", given.string(), ": no finest.tar and no model/finest.tar");
+    raise<io_error>(401, "`evaluator` ", given.string(), ": no finest.tar and no model/finest.tar");
   }
   static GloVe words_near(const std::filesystem::path& file, const std::filesystem::path& named) {
     RunFolder folder;

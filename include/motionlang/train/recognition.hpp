@@ -70,7 +70,7 @@ struct ActionJudge {
       if (read == 18 * 3) {
         if (body.empty())
           raise<config_error>(102, path.string(),
-                              " reads 18 points of a body: --body SMPL, --joint-regressor J_regressor_extra.npy");
+                              " reads 18 points of a body: `body` SMPL, `regressor` J_regressor_extra.npy");
         wanted = 18 * 3;
       }
       if (!body.empty()) read_body_points(wanted == 18 * 3 ? "a2m" : "smpl", body, regressor);
@@ -84,7 +84,7 @@ struct ActionJudge {
       raise<io_error>(407, path.string(), ": a classifier of ", counted(read, "number"), " a frame, expected ", wanted,
                       ": SMPL's 24 joints");
     if (!classifier.points && !(body.empty() && regressor.empty()))
-      raise<config_error>(102, path.string(), " has no use for --body '", body.string(), "', --joint-regressor '",
+      raise<config_error>(102, path.string(), " has no use for `body` '", body.string(), "', `regressor` '",
                           regressor.string(), "'");
     prepare(classifier);
     file.config.clips = clips;

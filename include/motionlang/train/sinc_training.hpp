@@ -69,9 +69,9 @@ SincTraining<A>::SincTraining(SincTrainingConfig config, const DescribedMotions&
     : Base(std::move(config), data, std::move(states), detail::sinc_sentences(data), statistics) {
   if ((table == nullptr) != (config_.data.proportion == 0))
     raise<config_error>(102, table == nullptr
-                                 ? "data.proportion above 0 needs --body-parts, a table of the body parts of "
-                                   "labels; without one: --set data.proportion=0"
-                                 : "--body-parts is for data.proportion above 0");
+                                 ? "data.proportion above 0 needs `body_parts`, a table of the body parts of "
+                                   "labels; without one: data.proportion = 0"
+                                 : "`body_parts` is for data.proportion above 0");
   if (table != nullptr) items_ = detail::sinc_training_items(data, *table);
 }
 

@@ -36,7 +36,7 @@ MOTIONLANG_BODY SincItems sinc_training_items(const DescribedMotions& data, cons
   for (const DescribedMotion& m : data.training) {
     const auto labels = labels_of(m);
     for (const std::string& label : labels) {
-      if (!known.contains(label)) raise<config_error>(103, "--body-parts: no parts of '", label, "' (", m.id, ")");
+      if (!known.contains(label)) raise<config_error>(103, "`body_parts`: no parts of '", label, "' (", m.id, ")");
     }
     items.push_back({sinc_source_of(m.id), labels, std::ssize(m.rows) / data.width});
   }

@@ -8,7 +8,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY void require_finetuned(const TextTokensConfig& text, const std::filesystem::path& text_encoder) {
   if (text.encoder != "distilbert" || !std::filesystem::is_directory(text_encoder))
-    raise<config_error>(102, "text.finetune trains DistilBERT: text.encoder is '", text.encoder, "', --text-encoder '",
+    raise<config_error>(102, "text.finetune trains DistilBERT: text.encoder is '", text.encoder, "', `text_encoder` '",
                         text_encoder.string(), "', expected distilbert and its folder");
 }
 

@@ -210,7 +210,7 @@ TrainingSummary Trainer<Task>::run(const TrainingOptions& o, const TrainingCallb
     resume(checkpoint, o.other_settings);
     if (steps_done() > task_.steps())
       raise<config_error>(102, checkpoint.string(), " has ", counted(steps_done(), "step"), ", ", task_.steps(),
-                          " are asked for: --fresh starts anew, another --out keeps both");
+                          " are asked for: `fresh` starts anew, another `out` keeps both");
   } else {
     if (callbacks.prepare) callbacks.prepare();
     keep();

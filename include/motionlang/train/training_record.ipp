@@ -148,7 +148,7 @@ MOTIONLANG_BODY void require_same_settings(const SafetensorsFile& checkpoint,
     const bool is_long = value.size() + before.size() > 100;  // the vocabulary
     raise<config_error>(102, checkpoint.name(), ": this run began with another ", name,
                         is_long ? "" : " (" + before + ", not " + value + ")",
-                        "; --fresh starts anew, another --out keeps both");
+                        "; `fresh` starts anew, another `out` keeps both");
   }
 }
 

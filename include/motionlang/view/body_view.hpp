@@ -5,6 +5,7 @@
 ///     write_on_body("walk.glb", body, std::span(&motion, 1));
 #pragma once
 
+#include <motionlang/core/option_error.hpp>
 #include <motionlang/formats/body_glb.hpp>
 #include <motionlang/formats/motion_file.hpp>
 #include <motionlang/view/body_viewer.hpp>
@@ -19,13 +20,13 @@ inline bool is_body_view(const FilePath& path, std::size_t motions) {
 
 /// motions  as motion_on_body takes them
 /// Returns  how many files it wrote: 1, or one .obj for each frame
-/// Throws   config_error 103 for another extension, io_error 401, and what the writers throw
+/// Throws   option_error 103 for another extension, io_error 401, and what the writers throw
 template <Backend B>
 Index write_on_body(const FilePath& path, const Body<B>& body, std::span<const Motion> motions,
                     std::span<const typename B::scalar> betas = {}) {
   const std::string kind = file_kind(path);
   if (!is_body_view(path, motions.size()))
-    raise<config_error>(103, path.string(),
+    raise<option_error>(103, path.string(),
                         ": motions on a body are written to .glb and .html, one alone also to .obj, not '", kind, "'");
   if (kind == ".obj") return write_body_objs(path, body, motions.front(), betas);
   if (kind == ".glb") {

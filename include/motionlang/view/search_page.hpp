@@ -7,6 +7,7 @@
 #include <string>       // texts
 #include <string_view>  // query
 
+#include <motionlang/formats/motion_file.hpp>
 #include <motionlang/search/motion_search.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -19,6 +20,9 @@ struct FoundMotion {
   std::string strip{};        // film_strip_svg, or "" for none
   std::string problem{};      // why there is none
 };
+
+/// Draws the strips: reads the files of the hits, or says why one could not be drawn.
+void draw_found(std::span<FoundMotion> found, const MotionReadOptions& read = {});
 
 /// query    what was searched for, in words
 /// summary  how many were searched, and what they are

@@ -2,12 +2,40 @@
 // Bodies of search_page.hpp.
 #pragma once
 
-#include <algorithm>  // clamp
+#include <algorithm>   // clamp
+#include <filesystem>  // names of files
 
+#include <motionlang/formats/motion_folder.hpp>
+#include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/view/detail/markup.hpp>
+#include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/search_page.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The motion of a hit.
+inline Motion found_motion(const FoundMotion& f, const MotionReadOptions& read) {
+  for (const Motion& m : read_motions(f.clip.path, options_for_file(read, f.clip.path))) {
+    if (f.clip.name.empty() || m.name == f.clip.name) return edit_time(m, {.from = f.start, .to = f.end});
+  }
+  raise<config_error>(103, f.clip.path, ": no motion '", f.clip.name, "' any more");
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY void draw_found(std::span<FoundMotion> found, const MotionReadOptions& read) {
+  for (FoundMotion& f : found) {
+    const std::string title =
+        f.clip.name.empty() ? std::filesystem::path(f.clip.path).filename().string() : f.clip.name;
+    detail::guard<error>([&] { f.strip = film_strip_svg(detail::found_motion(f, read), {}, {.title = title}); },
+                         [&](const error& e) {
+                           f.problem = e.what();
+                           return true;
+                         });
+  }
+}
 
 MOTIONLANG_BODY std::string search_html(std::span<const FoundMotion> found, std::string_view query,
                                         std::string_view summary) {

@@ -17,7 +17,7 @@ bool is_view(const FilePath& path);
 /// Writes a page or a picture. Throws config_error 103 for another extension, io_error 401, and what the writers throw.
 void write_view(const FilePath& path, const Motion& motion);
 
-/// A motion file (formats/motion_file.hpp) or a page or picture. Throws config_error 103 for an extension of none of
+/// A motion file (formats/motion_file.hpp) or a page or picture. Throws option_error 103 for an extension of none of
 /// them, and what write_motion and write_view throw.
 void write_motion_or_view(const FilePath& path, const Motion& motion, const MotionWriteOptions& options = {});
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>  // all_of
 
+#include <motionlang/core/option_error.hpp>
 #include <motionlang/file/png.hpp>
 #include <motionlang/formats/glb_writer.hpp>
 #include <motionlang/view/film_strip.hpp>
@@ -44,9 +45,9 @@ MOTIONLANG_BODY std::vector<std::byte> motion_or_view_bytes(const FilePath& kind
     return {bytes.begin(), bytes.end()};
   }
   if (is_written_motion("motion" + wanted)) return motion_bytes(kind, motion, options);
-  raise<config_error>(103, kind.string(),
+  raise<option_error>(103, kind.string(),
                       ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", wanted, "'",
-                      detail::about_fbx(wanted));
+                      wanted == ".obj" ? ": .obj shows a body, `body` says which" : detail::about_fbx(wanted));
 }
 
 MOTIONLANG_BODY void write_motion_or_view(const FilePath& path, const Motion& motion,

@@ -33,7 +33,7 @@ struct ActorNetworkConfig {
 /// Points are the 24 joints of our own skeleton, or those of a body that the user has (features/actor_points.hpp).
 struct ActorLossConfig {
   double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
-  std::string points = "joints";  // or, of the model that --body names, "vertices", "smpl", "a2m", "a2mpl", "vibe"
+  std::string points = "joints";  // or, of the body that the files name, "vertices", "smpl", "a2m", "a2mpl", "vibe"
   bool vertstrans = false;        // points of a body follow the way of the root, as joints do
 
   void require_sound() const {

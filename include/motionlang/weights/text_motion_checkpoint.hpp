@@ -101,7 +101,7 @@ TextMotionCheckpoint<B, System<B>> checkpoint_of(TextMotionModel<B, System> mode
   } else if (out.text_encoder.empty()) {
     out.tokens = [folder = out.folder,
                   encoder = file.config.text.encoder](std::span<const std::string>) -> Sequences<B> {
-      raise<config_error>(102, folder, ": this model reads the states of ", encoder, ": --text-encoder names it");
+      raise<config_error>(102, folder, ": this model reads the states of ", encoder, ": `text_encoder` names it");
     };
   } else {
     out.tokens = remembered_states<B>(out.text_encoder);

@@ -14,9 +14,9 @@ MOTIONLANG_BODY bool reads_pieces(const TextTokensConfig& text, const std::files
     raise<config_error>(103, "text.encoder '", text.encoder, "' is not word_pieces or distilbert");
   const bool pieces = text.encoder == "word_pieces";
   if (pieces != from.empty())
-    raise<config_error>(102, pieces ? "--text-encoder is for text.encoder = distilbert"
-                                    : "text.encoder = distilbert needs --text-encoder, a folder or a cache; "
-                                      "without one: --set text.encoder=word_pieces");
+    raise<config_error>(102, pieces ? "`text_encoder` is for text.encoder = distilbert"
+                                    : "text.encoder = distilbert needs `text_encoder`, a folder or a cache; "
+                                      "without one: text.encoder = word_pieces");
   return pieces;
 }
 

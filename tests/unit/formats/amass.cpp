@@ -203,9 +203,10 @@ TEST_CASE("parameters of smplx: its names, betas for each frame, and a rate that
   CHECK((s.betas.size() == 10 && s.betas.back() == 509));
   CHECK((s.gender == "female" && s.fps == 25));
   CHECK(ml::read_amass(folder / "a.npz", {}, 25).motion.fps == 25);
-  CHECK_THROWS_WITH_AS(read(arrays),
-                       doctest::Contains("a.npz: no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps': --rate"),
-                       ml::io_error);
+  CHECK_THROWS_WITH_AS(
+      read(arrays),
+      doctest::Contains("a.npz: no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps': `rate` says it"),
+      ml::io_error);
   CHECK_THROWS_WITH_AS(read(arrays, -1), doctest::Contains("a.npz: frame rate -1"), ml::io_error);
 
   for (const char* name : {"mocap_frame_rate", "mocap_framerate", "fps"}) {
@@ -213,7 +214,7 @@ TEST_CASE("parameters of smplx: its names, betas for each frame, and a rate that
     with_rate.push_back({name, ml::NpyArray::scalar(60.0)});
     CHECK(read(with_rate).fps == 60);
     CHECK(read(with_rate, 60).fps == 60);
-    CHECK_THROWS_WITH_AS(read(with_rate, 25), doctest::Contains("a.npz: has 60 frames per second, --rate says 25"),
+    CHECK_THROWS_WITH_AS(read(with_rate, 25), doctest::Contains("a.npz: has 60 frames per second, `rate` says 25"),
                          ml::config_error);
   }
   auto hands = arrays;

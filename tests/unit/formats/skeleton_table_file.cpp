@@ -61,7 +61,7 @@ TEST_CASE("a table in a file puts motions on a character of other names") {
     text += row.target + "\tmy " + row.source + "\n";
   }
   const auto glb = rigs::glb_of(names);
-  CHECK_THROWS_WITH_AS(ml::GlbRig(glb, "my.glb"), Contains("--joints FILE"), ml::config_error);
+  CHECK_THROWS_WITH_AS(ml::GlbRig(glb, "my.glb"), Contains("`joints`"), ml::config_error);
   const ml::GlbRig mine(glb, "my.glb", [&](const ml::Skeleton& s) { return ml::parse_skeleton_table(text, s, "t"); });
   CHECK(mine.table().name == "t");
   const auto walk = synthetic::walk({.frames = 5});

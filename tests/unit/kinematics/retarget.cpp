@@ -248,7 +248,7 @@ TEST_CASE("a skeleton that does not stand by its table is refused, as source and
       "[motionlang.config.103] SkeletonMap: a skeleton of 24 joints (root 'pelvis') does not stand as SMPL: the head "
       "is from "
       "the pelvis in direction (0, 0.36, -0.93) at rest, not up (0, 1, 0); a file can name the joints "
-      "and their axes: read_skeleton_table, --joints FILE of the program";
+      "and their axes: read_skeleton_table, option `joints`";
   CHECK_THROWS_WITH_AS(ml::SkeletonMap{lying}, Contains(message), ml::config_error);
   CHECK_THROWS_WITH_AS(ml::SkeletonMap(smpl, lying), Contains(message), ml::config_error);
   CHECK_THROWS_WITH_AS(ml::SkeletonMap{smpl_with({{"left_hip", {0, 0.06, 0}}, {"right_hip", {0, -0.06, 0}}})},

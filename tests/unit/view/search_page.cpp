@@ -1,12 +1,34 @@
 // The page of a search: what is on it, and that nothing in a name becomes markup.
 #include <doctest/doctest.h>
 
+#include <motionlang/formats/bvh.hpp>
+#include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/view/film_strip.hpp>
 #include <motionlang/view/search_page.hpp>
 
 #include "../../support/synthetic_motion.hpp"
+#include "../../support/temporary_folder.hpp"
 
 namespace ml = motionlang;
+
+TEST_CASE("draw_found: a strip of the part that was found, or why there is none") {
+  const TemporaryFolder folder;
+  ml::write_bvh(folder / "walk.bvh", synthetic::walk({.frames = 40}));
+  const std::string walk = (folder / "walk.bvh").string();
+  std::vector<ml::FoundMotion> found(4);
+  found[0] = {.clip = {.path = walk}, .start = 0.5, .end = 1};
+  found[1] = {.clip = {.path = walk, .name = "run"}, .end = 1};
+  found[2] = {.clip = {.path = walk}, .start = 9, .end = 10};
+  found[3] = {.clip = {.path = (folder / "gone.bvh").string()}, .end = 1};
+  ml::draw_found(found);
+  const auto part = ml::edit_time(ml::read_motion(walk), {.from = 0.5, .to = 1});
+  CHECK(found[0].strip == ml::film_strip_svg(part, {}, {.title = "walk.bvh"}));
+  CHECK(found[0].problem.empty());
+  CHECK(found[1].problem.find("no motion 'run' any more") != std::string::npos);
+  CHECK(found[2].problem.find("nothing of its 2 s is between 9 and 10 s") != std::string::npos);
+  CHECK(found[3].problem.find("[motionlang.io.401]") != std::string::npos);
+  for (std::size_t i = 1; i < found.size(); ++i) CHECK(found[i].strip.empty());
+}
 
 TEST_CASE("search_html: scores, places, what is said about a clip, its strip, or why there is none") {
   std::vector<ml::FoundMotion> found(2);

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+/// The box around positions.
+#pragma once
+
+#include <algorithm>  // min, max
+#include <span>       // positions
+
+#include <motionlang/geometry/vec.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Its sides are along the axes.
+struct Box {
+  Vec3<double> low, high;
+};
+
+/// Of one position at least. Throws config_error 101 without one.
+inline Box box_of(std::span<const Vec3<double>> positions) {
+  if (positions.empty()) raise<config_error>(101, "box_of: no position");
+  Box box{positions.front(), positions.front()};
+  for (const auto& p : positions) {
+    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
+    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
+  }
+  return box;
+}
+
+MOTIONLANG_NAMESPACE_END

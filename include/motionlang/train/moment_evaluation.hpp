@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+/// Measures how TMR finds moments: long motions are made of clips of different texts, and TMR says where in them each
+/// text happens.
+///
+///     const MomentFigures f = moment_figures(tmr, data.width, data.test, {.motions = 100});
+///     for (const MomentAnswers& a : f.answers) use(a.windows, localisation_accuracy(a.found, f.wanted, 0.4));
+///
+/// The clips follow each other as features do, which say how the body moves from frame to frame, not where it is: paths
+/// join, the pose jumps. A window is a stretch of these frames around a middle (metrics/retrieval.hpp); the one whose
+/// latent is most like that of the text is the answer.
+///
+/// Source  TMR (Petrovich, Black, Varol, ICCV 2023), section 4.4; the lengths and the stride are choices made here
+#pragma once
+
+#include <algorithm>  // max
+#include <cmath>      // lround
+#include <cstdint>    // seed
+#include <set>        // texts
+#include <span>       // windows
+#include <string>     // texts
+#include <vector>     // rows
+
+#include <motionlang/core/progress.hpp>
+#include <motionlang/datasets/described_motions.hpp>
+#include <motionlang/metrics/retrieval.hpp>
+#include <motionlang/search/tmr_search_encoder.hpp>
+#include <motionlang/search/unit_rows.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Several clips as one motion.
+struct JoinedClips {
+  std::vector<float> rows;            // of features
+  std::vector<FrameSlice> stretches;  // that belong to the texts
+  std::vector<std::string> texts;
+};
+/// Joins so many random clips, no two of one text. It joins fewer if a thousand draws find no other text.
+/// width  values of a frame
+JoinedClips join_random_clips(const std::vector<DescribedMotion>& motions, Index width, Index clips, Philox rng);
+
+struct MomentOptions {
+  Index motions = 100;                         // that are made
+  Index joined = 5;                            // clips in each
+  std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the stretches that are compared
+  double stride = 0.2;                         // seconds from one to the next
+  std::uint64_t seed = 0;
+};
+/// Answers to all queries.
+struct MomentAnswers {
+  std::string windows;  // "2 s", "all lengths" or "a random window"
+  std::vector<FrameSlice> found;
+};
+struct MomentFigures {
+  std::vector<FrameSlice> wanted;  // of each text of each motion
+  std::vector<MomentAnswers> answers;
+};
+
+/// part    motions of which the first text counts; as the model reads them, not normalised
+/// width   values of a frame
+/// Throws  config_error 101 for fewer than two different texts; cancelled
+template <Backend B>
+MomentFigures moment_figures(const TmrSearchEncoder<B>& tmr, Index width, const std::vector<DescribedMotion>& part,
+                             const MomentOptions& options, Progress progress = {}) {
+  const auto frames_of = [&](double seconds) { return std::max<Index>(1, std::lround(seconds * tmr.model().fps)); };
+  MomentFigures out;
+  for (const double seconds : options.windows) out.answers.push_back({concat_text(seconds, " s"), {}});
+  out.answers.push_back({"all lengths", {}});
+  MomentAnswers chance{"a random window", {}};
+  for (Index k = 0; k < options.motions; ++k) {
+    auto rng = Philox{.seed = options.seed}.split("moments").split(static_cast<std::uint64_t>(k));
+    const JoinedClips motion = join_random_clips(part, width, options.joined, rng.split("clips"));
+    if (std::ssize(motion.texts) < 2) raise<config_error>(101, "moment_figures: fewer than two different texts");
+    const auto rows = tmr.normalised(motion.rows);
+    std::vector<FrameSlice> windows;
+    std::vector<std::size_t> ends;  // of the windows of each length
+    for (const double seconds : options.windows) {
+      const auto own = moment_windows(tmr.frames(rows), frames_of(seconds), frames_of(options.stride));
+      windows.insert(windows.end(), own.begin(), own.end());
+      ends.push_back(windows.size());
+    }
+    const auto latent = static_cast<std::size_t>(tmr.model().width);
+    const auto moments = unit_rows(tmr.encode_windows(rows, windows), tmr.model().width),
+               texts = unit_rows(tmr.encode_texts(motion.texts), tmr.model().width);
+    for (std::size_t t = 0; t < motion.texts.size(); ++t) {
+      out.wanted.push_back(motion.stretches[t]);
+      std::vector<double> alike(windows.size());
+      for (std::size_t w = 0; w < windows.size(); ++w) {
+        for (std::size_t c = 0; c < latent; ++c)
+          alike[w] += static_cast<double>(texts[t * latent + c] * moments[w * latent + c]);
+      }
+      const auto best = [&](std::size_t begin, std::size_t end) {
+        return best_moment(std::span(windows).subspan(begin, end - begin),
+                           std::span(alike).subspan(begin, end - begin));
+      };
+      for (std::size_t i = 0; i < ends.size(); ++i)
+        out.answers[i].found.push_back(best(i == 0 ? 0 : ends[i - 1], ends[i]));
+      out.answers.back().found.push_back(best(0, windows.size()));
+      chance.found.push_back(windows[rng.below(static_cast<std::uint32_t>(windows.size()))]);
+    }
+    progress(k + 1, options.motions);
+  }
+  out.answers.push_back(std::move(chance));
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_INSTANTIATED
+#include <motionlang/train/moment_evaluation.ipp>
+#endif

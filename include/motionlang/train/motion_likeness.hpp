@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+/// How alike generated motions are to recorded ones for a motion encoder: collects motions for the TEMOS score.
+///
+///     MotionLikeness<B> likeness("sinc-of-single-actions", {}, motion_features("smplvelp"));
+///     for (const auto& [generated, recorded_rows] : items) likeness.add(generated, recorded_rows);
+///     use(likeness.score());                               // 0 to 1
+///
+/// Source  thesis B.3.1; SINC (Athanasiou et al., ICCV 2023) sample_eval_latent.py
+#pragma once
+
+#include <algorithm>   // rotate
+#include <filesystem>  // a model
+#include <functional>  // its encoder
+#include <utility>     // move
+#include <vector>      // latents
+
+#include <motionlang/metrics/temos_score.hpp>
+#include <motionlang/weights/babel_checkpoint.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+template <Backend B>
+class MotionLikeness {
+  using S = typename B::scalar;
+
+ public:
+  /// folder   a model of `features` (with_babel_checkpoint), best one of single actions
+  /// Throws   what with_babel_checkpoint throws
+  MotionLikeness(const std::filesystem::path& folder, const CheckpointOptions& options, const MotionFeatures& features)
+      : exact_yaw_(features.name == "smplvelp") {
+    with_babel_checkpoint<B>(folder, options, features, [&](auto model) {
+      mean_of_ = [model = std::move(model)](const std::vector<S>& rows) {
+        const Index width = model.features->width, frames = std::ssize(rows) / width;
+        const auto x = model.normalizer.normalize(Tensor<B, 2>::from(rows, {frames, width}));
+        return model.model.encode_motion(Sequences<B>(x, Offsets{frames})).mu.to_vector();
+      };
+    });
+  }
+
+  /// made      is turned ahead once more, as published
+  /// recorded  rows of features, not normalised
+  void add(const SmplVelpMotion<S>& made, const std::vector<float>& recorded) {
+    const auto rows = smplvelp_features(std::span<const Matrix3<S>>(made.rotations),
+                                        std::span<const Vec3<S>>(made.trans), {.exact_yaw = exact_yaw_});
+    made_.push_back(mean_of_(rows));
+    recorded_.push_back(mean_of_(std::vector<S>(recorded.begin(), recorded.end())));
+  }
+
+  /// The TEMOS score of what was made. Throws numeric_error 302 before anything was added.
+  double score() const { return score_of(made_); }
+  /// That of each recorded motion against the next one.
+  double score_of_others() const {
+    auto others = recorded_;
+    if (!others.empty()) std::rotate(others.begin(), others.begin() + 1, others.end());
+    return score_of(others);
+  }
+
+ private:
+  double score_of(const std::vector<std::vector<S>>& of) const {
+    const auto rows = [](const std::vector<std::vector<S>>& means) {
+      std::vector<S> all;
+      for (const auto& m : means) all.insert(all.end(), m.begin(), m.end());
+      return all;
+    };
+    const Index width = recorded_.empty() ? 1 : std::ssize(recorded_.front());
+    const auto a = rows(of), b = rows(recorded_);
+    return temos_score(Rows<S>(a, width), Rows<S>(b, width));
+  }
+
+  bool exact_yaw_;
+  std::function<std::vector<S>(const std::vector<S>&)> mean_of_;
+  std::vector<std::vector<S>> made_, recorded_;
+};
+
+MOTIONLANG_NAMESPACE_END

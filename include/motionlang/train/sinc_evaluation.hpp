@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+/// Measures SINC on labels of BABEL: errors of several motions of each sentence, of the mean of the latent and of the
+/// labels alone, composed by their body parts; beside motions that know no label.
+///
+///     const auto sinc = load_sinc<B>("sinc-run");
+///     const SincMeasures<B> how{.joints = joints, .sentences = sentences, .samples = 10};
+///     for (const NamedErrors& row : sinc_errors(sinc, items, how)) use(row.name, row.errors);
+///
+/// Source  SINC (Athanasiou et al., ICCV 2023), tables 2 to 4; thesis B.3
+#pragma once
+
+#include <cstdint>     // seed
+#include <functional>  // what was made
+#include <string>      // sentences
+#include <vector>      // motions
+
+#include <motionlang/core/progress.hpp>
+#include <motionlang/datasets/body_part_table.hpp>
+#include <motionlang/datasets/label_sentences.hpp>
+#include <motionlang/train/compared_joints.hpp>
+#include <motionlang/train/measured_items.hpp>
+#include <motionlang/train/motion_likeness.hpp>
+#include <motionlang/weights/sinc_checkpoint.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// How motions are measured. What is pointed to must outlive the measurement.
+template <Backend B>
+struct SincMeasures {
+  const ComparedJoints<B>& joints;
+  const LabelSentences& sentences;
+  const BodyPartTable* parts = nullptr;   // of single labels, whose motions are composed; null: they are not
+  MotionLikeness<B>* likeness = nullptr;  // is given the first motion of each item; null: none
+  /// Is given the mean motion of each item and its sentence.
+  std::function<void(const std::string& sentence, const SmplVelpMotion<typename B::scalar>& mean,
+                     const DescribedMotion& recorded)>
+      made{};
+  Index samples = 10;  // motions of each item
+  std::uint64_t seed = 0;
+};
+
+/// Rows: those of named_errors(SampledErrors), "mean of the latent", with `parts` "labels alone, composed", and those
+/// of named_errors(BlindErrors).
+/// items   with one label or two each; chosen
+/// Throws  cancelled; config_error 103 for a label without parts or a sentence without words
+template <Backend B>
+std::vector<NamedErrors> sinc_errors(const SincCheckpoint<B>& model, const MeasuredItems& items,
+                                     const SincMeasures<B>& how, Progress progress = {}) {
+  const auto recorded = [](const DescribedMotion& m) { return smplvelp_inverse(std::span<const float>(m.rows)); };
+  const auto& training = items.data().training;
+  const JointErrors none(sinc_rifke());
+  SampledErrors sampled(none, how.samples);
+  JointErrors at_mean = none, composed = none;
+  BlindErrors blind(
+      sinc_rifke(), none, std::ssize(training),
+      [&](Index i) { return how.joints(recorded(training[static_cast<std::size_t>(i)])); }, how.seed);
+  const auto rng = Philox{.seed = how.seed};
+  Index done = 0;
+  for (const Index i : items.measured()) {
+    const DescribedMotion& item = items[i];
+    const auto labels = labels_of(item);
+    const JointFrames truth = how.joints(recorded(item));
+    const Offsets length{std::ssize(item.rows) / items.data().width};
+    const auto made = [&](const std::string& text, const Philox& noise, Index count, const LatentSampling& sampling) {
+      std::vector<Tensor<B, 2>> out;
+      const auto tokens = model.tokens(std::span(&text, 1));
+      for (const auto& s : text_to_motion(model.model, tokens, length, noise, count, sampling)) out.push_back(s.rows);
+      return out;
+    };
+    const std::string sentence = how.sentences(labels);
+    std::vector<JointFrames> samples;
+    for (const auto& rows : made(sentence, rng, how.samples, {})) {
+      const auto motion = sinc_motion(model.normalizer, rows);
+      if (how.likeness != nullptr && samples.empty()) how.likeness->add(motion, item.rows);
+      samples.push_back(how.joints(motion));
+    }
+    sampled.add(samples, truth);
+    const auto mean = sinc_motion(model.normalizer, made(sentence, rng, 1, {.mean = true}).front());
+    at_mean.add(how.joints(mean), truth);
+    if (how.made) how.made(sentence, mean, item);
+    if (how.parts != nullptr && labels.size() == 2) {
+      const auto alone = [&](std::size_t label) {
+        return made(labels[label], rng.split("alone").split(static_cast<std::uint64_t>(label)), 1, {}).front();
+      };
+      composed.add(how.joints(sinc_composed(model.normalizer, alone(0), how.parts->parts(labels[0]), alone(1),
+                                            how.parts->parts(labels[1]))),
+                   truth);
+    }
+    blind.add(truth, items.number_in_training(i));
+    progress(++done, std::ssize(items.measured()));
+  }
+  std::vector<NamedErrors> out = named_errors(sampled);
+  out.push_back({"mean of the latent", at_mean.result()});
+  if (composed.clips() > 0) out.push_back({"labels alone, composed", composed.result()});
+  for (NamedErrors& row : named_errors(blind)) out.push_back(std::move(row));
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END

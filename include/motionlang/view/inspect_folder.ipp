@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// Bodies of inspect_folder.hpp.
+#pragma once
+
+#include <array>   // strips of each fault
+#include <cstdio>  // about a motion
+#include <set>     // names of copies
+
+#include <motionlang/file/file.hpp>
+#include <motionlang/file/input_files.hpp>
+#include <motionlang/view/film_strip.hpp>
+#include <motionlang/view/inspect_folder.hpp>
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+class FolderInspection {
+ public:
+  FolderInspection(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder,
+                   const InspectFolderOptions& options)
+      : o_(options), folder_(folder), inputs_(files) {}
+
+  void add(const std::filesystem::path& file) {
+    const std::string name = file.lexically_relative(folder_).string();
+    std::vector<Motion> motions;
+    const auto read = [&] { motions = read_motions(file, options_for_file(o_.read, file)); };
+    const auto note_values = [&](const numeric_error& e) {
+      found_.push_back({name, "", {}, {{Fault::not_finite, e.what()}}, {}});
+      return true;
+    };
+    guard<error>([&] { guard<numeric_error>(read, note_values); },
+                 [&](const error& e) {
+                   found_.push_back({name, "", e.what(), {}, {}});
+                   return true;
+                 });
+    const bool several = is_gltf(file) || motions.size() > 1;
+    for (const Motion& m : motions) {
+      Inspection seen = inspect_motion(m);
+      if (!o_.clean.empty()) clean(m, seen, several ? name + " " + safe_file_name(m.name) + ".bvh" : name);
+      found_.push_back({several ? name + " " + m.name : name, about(m), {}, std::move(seen.findings), {}});
+      if (wants_strip(found_.back())) found_.back().strip = film_strip_svg(m, {}, {.title = found_.back().name});
+    }
+  }
+  std::vector<InspectedMotion> found() && { return std::move(found_); }
+
+ private:
+  static std::string about(const Motion& m) {
+    char text[96];
+    std::snprintf(text, sizeof text, "%.2f s, %g frames per second, %s", m.seconds(), m.fps,
+                  counted(m.skeleton.size(), "joint").c_str());
+    return text;
+  }
+  /// The first few motions of every fault.
+  bool wants_strip(const InspectedMotion& m) {
+    bool wanted = false;
+    for (const Finding& f : m.findings) {
+      const bool drawable = f.fault != Fault::not_finite && f.fault != Fault::empty;
+      if (drawable && drawn_[static_cast<std::size_t>(f.fault)]++ < o_.strips) wanted = true;
+    }
+    return wanted;
+  }
+  /// A copy as BVH, a.npz.bvh of a.npz, unless there is nothing that could be written.
+  void clean(const Motion& motion, const Inspection& seen, const std::string& name) {
+    if (seen.has(Fault::not_finite) || seen.has(Fault::empty)) return;
+    const std::string stem =
+        file_kind(name) == ".bvh" ? std::filesystem::path(name).replace_extension().string() : name;
+    const std::filesystem::path path = o_.clean / (unique_name(stem, copies_) + ".bvh");
+    inputs_.refuse(path);
+    std::filesystem::create_directories(path.parent_path());
+    write_motion(path, mended(motion, seen.cure));
+  }
+
+  const InspectFolderOptions& o_;
+  std::filesystem::path folder_;
+  InputFiles inputs_;
+  std::vector<InspectedMotion> found_;
+  std::set<std::string> copies_;
+  std::array<int, fault_info.size()> drawn_{};
+};
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<InspectedMotion> inspect_files(const std::vector<std::filesystem::path>& files,
+                                                           const std::filesystem::path& folder,
+                                                           const InspectFolderOptions& options, Progress progress) {
+  detail::FolderInspection inspection(files, folder, options);
+  Index done = 0;
+  for (const auto& file : files) {
+    inspection.add(file);
+    progress(++done, std::ssize(files));
+  }
+  return std::move(inspection).found();
+}
+
+MOTIONLANG_BODY std::vector<InspectedMotion> inspect_folder(const std::filesystem::path& folder,
+                                                            const InspectFolderOptions& options, std::string* notes,
+                                                            Progress progress) {
+  const auto files = motion_files_below(folder, options.clean, notes);
+  if (files.empty())
+    raise<config_error>(101, "no .bvh, .amc, .npz, .npy, .glb or .vrma file below '", folder.string(), "'");
+  return inspect_files(files, folder, options, progress);
+}
+
+MOTIONLANG_NAMESPACE_END
