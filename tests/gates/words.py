@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Gate: no text of ours has a word or phrase of words.txt. A third column there limits a rule to a folder.
+"""Gate: no text of ours has a word or phrase of words.txt, and no message of the library has an option of the program.
+
+A third column of words.txt limits a rule to a folder.
 
     python3 tests/gates/words.py [FILE ...]
 """
@@ -21,11 +23,16 @@ if not files:
         "*.hpp", "*.ipp", "*.inc", "*.cpp", "*.h", "*.c", "*.md", "*.sh", "*.cmake", "*.txt", "*.py",
         "!single_include", "!tests/gates", "!tests/fuzz/corpus", "!tests/golden/cases")]
 
+option = re.compile(r'"[^"]*(?<![-\w])--[a-z][^"]*"')  # the library writes `text_encoder`, the program --text-encoder
 marker = re.compile(r"^\s*(///?|\*|#)?\s*")
 found = 0
 for file in files:
     lines = file.read_text(encoding="utf-8").splitlines()
+    is_library = "include/motionlang" in str(file) and "viewer_page" not in str(file)  # this one has CSS
     for number, line in enumerate(lines, 1):
+        if is_library and option.search(line.split("// ")[0]):
+            print(f"{file}:{number}: an option of the program: write the field that it sets, in backticks")
+            found += 1
         begin = line.rstrip() + " "
         rest = marker.sub("", lines[number]) if number < len(lines) else ""  # a phrase may go on in the next line
         for pattern, better, folder in rules:
