@@ -30,9 +30,9 @@ struct BvhWriteOptions {
 };
 
 /// The meaning of the file. End sites are the ends of bones, no joints; joints of one name get numbers ("Hand",
-/// "Hand_2"). The root of the motion is that of the body (kinematics/body_root.hpp), with all movement of what stands above it;
-/// what is beside it is no joint (joints_beside_body). Below it, positions that change (stretching bones) are replaced
-/// by their mean.
+/// "Hand_2"). The root of the motion is that of the body (kinematics/body_root.hpp), with all
+/// movement of what stands above it. Whatever is beside it is left out (joints_beside_body). Below it, positions that
+/// change (stretching bones) are replaced by their mean.
 /// Throws  config_error 101 (scale, number of the root), io_error 405 (far more joints than channels),
 ///         numeric_error 301 (numbers so large that they overflow)
 Motion to_motion(const Bvh& file, const BvhReadOptions& options = {});
