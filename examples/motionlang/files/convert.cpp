@@ -156,7 +156,7 @@ void add_input(CLI::App& c, ConvertOptions& o, const std::string& more = "") {
   c.add_option("input", o.in,
                "Motion: .bvh (every ROOT), .amc, .npz (AMASS, smplx), .npy (joints, features, or MDM's results.npy: "
                "every motion), .glb, .gltf (with its data in it), .vrm or .vrma (every animation); or a folder of them "
-               "(.vrm, mostly avatars, and .gltf are passed over there)" +
+               "(.vrm, mostly avatars, and .gltf are skipped there)" +
                    more)
       ->required()
       ->check(CLI::ExistingPath);

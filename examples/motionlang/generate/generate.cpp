@@ -193,11 +193,11 @@ std::pair<double, double> stretch_of(const std::string& text) {
   const auto from = ml::detail::parse_seconds(stretch.substr(0, dash));
   const auto to = ml::detail::parse_seconds(stretch.substr(std::min(dash + 1, stretch.size())));
   if (!from || !to || *from >= *to)
-    ml::raise<usage_error>(101, "--keep-seconds: '", text, "' is no stretch of time like 0-1.5");
+    ml::raise<usage_error>(101, "--keep-seconds: '", text, "' is not a stretch of time like 0-1.5");
   return {*from, *to};
 }
 
-/// None without --keep. Throws usage_error 101, 103 for what is no stretch of time and no body part.
+/// None without --keep. Throws usage_error 101, 103 for a wrong stretch of time or body part.
 std::optional<ml::KeptClip> kept_clip(const GenerateCommand& o) {
   if (o.keep.empty()) return std::nullopt;
   ml::KeptClip out{.motion = read_only_performed_motion(o.keep)};

@@ -11,7 +11,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// A text in UTF-16 or UTF-32 as UTF-8, known by its byte order mark or by the zero bytes of its first two letters;
-/// nothing if it is neither. Units that are no character become U+FFFD.
+/// nothing if it is neither. Units without a character become U+FFFD.
 std::optional<std::string> from_wide_text(std::string_view bytes);
 
 /// A text of which each byte is one character, U+0000 to U+00FF (ISO 8859-1), as UTF-8.

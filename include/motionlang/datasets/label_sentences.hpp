@@ -20,7 +20,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Whether sentences of this kind have an -ing form: those with "while" and "during".
+/// True if sentences of this kind have an -ing form: those with "while" and "during".
 constexpr bool has_gerund(Conjunction c) { return c == Conjunction::while_ || c == Conjunction::during; }
 
 class LabelSentences {

@@ -33,7 +33,7 @@ class InputFiles {
     if (!file.empty()) files_.insert(std::filesystem::weakly_canonical(file, problem));
   }
 
-  /// Whether a file is one of them, by whatever name: a path with links, or a hard link.
+  /// True if a file is one of them, by whatever name: a path with links, or a hard link.
   bool has(const std::filesystem::path& file) const {
     std::error_code problem, missing;
     const auto is_same = [&](const auto& input) { return std::filesystem::equivalent(input, file, problem); };

@@ -297,7 +297,7 @@ MOTIONLANG_BODY EulerAngles<double> continue_curve(const EulerAngles<double>& an
   return step(twin) < step(same) ? twin : same;
 }
 
-/// A name as a BVH file can hold it: words and braces end one, and what is no UTF-8 no program shows.
+/// A name as a BVH file can hold it: words and braces end one, and no program shows other bytes than UTF-8.
 inline std::string bvh_name(std::string_view name) {
   std::string out = is_utf8(name) ? std::string(name) : from_latin1(name);
   for (char& c : out) {

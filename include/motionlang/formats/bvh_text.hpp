@@ -37,7 +37,7 @@ struct Bvh {
   Index frames = 0;
   std::vector<double> values{};  // (frames, channels)
   std::string name{};            // of the file, for messages
-  /// What the reader of the text left out or took for something else, a sentence each.
+  /// One sentence for each thing that the reader of the text left out or took for something else.
   std::vector<std::string> notes{};
 
   Index channels() const {

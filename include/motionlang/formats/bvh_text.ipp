@@ -31,7 +31,7 @@ class BvhParser {
     if (const std::string& number = scan_.decimal_comma(); !number.empty())
       note("numbers have decimal commas: '", number, "' is read as with a point");
     if (!joined_.empty()) note("names of several words are joined: '", joined_, "'");
-    if (latin1_ > 0) note(counted(latin1_, "name"), latin1_ == 1 ? " is" : " are", " no UTF-8, read as ISO 8859-1");
+    if (latin1_ > 0) note(counted(latin1_, "name"), latin1_ == 1 ? " is" : " are", " not UTF-8, read as ISO 8859-1");
     return std::move(bvh_);
   }
 
@@ -140,7 +140,7 @@ class BvhParser {
     bvh_.frames = static_cast<Index>(row);
     bvh_.values.resize(row * columns);
   }
-  /// Whether the text ends with the word that follows, which may be half a number; moves behind it then.
+  /// True if the text ends with the word that follows, which may be half a number; moves behind it then.
   bool is_cut_off() {
     constexpr std::size_t longest = 64;
     if (scan_.bytes_left() > longest) return false;
@@ -149,7 +149,7 @@ class BvhParser {
     scan_.word("a value of the motion");
     return true;
   }
-  /// Whether a number follows, or what stands for one that is not finite.
+  /// True if a number follows, or the word for one that is not finite.
   bool at_number() {
     const std::string_view w = scan_.peek();
     return !w.empty() && (std::string_view("0123456789.,+-").find(w[0]) != w.npos || same_word(w.substr(0, 3), "nan") ||
@@ -168,7 +168,7 @@ class BvhParser {
   TextScanner scan_;
   Bvh bvh_;
   std::vector<bool> has_offset_;  // of the nodes that are open
-  std::size_t latin1_ = 0;        // names that are no UTF-8
+  std::size_t latin1_ = 0;        // names in another encoding than UTF-8
   std::string joined_{};          // the first name of several words
 };
 

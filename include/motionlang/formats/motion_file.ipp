@@ -131,7 +131,7 @@ inline std::vector<Motion> every_root(std::span<const std::byte> bytes, const st
     Motion& m = motions[static_cast<std::size_t>(root)];
     m.name = m.skeleton.name(0);
     if (has_body && m.skeleton.size() < few && !is_body(m)) {
-      tell("left out is ROOT '", m.name, "' with ", counted(m.skeleton.size(), "joint"), ", which is no body");
+      tell("left out is ROOT '", m.name, "' with ", counted(m.skeleton.size(), "joint"), ", which is not a body");
       continue;
     }
     if (const auto beside = joints_beside_body(file, root); !beside.empty())
@@ -172,7 +172,7 @@ inline void refuse_page(std::span<const std::byte> bytes, const std::string& nam
   std::string start(trim(as_text(bytes.first(std::min<std::size_t>(bytes.size(), 64)))));
   for (char& c : start) c = lower(c);
   if (start.starts_with("<!doctype html") || start.starts_with("<html"))
-    raise<io_error>(403, name, " is no motion but a page (HTML), as servers send where there is no such file");
+    raise<io_error>(403, name, " is not a motion but a page (HTML), as servers send where there is no such file");
 }
 
 /// load_bytes()  the bytes of the file, after all that can be refused without them

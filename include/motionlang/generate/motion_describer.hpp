@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What motions show, in words: TM2T from motions to texts. A long motion is described in parts.
+/// Describes motions in words by TM2T, from motions to texts. A long motion is described in parts.
 ///
 ///     const MotionDescriber<B> describer(load_tm2t_describer<B>(find_run("M2T_EL4_DL4_NH8_PS")));
 ///     for (const DescribedPart& part : describer(read_motion("walk.bvh"), Philox{}))
@@ -25,7 +25,7 @@ struct DescribeOptions {
   Index top = 1;        // descriptions of each part, where there are as many different ones
   Index beams = 2;      // of the search, at least `top`; 1: word by word the most probable one
   bool sample = false;  // draws words by their probability instead
-  Index top_k = 100;    // only so many of the most probable words are drawn
+  Index top_k = 100;    // draws are among this many of the most probable words
 };
 
 /// A part of a motion, and what is said about it, the most probable first.

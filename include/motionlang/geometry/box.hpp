@@ -14,7 +14,7 @@ struct Box {
   Vec3<double> low, high;
 };
 
-/// Of one position at least. Throws config_error 101 without one.
+/// The box of all positions. Throws config_error 101 without one.
 inline Box box_of(std::span<const Vec3<double>> positions) {
   if (positions.empty()) raise<config_error>(101, "box_of: no position");
   Box box{positions.front(), positions.front()};

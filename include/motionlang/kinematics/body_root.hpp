@@ -23,7 +23,7 @@ struct JointMovement {
 };
 /// Where a body begins if names tell nothing: from the root down, the only child that moves, or the one that moves and
 /// has most of the joints below it. Below a joint that moves itself, and beside joints that turn, as legs do beside a
-/// spine, it has to move farther than its longest chain of bones is long: a bone that stretches is no root.
+/// spine, it has to move farther than its longest chain of bones is long: a bone that stretches is not a root.
 /// movements  of each joint
 int moving_root(const Skeleton& skeleton, std::span<const JointMovement> movements);
 

@@ -30,7 +30,7 @@ struct MappedJoint {
   std::string second{};
   double share = 0;
 
-  /// Whether a skeleton may lack the source: hands, toes and collars.
+  /// True if a skeleton may lack the source: hands, toes and collars.
   bool optional() const {
     return target.ends_with("_hand") || target.ends_with("_foot") || target.ends_with("_collar");
   }

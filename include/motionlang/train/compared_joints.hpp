@@ -41,7 +41,7 @@ class ComparedJoints {
   JointFrames operator()(const SmplVelpMotion<S>& clip) const {
     return body_ ? on_body(clip) : on_own_skeleton(clip);
   }
-  /// Whether they are those of SMPL-H.
+  /// True if they are those of SMPL-H.
   bool has_body() const { return body_.has_value(); }
 
  private:

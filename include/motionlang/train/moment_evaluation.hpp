@@ -34,7 +34,7 @@ struct JoinedClips {
   std::vector<FrameSlice> stretches;  // that belong to the texts
   std::vector<std::string> texts;
 };
-/// Joins so many random clips, no two of one text. It joins fewer if a thousand draws find no other text.
+/// Joins random clips, no two of one text. It joins fewer if a thousand draws find no other text.
 /// width  values of a frame
 JoinedClips join_random_clips(const std::vector<DescribedMotion>& motions, Index width, Index clips, Philox rng);
 

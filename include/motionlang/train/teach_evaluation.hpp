@@ -26,7 +26,7 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Whether both actions have two frames at least: an item that teach_figures takes.
+/// True if both actions have two frames at least: an item that teach_figures takes.
 inline bool has_two_actions(const DescribedMotion& m) {
   return m.texts.size() == 2 && m.texts[0].frames.length > 1 && m.texts[1].frames.length > 1;
 }

@@ -27,8 +27,8 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What becomes of motions between reading and writing. Of `rig`, `body`, `features` and `data_set` one at most; what
-/// is pointed to must outlive the conversion.
+/// The changes of motions between reading and writing. At most one of `rig`, `body`, `features` and `data_set` is set,
+/// and what they point to must outlive the conversion.
 struct MotionConversion {
   MotionReadOptions read{};
   TimeEdits time{};
@@ -61,7 +61,7 @@ struct ConversionNotes {
 void convert_motions(const std::filesystem::path& in, const std::filesystem::path& out, const MotionConversion& how,
                      ConversionNotes* notes = nullptr, std::set<std::string>* taken = nullptr);
 
-/// What became of the files of a folder.
+/// The outcome for the files of a folder.
 struct FolderConversion {
   std::size_t files = 0, done = 0, converted = 0;
   std::vector<std::string> failures{};  // the file, and why

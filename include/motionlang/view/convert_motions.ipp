@@ -70,7 +70,7 @@ class OneConversion {
   }
 
  private:
-  /// What somebody who converts a motion should know of it.
+  /// Notes about a motion for the person who converts it.
   void note(const Motion& m) {
     const std::string where = in_.string() + (motions_.size() == 1 ? "" : " " + m.name) + ": ";
     char text[160];
@@ -138,7 +138,7 @@ class OneConversion {
     return m;
   }
 
-  /// Of several motions one that fails is reported and stops no other.
+  /// If one of several motions fails, it is reported, and the others go on.
   template <class Work>
   void attempt(const std::string& name, Work work) {
     guard<error>(work, [&](const error& e) {
@@ -210,8 +210,8 @@ class OneConversion {
   std::size_t failures_ = 0;
 };
 
-/// What is read of a folder. Motions that are written must not stand among the originals: they could be in the place of
-/// a file that is still to be read. In a folder below them they are no originals of the next run.
+/// The files of a folder that are read. Written motions must not be among the originals: they could take the place of
+/// a file that is still to be read. In a folder below them they are not read by the next run.
 inline std::vector<std::filesystem::path> files_to_convert(const std::filesystem::path& in,
                                                            const std::filesystem::path& out, const std::string& kind,
                                                            std::string& skipped) {

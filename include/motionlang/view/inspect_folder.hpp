@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What is wrong with the motions of a folder: every file is read and inspected, and mended copies are written.
+/// Finds what is wrong with the motions of a folder: every file is read and inspected, and mended copies are written.
 ///
 ///     const auto found = inspect_folder("clips", {.clean = "mended", .strips = 3});
 ///     write_file("report.html", inspection_html(found, "clips"));
@@ -18,7 +18,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct InspectFolderOptions {
   MotionReadOptions read{};
   std::filesystem::path clean{};  // folder for mended copies (.bvh) below the names of the originals; "": none
-  int strips = 0;                 // film strips of so many motions with each fault
+  int strips = 0;                 // motions with each fault that get a film strip
 };
 
 /// The motions of `files`, which are below `folder`, in their order; a file that cannot be read is one of them.

@@ -21,7 +21,7 @@ struct BodyClip {
   std::string notes{};         // a line: what it has besides the 22 joints of the body, and what is left out
   bool has_more = false;       // hands or a face, which move
 };
-/// What was written on a body.
+/// The files that were written on a body.
 struct BodyFiles {
   std::string body;  // "SMPL-H", "the free body"
   Index vertices = 0;
@@ -31,9 +31,9 @@ struct BodyFiles {
 class ShownBody {
  public:
   virtual ~ShownBody() = default;
-  /// Whether a motion is on the body's own joints, or the body takes any. Others are retargeted to SMPL's.
+  /// True if a motion is on the body's own joints, or the body takes any. Others are retargeted to SMPL's.
   virtual bool has_joints_of(const Motion& motion) const = 0;
-  /// Whether it takes any joints: the free body.
+  /// True if it takes any joints: the free body.
   virtual bool takes_any_joints() const { return false; }
   /// fps: of a file that does not say it, or 0. Throws what read_amass_sequence throws.
   virtual BodyClip read(const std::filesystem::path& npz, double fps = 0) const = 0;

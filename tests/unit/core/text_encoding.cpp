@@ -43,7 +43,7 @@ TEST_CASE("wide texts are known by their mark, and without one by the zeros of t
     CHECK(!ml::from_wide_text(narrow));
 }
 
-TEST_CASE("what is no character becomes one that says so, and nothing is read behind the end") {
+TEST_CASE("a unit without a character becomes one that says so, and nothing is read behind the end") {
   CHECK(ml::from_wide_text("\xFF\xFE"s) == "");
   CHECK(ml::from_wide_text("\xFF\xFE\x41"s) == "\uFFFD");
   CHECK(ml::from_wide_text("\xFF\xFE\x00\xD8\x41\x00"s) == "\uFFFDA");

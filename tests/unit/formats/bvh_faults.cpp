@@ -189,7 +189,7 @@ RandomFile walk_among_others(const ml::SkeletonTable& table, ml::Philox& draw) {
 
 }  // namespace
 
-TEST_CASE("BVH: the path of a pelvis with IK bones beside it is kept, and these are no joints") {
+TEST_CASE("BVH: the path of a pelvis with IK bones beside it is kept, and these are not joints") {
   std::string notes;
   const ml::Motion m = ml::read_motion(fault("bvh_root_with_ik_bones.bvh"), {}, &notes);
   CHECK(m.skeleton.name(0) == "pelvis");
@@ -273,7 +273,7 @@ TEST_CASE("BVH: beside a body, a ROOT with few joints is a prop and left out wit
   std::string notes;
   const ml::Motion m = ml::read_motion(folder / "two.bvh", {}, &notes);
   CHECK(m.skeleton.size() == 24);
-  CHECK_MESSAGE(notes.find("left out is ROOT 'camera' with 1 joint, which is no body") != notes.npos, notes);
+  CHECK_MESSAGE(notes.find("left out is ROOT 'camera' with 1 joint, which is not a body") != notes.npos, notes);
 }
 
 TEST_CASE("BVH: a row more than declared is left out with a note") {
@@ -404,13 +404,13 @@ TEST_CASE("BVH: random names come back as bvh_names says, and from GLB as they w
   }
 }
 
-TEST_CASE("BVH: names that are no UTF-8 are read as ISO 8859-1, and a note says so") {
+TEST_CASE("BVH: names in another encoding than UTF-8 are read as ISO 8859-1, and a note says so") {
   const ml::Bvh file = ml::parse_bvh(
       "HIERARCHY ROOT H\xFC"
       "fte { OFFSET 0 0 0 } MOTION Frames: 0 Frame Time: 1");
   CHECK(file.nodes[0].name == "Hüfte");
   REQUIRE(file.notes.size() == 1);
-  CHECK(file.notes[0] == "1 name is no UTF-8, read as ISO 8859-1");
+  CHECK(file.notes[0] == "1 name is not UTF-8, read as ISO 8859-1");
 }
 
 TEST_CASE("a Git LFS pointer and a page in place of a file are called that, whatever the kind") {
@@ -428,7 +428,7 @@ TEST_CASE("a Git LFS pointer and a page in place of a file are called that, what
     CHECK_THROWS_WITH_AS(ml::parse_motions(std::as_bytes(std::span(pointer)), folder / file),
                          Contains("Git LFS pointer"), ml::io_error);
     ml::write_file(folder / file, page);
-    CHECK_THROWS_WITH_AS(ml::read_motions(folder / file), Contains("is no motion but a page (HTML)"), ml::io_error);
+    CHECK_THROWS_WITH_AS(ml::read_motions(folder / file), Contains("is not a motion but a page (HTML)"), ml::io_error);
   }
   ml::write_file(folder / "model.safetensors", pointer);
   CHECK_THROWS_WITH_AS(ml::read_file(folder / "model.safetensors"), Contains("[motionlang.io.401]"), ml::io_error);
