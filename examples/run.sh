@@ -11,7 +11,7 @@ cd "$(dirname "$0")/.."
 . .ci/packages.sh
 command -v c++ >/dev/null || need g++
 need cmake ninja-build libeigen3-dev libxtensor-dev nlohmann-json3-dev libcli11-dev libhnswlib-dev
-options="-DMOTIONLANG_BUILD_TESTS=OFF -DMOTIONLANG_TRAINING=OFF"  # the README tells how to have train-tmr and its like
+options="-DMOTIONLANG_BUILD_TESTS=OFF -DMOTIONLANG_TRAINING=OFF"  # examples/motionlang/README.md tells how to add train-tmr and the others
 build release motionlang_program
 echo
 cat "$timeline"

@@ -17,14 +17,14 @@ struct MachineOptions {
   std::string precision = "fp32";
 
   void add_to(CLI::App& command) {
-    command
-        .add_option("--threads", threads, "Threads; unless given, as many as the machine has or its container is given")
+    command.add_option("--threads", threads, "Number of threads. The default is what the machine or its container has")
         ->check(in_range(1, 1024));
     command
-        .add_option("--precision", precision,
-                    "Of products: fp32, or bf16 (factors rounded to 8 bits, sums in float): up to several times faster "
-                    "where the processor multiplies bfloat16; packed weights take half the memory; or bf16x3 (three "
-                    "bfloat16 for a float, as exact as fp32): faster on few threads with AMX")
+        .add_option(
+            "--precision", precision,
+            "Precision of matrix products. bf16 rounds factors to bfloat16 and sums in float; it is several times "
+            "faster on processors that multiply bfloat16, and halves the memory of packed weights. bf16x3 uses "
+            "three bfloat16 for a float, is as exact as fp32, and is faster on few threads with AMX")
         ->check(CLI::IsMember({"fp32", "bf16", "bf16x3"}))
         ->capture_default_str();
   }

@@ -8,6 +8,7 @@
 #include <motionlang/version.hpp>
 
 #include "commands.hpp"
+#include "help_formatter.hpp"
 #include "training_commands.hpp"
 
 namespace {
@@ -32,12 +33,13 @@ int main(int argc, char** argv) {
 
   CLI::App app{"motionlang " MOTIONLANG_VERSION ": 3D human motion from language", "motionlang"};
   app.allow_windows_style_options(false);  // the same command line everywhere: /name is a file
+  app.formatter(std::make_shared<program::HelpFormatter>());
   app.require_subcommand(1);
   app.set_version_flag("--version", MOTIONLANG_VERSION);
   std::string footer =
       "Exit codes: 0 done; 1 a file, a model or the computation failed; 2 the command line is wrong\n"
-      "or asks for what the model or the motion does not have; 3 the timeline is wrong;\n"
-      "130 stopped by Ctrl-C (what was finished is kept).";
+      "or asks for something that the model or the motion lacks; 3 the timeline is wrong;\n"
+      "130 stopped by Ctrl-C (finished files are kept).";
 #ifndef MOTIONLANG_TRAINING
   footer += "\nBuilt without " + motionlang::join_text(program::training_commands) +
             ". To have them, in the folder of motionlang:\n" + program::build_with_training;

@@ -34,10 +34,10 @@ CLI::Validator number_that(const std::string& kind, const std::string& wanted, F
 }
 
 inline CLI::Validator positive() {
-  return number_that("POSITIVE", "a number above 0", [](double x) { return x > 0; });
+  return number_that("above 0", "a number above 0", [](double x) { return x > 0; });
 }
 inline CLI::Validator not_negative() {
-  return number_that("NONNEGATIVE", "0 or a number above it", [](double x) { return x >= 0; });
+  return number_that("0 or more", "0 or a number above it", [](double x) { return x >= 0; });
 }
 inline CLI::Validator in_range(double low, double high) {
   return number_that(formatted("%.9g to %.9g", low, high), formatted("a number from %.9g to %.9g", low, high),

@@ -128,7 +128,7 @@ TEST_CASE("train-sinc and train-teach lower their losses and leave models; two h
     REQUIRE(w.train(c.command, halves, epochs("13")).code == 0);
     const auto rest = w.train(c.command, halves, epochs("30") + std::vector<std::string>{"--recompute"});
     REQUIRE_MESSAGE(rest.code == 0, rest.text);
-    CHECK_MESSAGE(contains(rest.text, "going on at step " + std::to_string(13 * c.steps_of_epoch)), rest.text);
+    CHECK_MESSAGE(contains(rest.text, "continuing at step " + std::to_string(13 * c.steps_of_epoch)), rest.text);
     CHECK(w.losses(halves) == losses);
     CHECK(w.weights(halves) == w.weights(whole));
   }

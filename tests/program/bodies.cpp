@@ -167,7 +167,7 @@ TEST_CASE("convert, strip: bodies of a folder as .obj files, film strips as .png
   CHECK(w.text("out/moving_0001.obj") == w.text("alone_0001.obj"));  // its own shape and hands
   const Outcome bare = w.run({"convert", "in", "out", "--as", ".obj"});
   CHECK(bare.code == 2);
-  CHECK_MESSAGE(contains(bare.text, ".obj files show a body: --body says which"), bare.text);
+  CHECK_MESSAGE(contains(bare.text, ".obj files show a body: name it with --body"), bare.text);
 
   const Outcome strips = w.run({"strip", "in", "-o", "strips", "--as", ".png"});
   CHECK_MESSAGE(strips.code == 0, strips.text);

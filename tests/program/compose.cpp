@@ -77,13 +77,13 @@ TEST_CASE("compose: legs, pelvis and path stay together; the motion with fewer p
   CHECK(contains(w.run({"compose", "walk.bvh", "bent.bvh", "--first", "left arm,right arm", "--second", "right arm",
                         "-o", "both.bvh"})
                      .text,
-                 "both move: right arm; the motion with fewer parts has them"));
+                 "both motions claim right arm; the one with fewer parts gets them"));
 }
 
 TEST_CASE("compose: two motions of the whole body are none at the same time") {
   const Clips w;
   const Outcome made = w.run({"compose", "walk.bvh", "bent.bvh", "--second", "tail", "-o", "no.bvh"});
-  const char* said = "[motionlang.config.102] compose: both motions have all parts, nothing of 'walk' would be left";
+  const char* said = "[motionlang.config.102] compose: both motions have all parts, nothing of 'walk' would remain";
   CHECK_MESSAGE((made.code == 2 && contains(made.text, said)), made.text);
 }
 

@@ -33,7 +33,7 @@ TEST_CASE("convert says what is strange about a motion: a T-pose in front, a dol
   ml::write_bvh(w / "posed.bvh", ml::concatenate(pose, walk));
   const auto posed = w.run({"convert", "posed.bvh", "x.glb"});
   CHECK_MESSAGE(
-      contains(posed.text, "posed.bvh: begins with 1 frame of a T-pose that was put in front; --from 0.05 leaves"),
+      contains(posed.text, "posed.bvh: begins with 1 frame of a T-pose in front of the recording; --from 0.05 leaves"),
       posed.text);
   CHECK(!contains(w.run({"convert", "posed.bvh", "x.bvh", "--from", "0.05"}).text, "T-pose"));
   CHECK(!contains(w.run({"convert", "x.bvh", "x.glb"}).text, "T-pose"));
@@ -187,7 +187,7 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
     CHECK_MESSAGE(contains(w.run({"info", file}).text, "sliding at"), file);
   const auto page = w.run({"info", "page.html"});
   CHECK(page.code == 1);
-  CHECK_MESSAGE(contains(page.text, "page.html: shown are weights, motions and timelines, not '.html'"), page.text);
+  CHECK_MESSAGE(contains(page.text, "page.html: info shows weights, motions and timelines, not '.html'"), page.text);
 
   const auto unknown = w.run({"convert", "walk.bvh", "walk.fbx"});
   CHECK(unknown.code == 2);
@@ -284,7 +284,7 @@ TEST_CASE("convert: texts of BABEL become annotations, and these files of captio
   const auto other = w.run({"convert", "babel.json", "out.bvh"}),
              option = w.run({"convert", "babel.json", "out.json", "--mirror"});
   CHECK(other.code == 1);
-  CHECK_MESSAGE(contains(other.text, "are written to .json or, as files of captions, into a folder, not '.bvh'"),
+  CHECK_MESSAGE(contains(other.text, "are written to .json, or into a folder as caption files, not '.bvh'"),
                 other.text);
   CHECK(option.code == 2);
   CHECK_MESSAGE(contains(option.text, "--mirror: is not for texts of motions"), option.text);

@@ -158,7 +158,7 @@ TEST_CASE("generate does not write over what it keeps") {
   const std::string before = ml::read_file(w / "out/two.bvh");
   const Outcome over = w.generate("out", {"--keep", "out/two.bvh", "--keep-parts", "legs"});
   CHECK(over.code == 2);
-  CHECK_MESSAGE(contains(over.text, "out/two.bvh is what is read"), over.text);
+  CHECK_MESSAGE(contains(over.text, "out/two.bvh is an input"), over.text);
   CHECK(ml::read_file(w / "out/two.bvh") == before);
 }
 
@@ -237,9 +237,9 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
     const Outcome o = w.generate("no", all);
     CHECK_MESSAGE((o.code == 2 && contains(o.text, text)), o.text);
   };
-  refused({}, "say what is kept: --keep-seconds or --keep-parts");
+  refused({}, "needs --keep-seconds or --keep-parts");
   refused({"--keep-parts", "tail"}, "--keep-parts: 'tail' is not one of left arm");
-  refused({"--keep-seconds", "3-1"}, "'3-1' is not a stretch of time like 0-1.5");
+  refused({"--keep-seconds", "3-1"}, "'3-1' is not a time range like 0-1.5");
   for (const char* none : {"-1", "-1-1", "1-", "1", "-", "nan-1", "0-inf", "0-1x"})
     refused({std::string("--keep-seconds=") + none}, "is not a stretch of time like 0-1.5");
   refused({"--keep-seconds", "0-1.5"},

@@ -26,7 +26,7 @@ struct Originals : TemporaryFolder {
     const std::string before = ml::read_file(*this / file);
     const Outcome out = ::run(arguments, path);
     CHECK_MESSAGE(out.code == code, arguments[0], ": ", out.text);
-    CHECK_MESSAGE(contains(out.text, file + " is what is read"), out.text);
+    CHECK_MESSAGE(contains(out.text, file + " is an input"), out.text);
     CHECK(ml::read_file(*this / file) == before);
   }
 };

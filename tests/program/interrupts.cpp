@@ -46,7 +46,7 @@ TEST_CASE("Ctrl-C while training: 130 and a checkpoint, from which the same comm
   };
   const auto stopped = train("5000", "training [");
   CHECK_MESSAGE(stopped.code == 130, stopped.text);
-  CHECK(contains(stopped.text, "the same command goes on from run/checkpoint.safetensors"));
+  CHECK(contains(stopped.text, "the same command continues from run/checkpoint.safetensors"));
   const auto names = [&] {
     std::vector<std::string> out;
     for (const auto& f : std::filesystem::directory_iterator(clips.folder / "run")) out.push_back(f.path().filename());
@@ -56,7 +56,7 @@ TEST_CASE("Ctrl-C while training: 130 and a checkpoint, from which the same comm
   CHECK(names() == std::vector<std::string>{"checkpoint.safetensors", "loss.svg"});
   const auto whole = train("20");
   REQUIRE_MESSAGE(whole.code == 0, whole.text);
-  CHECK(contains(whole.text, "going on at step"));
+  CHECK(contains(whole.text, "continuing at step"));
   CHECK(names() == std::vector<std::string>{"checkpoint.safetensors", "loss.svg", "stmc.safetensors"});
   CHECK(run({"info", "run/stmc.safetensors"}, clips.folder.path).code == 0);
   const auto made = run({"generate", "--model", "run/stmc.safetensors", "--text", "Someone walks to the river",

@@ -335,7 +335,7 @@ TEST_CASE("convert --denoise: encoded and decoded, put where it was; longer moti
     CHECK(!fs::exists(w / "out.bvh"));
   };
   refused({"convert", "short.bvh", "out.bvh", "--denoise", "actor"},
-          "[motionlang.config.102] ACTOR has to know which action a motion shows");
+          "[motionlang.config.102] ACTOR needs to know which action the motion shows");
   const Outcome dance = w.run({"convert", "short.bvh", "out.bvh", "--denoise", "actor", "--action", "dance"});
   CHECK_MESSAGE((dance.code == 1 && contains(dance.text, "action 'dance' is not one of 0 ... 11")), dance.text);
   auto with_action = temos;

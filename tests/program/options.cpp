@@ -179,9 +179,9 @@ TEST_CASE("options that say nothing about a file, and results in the place of wh
       {{"convert", "walk.bvh", "x.glb", "--rate", "60"}, "--rate is for .npy, .amc and .npz files"},
       {{"strip", "walk.bvh", "x.svg", "--up", "z"}, "--up is for .npy files"},
       {{"convert", "walk.bvh", "x.glb", "--asf", "two.txt"}, "--asf is for AMC files; walk.bvh is not one"},
-      {{"convert", "walk.bvh", "./walk.bvh", "--mirror"}, "./walk.bvh is what is read"},
-      {{"join", "other.bvh", "walk.bvh", "-o", "walk.bvh"}, "walk.bvh is what is read"},
-      {{"compose", "walk.bvh", "other.bvh", "--second", "left arm", "-o", "walk.bvh"}, "walk.bvh is what is read"},
+      {{"convert", "walk.bvh", "./walk.bvh", "--mirror"}, "./walk.bvh is an input"},
+      {{"join", "other.bvh", "walk.bvh", "-o", "walk.bvh"}, "walk.bvh is an input"},
+      {{"compose", "walk.bvh", "other.bvh", "--second", "left arm", "-o", "walk.bvh"}, "walk.bvh is an input"},
       {{"doctor", ".", "--report", "walk.bvh"}, "its name ends in .html"},
       {{"search", "two.txt", "walk", "--from", "1"}, "--from requires --like"},
       {{"search", "two.txt", "walk", "--overlap", "0.5"}, "--overlap requires --moments"}};

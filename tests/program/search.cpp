@@ -99,7 +99,7 @@ TEST_CASE("index and search: clips, moments, another motion, a page") {
   }
   CHECK(g.search({"a person walks slowly", "--top", "2"}).size() == 2);
   check_contains(g.run({"search", "moves.index", "a person walks", "--captions"}), 0,
-                 {"nothing was found: the index has 0 captions"});
+                 {"no results: the index has 0 captions"});
   check_contains(g.run({"index", "clips", "--model", "model", "-o", "nowhere/moves.index"}), 1,
                  {"[motionlang.io.401] nowhere/moves.index: there is no folder nowhere"});
   CHECK(g.search({"a person turns left"}) != hits);
@@ -260,7 +260,7 @@ TEST_CASE("index: listing, removing, captions") {
                  {"3 clips removed, 3 left", "clips/never.bvh is not in the index"});
   CHECK(g.search({"a person walks"}).size() == 3);
   check_contains(g.run({"index", "-o", "moves.index", "--remove", "clips/never.bvh"}), 2,
-                 {"[motionlang.config.103] --remove: moves.index has no clip of these"});
+                 {"[motionlang.config.103] --remove: moves.index has none of these clips"});
   check_contains(g.run({"index", "-o", "moves.index", "--list", "--remove", "clips/never.bvh"}), 0,
                  {"clips/never.bvh is not in the index", "straight.bvh\t"});
   check_contains(g.index({"--windows", "1,2"}), 2,
@@ -514,7 +514,7 @@ TEST_CASE("index and search: a TMR as its repository leaves it, with a cache of 
   check_contains(g.run(evaluate), 1, {"--text-encoder names it"});
   fs::create_directories(g / "mdm");
   ml::write_file(g / "mdm/args.json", "{}");
-  check_contains(g.run({"evaluate", "mdm", "--data", "data"}), 1, {"a model of 'mdm'; measured are tmr"});
+  check_contains(g.run({"evaluate", "mdm", "--data", "data"}), 1, {"a model of 'mdm'; evaluate measures tmr"});
   fs::remove(g / "tmr/stats/mean.pt");
   check_contains(g.run({"search", "moves.index", "a person walks", "--text-encoder", "states/bert.npy"}), 1,
                  {"[motionlang."});
@@ -566,8 +566,8 @@ TEST_CASE("index and search: what is refused") {
   check_contains(g.run({"index", "clips", "--model", "clips", "-o", "moves.index"}), 1, {"[motionlang."});
   CHECK(!fs::exists(g / "moves.index"));
   REQUIRE(g.index({"--no-moments"}).code == 0);
-  check_contains(g.run({"index", "-o", "moves.index"}), 2, {"a folder of motions is missing"});
-  check_contains(g.run({"search", "moves.index"}), 2, {"either a text or --like"});
+  check_contains(g.run({"index", "-o", "moves.index"}), 2, {"index: name a folder of motions"});
+  check_contains(g.run({"search", "moves.index"}), 2, {"give either a text or --like"});
   check_contains(g.run({"search", "moves.index", "walk", "--moments"}), 1, {"this index has no moments"});
   check_contains(g.run({"search", "moves.index", "--like", "clips/left.bvh", "--from", "50"}), 2,
                  {"[motionlang.config.101]"});

@@ -55,7 +55,7 @@ TEST_CASE(
     REQUIRE(clips.train(command, halves, {"--set", "optimiser.epochs=24"}).code == 0);
     const auto rest = clips.train(command, halves, {"--set", "optimiser.epochs=50", "--recompute"});
     REQUIRE_MESSAGE(rest.code == 0, rest.text);
-    CHECK(contains(rest.text, "going on at step 48 of 100"));
+    CHECK(contains(rest.text, "continuing at step 48 of 100"));
     CHECK_MESSAGE(contains(rest.text, "trained  52 steps in 0:"), rest.text);
     const auto shorter = clips.train(command, halves, {"--set", "optimiser.epochs=24"});
     CHECK(shorter.code == 1);
@@ -271,7 +271,7 @@ TEST_CASE("text.finetune trains DistilBERT with TMR and TEMOS; its weights and t
     REQUIRE(train(command, halves, {"--set", "text.finetune=true", "--set", "optimiser.epochs=2"}).code == 0);
     const auto rest = train(command, halves, {"--set", "text.finetune=true"});
     REQUIRE_MESSAGE(rest.code == 0, rest.text);
-    CHECK(contains(rest.text, "going on at step 4 of 8"));
+    CHECK(contains(rest.text, "continuing at step 4 of 8"));
     CHECK(clips.losses(halves) == clips.losses(whole));
     CHECK(clips.weights(halves) == clips.weights(whole));
 
@@ -324,7 +324,7 @@ TEST_CASE("Ctrl-C keeps a checkpoint, from which the same command goes on; early
   const Clips clips;
   const auto stopped = clips.train("train-tmr", "run", {"--set", "optimiser.epochs=20000"}, "training [");
   CHECK_MESSAGE(stopped.code == 130, stopped.text);
-  CHECK(contains(stopped.text, "the same command goes on from run/checkpoint.safetensors"));
+  CHECK(contains(stopped.text, "the same command continues from run/checkpoint.safetensors"));
   CHECK(!std::filesystem::exists(clips / "run/model"));
   const auto steps = clips.losses("run").size();
   CHECK(steps > 0);

@@ -120,7 +120,7 @@ TEST_CASE(
     REQUIRE(train(s.name, halves, epochs(s.half)).code == 0);
     const auto rest = train(s.name, halves, epochs(s.whole));
     REQUIRE_MESSAGE(rest.code == 0, rest.text);
-    CHECK(contains(rest.text, "going on at step "));
+    CHECK(contains(rest.text, "continuing at step "));
     CHECK(clips.losses(halves) == losses);
     CHECK(clips.weights(halves) == clips.weights(s.name));
   }

@@ -43,9 +43,9 @@ void compose(const ComposeOptions& o) {
               ml::list_sinc_parts(of_second).c_str());
   if (of_first.all() && of_second.all())
     ml::raise<usage_error>(102, "compose: both motions have all parts, nothing of '", first.name,
-                           "' would be left: name the parts of one by --first or --second");
+                           "' would remain: limit one of them by --first or --second");
   if (!ml::are_compatible(of_first, of_second) && !o.first.empty())
-    std::printf("both move: %s; the motion with fewer parts has them\n",
+    std::printf("both motions claim %s; the one with fewer parts gets them\n",
                 ml::list_sinc_parts(of_first & of_second).c_str());
   write(o, ml::compose_motions(first, of_first, second, of_second,
                                o.center ? ml::SincTrim::both_ends : ml::SincTrim::end));
@@ -67,9 +67,7 @@ void add_output(CLI::App& c, ComposeOptions& o) {
   c.add_option("-o,--output", o.out, "Result: .bvh, .glb, .npz (AMASS), .npy (joints), .html (page), .svg or .png")
       ->required()
       ->check(not_empty());
-  c.add_option("--units", o.units, "Units per metre of a BVH file that is written")
-      ->check(positive())
-      ->capture_default_str();
+  c.add_option("--units", o.units, "Units per metre of a BVH result")->check(positive())->capture_default_str();
   o.read.add_to(c);
 }
 
@@ -77,26 +75,26 @@ void add_output(CLI::App& c, ComposeOptions& o) {
 
 void add_compose(CLI::App& app) {
   const auto o = std::make_shared<ComposeOptions>();
-  CLI::App* c =
-      app.add_subcommand("compose",
-                         "One motion out of two at the same time: each gives the body parts that its action "
-                         "needs, by the rule of SINC; legs, pelvis and path stay together. A T-pose that was put in "
-                         "front of a recording is left out");
+  CLI::App* c = app.add_subcommand(
+      "compose",
+      "Combines two motions into one at the same time. Each gives the body parts that its action needs, by the rule of "
+      "SINC; legs, pelvis and path stay together. A T-pose in front of a recording is left out");
   c->add_option("motions", o->in,
-                "Two files, as for convert; at the rate of the first, on SMPL's joints with its bones")
+                "Two motion files, as for convert. The result has the rate and bones of the first, on SMPL's joints")
       ->required()
       ->expected(2)
       ->check(CLI::ExistingFile);
   const std::string parts =
-      "Parts that the action of the %s motion needs: global, torso, left arm, right arm, left leg, "
-      "right leg, separated by commas; or its text, from which they are guessed";
+      "Body parts that the %s motion gives: global, torso, left arm, right arm, left leg, right leg, separated by "
+      "commas. "
+      "Or a text, from which the parts are guessed";
   const auto of = [&](const char* which) { return std::string(parts).replace(parts.find("%s"), 2, which); };
-  c->add_option("--first", o->first, of("first") + "; all unless given")->check(not_empty());
+  c->add_option("--first", o->first, of("first") + ". The default is all")->check(not_empty());
   c->add_option("--second", o->second, of("second"))->required()->check(not_empty());
   c->add_option("--table", o->table,
-                "Body parts of texts as SINC has them from a language model: JSON, text -> answers")
+                "Body parts of texts from a language model, as SINC has them: JSON, text -> answers")
       ->check(CLI::ExistingFile);
-  c->add_flag("--center", o->center, "The longer motion is cut at both ends, not at its end only");
+  c->add_flag("--center", o->center, "Cut the longer motion at both ends, not only at its end");
   add_output(*c, *o);
   c->callback([o] { compose(*o); });
 }
@@ -105,14 +103,13 @@ void add_join(CLI::App& app) {
   const auto o = std::make_shared<ComposeOptions>();
   CLI::App* c =
       app.add_subcommand("join",
-                         "Motions one after the other: each is turned and moved over the floor to go on where "
-                         "the one before it ends, and blended into it. A T-pose that was put in front of a recording "
-                         "is left out");
-  c->add_option("motions", o->in, "Files, as for convert; at the rate and on the skeleton of the first")
+                         "Joins motions one after another. Each is turned and moved over the floor to start where the "
+                         "one before it ends, and is blended into it. A T-pose in front of a recording is left out");
+  c->add_option("motions", o->in, "Motion files, as for convert. The result has the rate and skeleton of the first")
       ->required()
       ->expected(1, -1)
       ->check(CLI::ExistingFile);
-  c->add_option("--blend", o->blend, "Seconds in which one motion gives way to the next, at least one frame")
+  c->add_option("--blend", o->blend, "Seconds over which one motion blends into the next, at least one frame")
       ->check(not_negative())
       ->capture_default_str();
   add_output(*c, *o);

@@ -44,9 +44,9 @@ std::function<ml::Motion(const ml::Motion&)> denoiser_of(const ConvertOptions& o
   const std::shared_ptr<const ml::MotionModel> generator = load_generator("eigen", o.denoise, o.sources);
   const ml::LatentMotionModel& model = require_latent(*generator, "--denoise", o.denoise);
   if (model.takes_actions() && o.action.empty())
-    ml::raise<usage_error>(102, "ACTOR has to know which action a motion shows to denoise it: --action names it");
+    ml::raise<usage_error>(102, "ACTOR needs to know which action the motion shows: name it with --action");
   if (!model.takes_actions() && !o.action.empty())
-    ml::raise<usage_error>(102, "--action '", o.action, "' is for ACTOR; this model reads the motion alone");
+    ml::raise<usage_error>(102, "--action '", o.action, "' is for ACTOR; this model needs no action");
   return [generator, &model, action = o.action](const ml::Motion& m) { return model.denoised(m, action); };
 }
 
@@ -135,10 +135,10 @@ void run(ConvertOptions o) {
   if (folder ? o.as.empty() : !fs::path(o.out).has_extension()) o.data_set = find_data_set_form(o.features);
   if (folder && o.as.empty() && o.data_set == nullptr)
     throw CLI::ValidationError("input",
-                               o.in + " is a folder: say with --as what its files become (.bvh, .glb, .npz, ...)");
+                               o.in + " is a folder: --as names the format of the results (.bvh, .glb, .npz, ...)");
   if (!folder && !o.as.empty()) throw CLI::ValidationError("--as", "is for folders; " + o.in + " is a file");
   if (o.as == ".obj" && o.body.file.empty())
-    throw CLI::ValidationError("--as", ".obj files show a body: --body says which");
+    throw CLI::ValidationError("--as", ".obj files show a body: name it with --body");
   if (const std::string kind = folder ? o.as : kind_of(o.out);
       !o.skeleton.empty() && (o.data_set != nullptr || kind == ".npz" || kind == ".npy"))
     throw CLI::ValidationError("--skeleton", "is for results on any joints (.bvh, .glb, .html, .svg, .png), not for " +
@@ -154,9 +154,9 @@ void run(ConvertOptions o) {
 /// more: what else the input may be.
 void add_input(CLI::App& c, ConvertOptions& o, const std::string& more = "") {
   c.add_option("input", o.in,
-               "Motion: .bvh (every ROOT), .amc, .npz (AMASS, smplx), .npy (joints, features, or MDM's results.npy: "
-               "every motion), .glb, .gltf (with its data in it), .vrm or .vrma (every animation); or a folder of them "
-               "(.vrm, mostly avatars, and .gltf are skipped there)" +
+               "Motion file: .bvh (every ROOT), .amc, .npz (AMASS, smplx), .npy (joints, features, or every motion of "
+               "MDM's results.npy), .glb, .gltf with embedded data, .vrm or .vrma (every animation). Or a folder of "
+               "them, where .vrm and .gltf are skipped" +
                    more)
       ->required()
       ->check(CLI::ExistingPath);
@@ -165,11 +165,11 @@ void add_input(CLI::App& c, ConvertOptions& o, const std::string& more = "") {
 
 CLI::Option* add_body(CLI::App& c, ConvertOptions& o) {
   CLI::Option* body = c.add_option("--body", o.body.file,
-                                   "Body to show it on, your own file of SMPL, SMPL-H or SMPL-X: .npz or .pkl; hands "
-                                   "and shape of AMASS files are shown, too; \"free\" for capsules")
+                                   "Body that shows the motion: your own file of SMPL, SMPL-H or SMPL-X (.npz or "
+                                   ".pkl), or \"free\" for capsules. Hands and shape of AMASS files are shown too")
                           ->check(CLI::ExistingFile | CLI::IsMember({"free"}));
   c.add_option("--betas", o.body.betas,
-               "Shape of the body: its first coefficients, separated by commas; that of an AMASS file unless given")
+               "First shape coefficients of the body, separated by commas. The default is the shape in an AMASS file")
       ->delimiter(',')
       ->needs(body);
   return body;
@@ -181,7 +181,7 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
   add_input(*c, *o);
   c->add_option(
       "output,-o,--output", o->out,
-      "The result, of a folder the folder of the results; walk.bvh" + extension + " beside walk.bvh unless given");
+      "Result; for a folder, the folder of the results. The default is walk.bvh" + extension + " beside walk.bvh");
   c->callback([o, extension] {
     if (fs::is_directory(o->in)) {
       if (o->as.empty()) o->as = extension;
@@ -197,7 +197,7 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
   if (extension == ".html")
     add_body(*c, *o);
   else
-    c->add_option("--as", o->as, "Of a folder: what the strips are, .svg unless given")
+    c->add_option("--as", o->as, "Format of the results of a folder. The default is .svg")
         ->check(CLI::IsMember({".svg", ".png"}));
 }
 
@@ -205,89 +205,86 @@ void add_picture(CLI::App& app, const std::string& name, const std::string& abou
 
 void add_convert(CLI::App& app) {
   const auto o = std::make_shared<ConvertOptions>();
-  CLI::App* c = app.add_subcommand("convert",
-                                   "Reads a motion and writes it in another format, edited if you like; or weights of "
-                                   "any kind as .safetensors; or texts of motions");
+  CLI::App* c = app.add_subcommand(
+      "convert",
+      "Converts a motion to another format and edits it. Also converts weights to .safetensors, and texts of motions");
   add_input(*c, *o,
-            "; or weights, or a body (--hands); or texts: .json of BABEL, or annotations as TMR and STMC have them");
-  c->add_option(
-       "output", o->out,
-       "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (SMPL's joints, Z up as STMC saves them), .html "
-       "(page), .svg or .png (film strip), with --body .obj (one for each frame); of weights .safetensors, of "
-       "a body (--hands) .npz; of a folder a folder (--as); of texts .json (annotations as TMR and STMC have "
-       "them), or a folder for texts/ as HumanML3D has it")
+            ". Also weights, a body (--hands), or texts (.json of BABEL, or annotations as TMR and STMC have them)");
+  c->add_option("output", o->out,
+                "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (SMPL's joints, Z up as STMC saves them), "
+                ".html (page), .svg or .png (film strip), or with --body .obj (one file per frame). Weights become "
+                ".safetensors, a body (--hands) becomes .npz, and a folder becomes a folder (--as). Texts become .json "
+                "(annotations as TMR and STMC have them), or a folder with texts/ as HumanML3D has it")
       ->check(not_empty())
       ->required();
   c->add_option("--as", o->as,
-                "Of a folder: what the motion files in it and below become, .bvh for instance, with --body also .obj; "
-                "the result is a folder, too")
+                "Format of the motion files in a folder and below, such as .bvh, or .obj with --body. The result is a "
+                "folder too")
       ->check(CLI::IsMember({".bvh", ".glb", ".npz", ".npy", ".html", ".svg", ".png", ".obj"}));
   const CLI::Option* tensors =
       c->add_option("--tensors", o->tensors,
-                    "Of weights: keys to the tensors in the file, for instance state_dict or a/b; found unless given");
+                    "Weights: path to the tensors in the file, such as state_dict or a/b. The default is to find it");
   const CLI::Option* store =
-      c->add_option("--store", o->store, "Of weights: floating-point numbers rounded to this type")
+      c->add_option("--store", o->store, "Weights: type to which floating-point values are rounded")
           ->transform(CLI::IsMember({"F32", "F16", "BF16"}, CLI::ignore_case));
-  c->add_option(
-       "--fps", o->time.fps,
-       "Frames per second of the result; as the input unless given; of a GLB input whose keys are at no frames 30")
+  c->add_option("--fps", o->time.fps,
+                "Frames per second of the result. The default is the rate of the input, or 30 for a GLB file whose "
+                "keys follow no frame rate")
       ->check(positive());
-  c->add_option("--from", o->time.from, "Begin, seconds")->check(not_negative());
-  c->add_option("--to", o->time.to, "End, seconds")->check(positive());
-  c->add_option("--speed", o->time.speed, "How much faster")->check(positive())->capture_default_str();
-  c->add_option("--units", o->scale, "Units per metre of a BVH file that is written")
+  c->add_option("--from", o->time.from, "Start in seconds")->check(not_negative());
+  c->add_option("--to", o->time.to, "End in seconds")->check(positive());
+  c->add_option("--speed", o->time.speed, "Factor by which the motion becomes faster")
       ->check(positive())
       ->capture_default_str();
+  c->add_option("--units", o->scale, "Units per metre of a BVH result")->check(positive())->capture_default_str();
   CLI::Option* rig =
       c->add_option("--rig", o->rig.file,
-                    "Character (.glb or .vrm with a skin): the result is this file with the motion added")
+                    "Character (.glb or .vrm with a skin). The result is this file with the motion added")
           ->check(CLI::ExistingFile);
   CLI::Option* body = add_body(*c, *o)->excludes(rig);
-  c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already")
+  c->add_flag("--drop-animations", o->rig.drop_animations, "Leave out the animations that the character already has")
       ->needs(rig);
-  c->add_option(
-       "--skeleton", o->skeleton,
-       "Motion file (.bvh in --units, .glb, ...): the result is on its skeleton, with its names, bones and rest pose")
+  c->add_option("--skeleton", o->skeleton,
+                "Motion file (.bvh in --units, .glb, ...) whose skeleton the result takes: names, bones and rest pose")
       ->excludes(rig)
       ->excludes(body)
       ->check(CLI::ExistingFile);
-  c->add_option("--features", o->features,
-                "Writes features to .npy: guoh3d (HumanML3D), kit, rifke (TMR), rifke64 (TEMOS on KIT), smplvelp "
-                "(TEMOS, with the exact heading), smplvelp-published (with its own turn), smplrifke (STMC) or actor; "
-                "at the rate of the system unless --fps is given. Of guoh3d and kit the result may be a folder: a clip "
-                "is added to this data set")
+  c->add_option(
+       "--features", o->features,
+       "Write features to .npy: guoh3d (HumanML3D), kit, rifke (TMR), rifke64 (TEMOS on KIT), smplvelp (TEMOS, exact "
+       "heading), smplvelp-published (TEMOS, published heading), smplrifke (STMC) or actor. The default rate is that "
+       "of the system. With guoh3d or kit the result may be a folder: the clip is added to this data set")
       ->check(features_name())
       ->excludes(rig)
       ->excludes(body);
-  c->add_flag("--replace", o->replace,
-              "Of a data set: a clip takes the place of another motion that has its name there, whose captions stay");
+  c->add_flag("--replace", o->replace, "A clip replaces the clip of the same name in the data set. Its captions stay");
   CLI::Option* denoise =
       c->add_option("--denoise", o->denoise,
-                    "Model (ACTOR, TEMOS, TMR, SINC: of our training or as published) that encodes and decodes the "
-                    "motion: what it does not know, noise for instance, is left out; on the joints of the model")
+                    "Model that encodes and decodes the motion: ACTOR, TEMOS, TMR or SINC, trained here or published. "
+                    "The result lacks what the model never learned, such as noise, and is on the model's joints")
           ->check(CLI::ExistingPath);
-  c->add_option("--action", o->action, "Of --denoise with ACTOR: name or number of the action that the motion shows")
+  c->add_option("--action", o->action, "Action that the motion shows, by name or number, for --denoise with ACTOR")
       ->needs(denoise);
   c->add_option("--text-encoder", o->sources.text_encoder,
-                "Of --denoise with a published TEMOS or SINC: as for generate")
+                "Text encoder for --denoise with a published TEMOS or SINC, as for generate")
       ->needs(denoise)
       ->check(CLI::ExistingPath);
-  c->add_option("--statistics", o->sources.statistics, "Of --denoise with a published model: as for generate")
+  c->add_option("--statistics", o->sources.statistics,
+                "Statistics for --denoise with a published model, as for generate")
       ->needs(denoise)
       ->check(CLI::ExistingDirectory);
-  c->add_flag("--smpl", o->edits.smpl, "On SMPL's 24 joints");
-  c->add_flag("--mirror", o->edits.mirror, "Left becomes right");
-  c->add_flag("--smooth", o->edits.smooth, "Without trembling");
-  c->add_flag("--in-place", o->edits.in_place, "The root stays over the origin");
-  c->add_option("--loop", o->edits.loop, "Makes a loop: so many seconds at the end are blended into the start")
+  c->add_flag("--smpl", o->edits.smpl, "Retarget to SMPL's 24 joints");
+  c->add_flag("--mirror", o->edits.mirror, "Exchange left and right");
+  c->add_flag("--smooth", o->edits.smooth, "Remove jitter");
+  c->add_flag("--in-place", o->edits.in_place, "Keep the root over the origin");
+  c->add_option("--loop", o->edits.loop, "Make a loop by blending this many seconds at the end into the start")
       ->check(positive());
-  c->add_flag(
-      "--fix-feet", o->edits.fix_feet,
-      "On SMPL's 24 joints, and feet that stand do not slide: the path over the floor becomes what the feet say, "
-      "a tenth shorter for some recorded runs");
+  c->add_flag("--fix-feet", o->edits.fix_feet,
+              "Retarget to SMPL's 24 joints and keep standing feet from sliding. The path over the floor then follows "
+              "the feet, and becomes a tenth shorter for some recorded runs");
   const CLI::Option* hands =
       c->add_option("--hands", o->hands,
-                    "Of a body of SMPL-H: MANO_LEFT.pkl and MANO_RIGHT.pkl, whose hands go into the result with it")
+                    "Files MANO_LEFT.pkl and MANO_RIGHT.pkl, whose hands are merged into an SMPL-H body")
           ->expected(2)
           ->check(CLI::ExistingFile);
   c->callback([o, c, hands, tensors, store] {
@@ -306,8 +303,8 @@ void add_convert(CLI::App& app) {
     if (o->time.fps > 0) o->read.fps = o->time.fps;  // GLB keys are sampled where they are wanted
     run(*o);
   });
-  add_picture(app, "strip", "Draws a film strip (SVG or PNG) of a motion", ".svg");
-  add_picture(app, "view", "Writes a page (HTML) on which a motion can be watched", ".html");
+  add_picture(app, "strip", "Draws a film strip (SVG or PNG) of a motion or of a folder of motions", ".svg");
+  add_picture(app, "view", "Writes an HTML page that shows a motion, or one for each motion of a folder", ".html");
 }
 
 }  // namespace program

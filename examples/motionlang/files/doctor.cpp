@@ -72,19 +72,19 @@ void add_doctor(CLI::App& app) {
   const auto o = std::make_shared<DoctorOptions>();
   CLI::App* c = app.add_subcommand(
       "doctor",
-      "Finds what is wrong with the motions of a folder: scale, up axis, sides, T-poses, frame rate, jumps, feet, ...");
+      "Finds faults of the motions in a folder: scale, up axis, sides, T-poses, frame rate, jumps, feet and others");
   c->add_option("folder", o->folder,
-                "Folder with .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb and .vrma files, searched to "
-                "the bottom")
+                "Folder with .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb and .vrma files, including its "
+                "subfolders")
       ->required()
       ->check(CLI::ExistingDirectory);
-  c->add_option("--report", o->report, "A page (HTML) with the findings and film strips");
-  c->add_option("--clean", o->clean, "Folder for copies (.bvh) in which is mended what can be mended");
-  c->add_option("--strips", o->strips, "Film strips for each kind of finding on the page")
+  c->add_option("--report", o->report, "HTML page for the findings, with film strips");
+  c->add_option("--clean", o->clean, "Folder for copies (.bvh) in which the faults are mended as far as possible");
+  c->add_option("--strips", o->strips, "Number of film strips on the page for each kind of finding")
       ->check(in_range(0, 100))
       ->capture_default_str();
   o->read.add_to(*c);
-  c->add_flag("--all", o->all, "Lists motions without a finding, too");
+  c->add_flag("--all", o->all, "Also list motions without a finding");
   c->callback([o] { run(*o); });
 }
 

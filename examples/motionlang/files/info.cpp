@@ -84,14 +84,14 @@ void features(const std::string& name) {
   }
   const ml::MotionFeatures& f = ml::motion_features(name);
   features_line(f);
-  std::printf("numbers, from 0 on; their units; what they mean\n");
+  std::printf("values, from 0 on; their units; their meaning\n");
   for (const ml::FeatureRange& r : f.ranges) {
     const std::string meaning(r.meaning), unit(r.unit), numbers = from_to(r.numbers);
     const ml::Index joints = r.joints.size();
     const std::string of = joints == 0 ? "" : (joints == 1 ? "joint " : "each of joints ") + from_to(r.joints) + ": ";
     std::printf("  %-8s %-12s %s%s\n", numbers.c_str(), unit.c_str(), of.c_str(), meaning.c_str());
   }
-  std::printf("numbers of the body parts\n");
+  std::printf("values of the body parts\n");
   const ml::FeatureLayout layout = f.layout();
   for (const std::string_view part : ml::body_part_names) {
     const std::string numbers = ml::join_text(layout.ranges(*ml::parse_body_part(part)), ", ", from_to);
@@ -119,7 +119,7 @@ void run(const std::string& path) {
   }
   for (const char* drawn : {".html", ".svg", ".png", ".obj", ".asf"}) {
     if (kind == drawn)
-      ml::raise<ml::config_error>(103, path, ": shown are weights, motions and timelines, not '", kind, "'");
+      ml::raise<ml::config_error>(103, path, ": info shows weights, motions and timelines, not '", kind, "'");
   }
   is_weights(path) ? show_weights(path) : timelines(path);
 }
@@ -133,14 +133,14 @@ void add_info(CLI::App& app) {
   const auto path = std::make_shared<std::string>(), name = std::make_shared<std::string>();
   CLI::App* c = app.add_subcommand(
       "info",
-      "Shows what a file holds: weights (safetensors, PyTorch, NumPy, pickles, run folders), motion (.bvh .amc .glb "
-      ".npz .npy), or a timeline; or what the numbers of features mean");
-  c->add_option("file", *path, "The file; - for a timeline from standard input")->check(readable, "PATH(existing)");
-  const CLI::Option* of_features =
-      c->add_option("--features", *name,
-                    "Instead of a file: features as 'convert --features' names them, with the meaning and the unit of "
-                    "each number and the numbers of each body part; list: all names")
-          ->check(features_name("list"));
+      "Shows what a file holds: weights (safetensors, PyTorch, NumPy, pickles, run folders), a motion (.bvh, .amc, "
+      ".glb, .npz, .npy) or a timeline. With --features, explains the values of features");
+  c->add_option("file", *path, "File to show; - reads a timeline from standard input")
+      ->check(readable, "PATH(existing)");
+  const CLI::Option* of_features = c->add_option("--features", *name,
+                                                 "Explain features, named as in convert --features: meaning, unit and "
+                                                 "body part of each value. 'list' prints all names")
+                                       ->check(features_name("list"));
   c->require_option(1);
   c->callback([path, name, of_features] { of_features->count() > 0 ? features(*name) : run(*path); });
 }

@@ -22,18 +22,18 @@ void MotionReadOptions::add_to(CLI::App& command) {
   command.add_option("--scale", scale, "Metres per unit of BVH files")->check(positive())->capture_default_str();
   command
       .add_option("--rate", rate,
-                  "Frames per second of .npy and .amc files, and of .npz files that do not say them; as published "
-                  "unless given, .amc 120")
+                  "Frames per second of .npy and .amc files, and of .npz files that do not state it. The default is "
+                  "the published rate; for .amc it is 120")
       ->check(positive());
   command
       .add_option_function<std::string>(
           "--up", [this](const std::string& axis) { up = axis == "y" ? ml::UpAxis::y : ml::UpAxis::z; },
-          "Axis that points up in .npy files with joints; found unless given, of MDM's results y")
+          "Axis that points up in .npy files with joints. The default is to find it; for MDM's results it is y")
       ->check(CLI::IsMember({"y", "z"}));
   command
       .add_option("--asf", asf,
-                  "Skeleton of an AMC file, in a folder of those without one beside them; unless given, that of its "
-                  "subject beside it or the only one there")
+                  "Skeleton of AMC files. The default is the file of the subject beside the clip, or the only one in "
+                  "the folder")
       ->check(CLI::ExistingFile);
   command.add_option("--joints", joints, joints_help)->check(CLI::ExistingFile);
 }

@@ -29,10 +29,10 @@ namespace ml = motionlang;
 
 /// What --joints is about.
 inline constexpr const char* joints_help =
-    "Which joint is which, for skeletons of other names or axes: lines 'joint of SMPL<TAB>joint[<TAB>axes]', "
+    "Table for skeletons with unknown names or axes, with lines 'joint of SMPL<TAB>joint[<TAB>axes]', such as "
     "'left_hip' "
-    "and 'LeftThigh' for instance; axes are those of the joint that point left and up in a T-pose, +x+y unless given. "
-    "Of the character with --rig; else motions are put on SMPL's joints by it";
+    "and 'LeftThigh'. The axes of the joint are those that point left and up in a T-pose; the default is +x+y. With "
+    "--rig the table describes the character. Otherwise it retargets motions to SMPL's joints";
 
 struct MotionReadOptions : ml::MotionReadOptions {
   /// --scale, --rate, --up, --asf, --joints

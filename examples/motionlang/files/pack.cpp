@@ -34,24 +34,23 @@ void run(const PackOptions& o) {
 void add_pack(CLI::App& app) {
   const auto o = std::make_shared<PackOptions>();
   CLI::App* c = app.add_subcommand("pack",
-                                   "Makes one folder of config.json and weights.safetensors of a published model: "
-                                   "STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TMR, "
-                                   "TEACH, SINC, TM2T");
+                                   "Packs a published model (STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TMR, TEACH, SINC, "
+                                   "TM2T) into one folder with config.json and weights.safetensors");
   c->add_option("run", o->run, "Folder as the repository leaves it")->required()->check(CLI::ExistingDirectory);
-  c->add_option("-o,--out", o->out, "Folder to make")->required();
-  c->add_option("--license", o->license, "What the weights may be used for")->required();
-  c->add_option("--provenance", o->provenance, "Where they come from: repository, data")->required();
+  c->add_option("-o,--out", o->out, "Folder to write")->required();
+  c->add_option("--license", o->license, "Licence of the weights")->required();
+  c->add_option("--provenance", o->provenance, "Origin of the weights: repository and data")->required();
   c->add_option("--statistics", o->statistics,
-                "Folder with mean and std of the features, if they are not in the model's own")
+                "Folder with mean and std of the features, if the model's own folder lacks them")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--text-encoder", o->text_encoder, "Looked for beside the model unless given")
+  c->add_option("--text-encoder", o->text_encoder, "Text encoder. The default is to look beside the model")
       ->check(CLI::ExistingPath);
   c->add_option("--tokenizer", o->tokenizer,
-                "TM2T: the folder of its motion tokenizer; looked for beside the model unless given")
+                "TM2T: folder of the motion tokenizer. The default is to look beside the model")
       ->check(CLI::ExistingDirectory);
-  c->add_flag(
-      "--with-text-encoder", o->with_text_encoder,
-      "Copies the text encoder into the folder; of TEMOS, TEACH and SINC the tokenizer, of TM2T the word vectors");
+  c->add_flag("--with-text-encoder", o->with_text_encoder,
+              "Copy the text encoder into the folder. For TEMOS, TEACH and SINC this is the tokenizer, for TM2T the "
+              "word vectors");
   c->callback([o] { run(*o); });
 }
 

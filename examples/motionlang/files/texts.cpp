@@ -23,9 +23,9 @@ bool is_texts(const std::filesystem::path& path) { return kind_of(path) == ".jso
 std::string convert_texts(const std::filesystem::path& in, const std::filesystem::path& out) {
   const bool folder = !out.has_extension();
   if (!folder && !is_texts(out))
-    ml::raise<ml::config_error>(
-        103, out.string(), ": texts of motions are written to .json or, as files of captions, into a folder, not '",
-        kind_of(out), "'");
+    ml::raise<ml::config_error>(103, out.string(),
+                                ": texts of motions are written to .json, or into a folder as caption files, not '",
+                                kind_of(out), "'");
   ml::InputFiles{in}.refuse(out);
   auto motions = ml::read_annotated_texts(in);
   std::string told;

@@ -69,15 +69,16 @@ void add_check(CLI::App& app) {
   };
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(
-      "check", "Reads a timeline and shows which text moves which part when; errors name line and column");
-  c->add_option("timeline", o->path, "Timeline file, - for standard input")->required();
+      "check",
+      "Reads a timeline and shows which text moves which body part at which time. Errors name line and column");
+  c->add_option("timeline", o->path, "Timeline file; - reads standard input")->required();
   c->add_option("--fps", o->fps, "Frames per second of the model")->check(positive())->capture_default_str();
   c->add_option("--overlap", o->overlap, "Seconds that neighbouring texts share around a cut")
       ->check(not_negative())
       ->capture_default_str();
-  c->add_option("--model", o->model, "Weights: check against their frame rate and longest text as well");
+  c->add_option("--model", o->model, "Weights whose frame rate and longest text are checked as well");
   c->add_flag("--cut-texts,!--no-cut-texts", o->cut,
-              "Texts are cut where others borrow body parts from them and where they are too long, as 'generate' does");
+              "Cut texts as generate does: where others borrow their body parts, and where they are too long");
   c->add_flag("--in-turn", o->in_turn, in_turn_help);
   c->callback([o] { run(o->path, o->fps, o->overlap, o->model, o->cut, o->in_turn); });
 }

@@ -187,43 +187,40 @@ class Describer {
 
 void add_describe(CLI::App& app) {
   const auto o = std::make_shared<DescribeOptions>();
-  CLI::App* c = app.add_subcommand("describe", "Says in words what motions show (TM2T from motions to texts)");
+  CLI::App* c = app.add_subcommand("describe", "Captions motions with a TM2T model from motions to texts");
   c->add_option("input", o->inputs,
-                "Motions: .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb, .vrma files, and folders of them; "
-                "what lasts more than "
-                "196 frames of the model's rate is described in parts")
+                "Motion files (.bvh, .amc, .npz of AMASS, .npy of joints or features, .glb, .vrma) and folders of "
+                "them. Motions longer than 196 frames at the model's rate are captioned in parts")
       ->required()
       ->check(CLI::ExistingPath);
-  c->add_option("--model", o->model, "Folder of the model: of train-tm2t, or M2T_... as published")
+  c->add_option("--model", o->model, "Folder of the model: from train-tm2t, or M2T_... as published")
       ->required()
       ->check(CLI::ExistingDirectory);
-  c->add_option("--tokenizer", o->tokenizer,
-                "The folder of its motion tokenizer; looked for beside the model unless given")
+  c->add_option("--tokenizer", o->tokenizer, "Folder of the motion tokenizer. The default is to look beside the model")
       ->check(CLI::ExistingDirectory);
   c->add_option("--text-encoder", o->words,
-                "The folder of its words (our_vab_data.npy ...); looked for in the folders above unless given")
+                "Folder of the word vectors (our_vab_data.npy). The default is to look in the folders above the model")
       ->check(CLI::ExistingDirectory);
   c->add_option("-o,--out", o->out,
-                "Also writes a table of captions, as index and the trainings read it; names of clips are their paths "
-                "below the folder that was "
-                "given")
+                "Also write a table of captions, which index and the train commands read. Clips are named by their "
+                "paths below the given folder")
       ->check(not_empty());
-  c->add_option("--top", o->how.top, "So many descriptions of each motion, where there are as many different ones")
+  c->add_option("--top", o->how.top, "Number of captions for each motion, if there are as many different ones")
       ->check(in_range(1, 100))
       ->capture_default_str();
   CLI::Option* beams =
       c->add_option("--beams", o->how.beams,
-                    "Beams of the search, at least as many as --top; 1: word by word the most probable one")
+                    "Beams of the search, at least as many as --top; 1 takes the most probable word at each step")
           ->check(in_range(1, 100))
           ->capture_default_str();
   CLI::Option* sample =
-      c->add_flag("--sample", o->how.sample, "Draws words by their probability instead")->excludes(beams);
-  c->add_option("--top-k", o->how.top_k, "Only so many of the most probable words are drawn")
+      c->add_flag("--sample", o->how.sample, "Sample words by their probability instead of searching")->excludes(beams);
+  c->add_option("--top-k", o->how.top_k, "Sample only from this many of the most probable words")
       ->needs(sample)
       ->check(in_range(1, 1000000))
       ->capture_default_str();
-  c->add_option("--seed", o->seed, "Seed of what is drawn")->needs(sample)->check(seed_number())->capture_default_str();
-  c->add_flag("--json", o->json, "The result as JSON");
+  c->add_option("--seed", o->seed, "Seed of the samples")->needs(sample)->check(seed_number())->capture_default_str();
+  c->add_flag("--json", o->json, "Print the result as JSON");
   o->read.add_to(*c);
   o->machine.add_to(*c);
   c->callback([o] {

@@ -193,7 +193,7 @@ std::pair<double, double> stretch_of(const std::string& text) {
   const auto from = ml::detail::parse_seconds(stretch.substr(0, dash));
   const auto to = ml::detail::parse_seconds(stretch.substr(std::min(dash + 1, stretch.size())));
   if (!from || !to || *from >= *to)
-    ml::raise<usage_error>(101, "--keep-seconds: '", text, "' is not a stretch of time like 0-1.5");
+    ml::raise<usage_error>(101, "--keep-seconds: '", text, "' is not a time range like 0-1.5");
   return {*from, *to};
 }
 
@@ -285,150 +285,148 @@ void run(const GenerateCommand& o) {
 
 void add_generate(CLI::App& app) {
   const auto o = std::make_shared<GenerateCommand>();
-  CLI::App* c =
-      app.add_subcommand("generate", "Motion from a timeline of texts: BVH, GLB, NPZ, NPY, film strip, HTML page");
-  const auto what = c->add_option_group("what", "What is to be done: one of these");
+  CLI::App* c = app.add_subcommand(
+      "generate",
+      "Makes a motion from a timeline of texts and writes BVH, GLB, NPZ, NPY, a film strip and an HTML page");
+  const auto what = c->add_option_group("what", "What to generate (exactly one of these)");
   const auto timeline = what->add_option("--timeline", o->timeline,
-                                         "File of lines 'text # start # end # body part # ...' (seconds), one timeline "
-                                         "up to a blank line; or of lines 'text # duration', each a "
-                                         "motion of its own; - for standard input")
+                                         "File with a line for each text: 'text # start # end # body part # ...', in "
+                                         "seconds. A blank line begins another timeline. With lines 'text # duration', "
+                                         "each line becomes a motion of its own. - reads standard input")
                             ->check(not_empty());
   what->add_option("--text", o->text, "One text for the whole body")->check(not_empty())->check(utf8());
   const CLI::Option* action =
-      what->add_option("--action", o->text,
-                       "Name or number of an action, for models of actions (ACTOR, MDM); any: of an unconstrained MDM")
+      what->add_option(
+              "--action", o->text,
+              "Name or number of an action, for models of actions (ACTOR, MDM). 'any' is for an unconstrained MDM")
           ->check(not_empty());
   what->require_option(1);
-  c->add_option("--seconds", o->seconds, "Duration of the text or the action; TM2T decides itself")
+  c->add_option("--seconds", o->seconds, "Duration of the text or action. TM2T chooses its own duration")
       ->excludes(timeline)
       ->check(in_range(0.05, 3600))
       ->capture_default_str();
-  c->add_option(
-       "--samples", o->samples,
-       "Different motions of each timeline, text or action, NAME_1 to NAME_N: 1 unless given, with --towards 5")
+  c->add_option("--samples", o->samples,
+                "Number of motions to make for each timeline, text or action, named NAME_1 to NAME_N. The default is "
+                "1, or 5 with --towards")
       ->check(in_range(1, 1000));
   c->add_option("--towards", o->towards,
-                "Another text or action: the samples are on the straight line from the one's latent to the other's, "
-                "the first is the one's own motion, the last the other's. For ACTOR, TEMOS, TMR and SINC")
+                "Another text or action. The samples lie on the straight line between the two latents: the first "
+                "sample is the motion of the first text, the last that of this one. For ACTOR, TEMOS, TMR and SINC")
       ->excludes(timeline)
       ->check(not_empty())
       ->check(utf8());
   c->add_option("--model", o->model,
-                "Weights: a .safetensors file, a folder with one or of train-actor, train-temos, train-sinc, "
-                "train-teach, train-tmr; or a folder of STMC, MDM, "
-                "MotionDiffuse, ACTOR, TEMOS, TEACH, SINC or TM2T as published")
-      ->capture_default_str();
+                "Weights: a .safetensors file, a folder with one, or a folder that a train command wrote. A published "
+                "folder of STMC, MDM, MotionDiffuse, ACTOR, TEMOS, TMR, TEACH, SINC or TM2T works as well. The default "
+                "is the bundled model, or what MOTIONLANG_MODEL names");
   c->add_option("--text-encoder", o->sources.text_encoder,
-                "Of a model that has none: CLIP as OpenAI's ViT-B-32.pt (bpe_simple_vocab_16e6.txt.gz beside it) or as "
-                "a folder of "
-                "Hugging Face; TEMOS, TEACH, SINC: distilbert-base-uncased; TM2T: the folder of its word vectors "
-                "(our_vab_data.npy); "
-                "looked for beside the model unless given")
+                "Text encoder of a published model that contains none. CLIP: OpenAI's ViT-B-32.pt with "
+                "bpe_simple_vocab_16e6.txt.gz beside it, or a folder of Hugging Face. TEMOS, TEACH, SINC: "
+                "distilbert-base-uncased. TM2T: the folder of its word vectors (our_vab_data.npy). The default is to "
+                "look beside the model")
       ->check(CLI::ExistingPath);
   c->add_option(
        "--statistics", o->sources.statistics,
-       "Of a published model: folder with mean and std of the features, .npy or .pt, if they are not in its own")
+       "Folder with mean and std of the features (.npy or .pt), for a published model whose own folder lacks them")
       ->check(CLI::ExistingDirectory);
   c->add_option("--tokenizer", o->sources.tokenizer,
-                "TM2T: folder of its motion tokenizer; looked for beside the model unless given")
+                "TM2T: folder of the motion tokenizer. The default is to look beside the model")
       ->check(CLI::ExistingDirectory);
   c->add_option("--out", o->out, "Folder for the results")->check(not_empty())->capture_default_str();
   const auto rig = c->add_option("--rig", o->rig.file,
-                                 "Character (.glb with a skin): the GLB result is this file with the motion added")
+                                 "Character (.glb with a skin). The GLB result is this file with the motion added")
                        ->check(CLI::ExistingFile);
-  c->add_flag("--drop-animations", o->rig.drop_animations, "Without the animations that the character has already")
+  c->add_flag("--drop-animations", o->rig.drop_animations, "Leave out the animations that the character already has")
       ->needs(rig);
   c->add_option("--joints", o->rig.joints, joints_help)->needs(rig)->check(CLI::ExistingFile);
-  const auto seed = c->add_option("--seed", o->settings.seed, "Same seed, same motion, on any number of threads")
+  const auto seed = c->add_option("--seed", o->settings.seed,
+                                  "Seed of the noise. The same seed gives the same motion on any number of threads")
                         ->check(seed_number())
                         ->capture_default_str();
-  const auto steps =
-      c->add_option("--steps", o->settings.steps,
-                    "Denoising steps, evenly kept of the model's, 0: all; as the weights ask unless given")
-          ->check(not_negative());
-  const auto sampler = c->add_option("--sampler", o->sampler, "How to sample; as the weights ask unless given")
+  const auto steps = c->add_option("--steps", o->settings.steps,
+                                   "Number of denoising steps, spread evenly over those of the model; 0 takes all. The "
+                                   "default is what the weights ask for")
+                         ->check(not_negative());
+  const auto sampler = c->add_option("--sampler", o->sampler, "Sampler. The default is what the weights ask for")
                            ->check(CLI::IsMember({"ddpm", "ddim"}));
   const auto preset =
       c->add_option("--preset", o->preset,
-                    "model: sampler and steps that the weights ask for; full: all steps of ddpm; fast: " +
+                    "Sampler and steps. model: those that the weights ask for; full: all steps of ddpm; fast: " +
                         std::to_string(ml::fast_steps) +
-                        " steps of ddim. The README says what that costs (motionlang judge --compare)")
+                        " steps of ddim. motionlang judge --compare prints what they cost")
           ->check(CLI::IsMember({"model", "full", "fast"}))
           ->excludes(steps)
           ->excludes(sampler)
           ->capture_default_str();
-  const auto guidance =
-      c->add_option("--guidance", o->settings.guidance, "Weight of the text, 1 is none; the model's own unless given")
-          ->check(in_range(0, 100));
-  c->add_option(
-       "--fact", o->settings.fact,
-       "ACTOR, TEMOS, TMR, SINC, TEACH: scales what is drawn around the mean of the latent. 0: the mean itself, "
-       "always the same; 1 unless given, as the models learned; more: motions that differ more")
+  const auto guidance = c->add_option("--guidance", o->settings.guidance,
+                                      "Weight of the text; 1 means no guidance. The default is the model's own")
+                            ->check(in_range(0, 100));
+  c->add_option("--fact", o->settings.fact,
+                "Scale of the latent noise, for ACTOR, TEMOS, TMR, SINC and TEACH: above 1 for more variety, 0 for the "
+                "mean motion. The default is 1, as in training")
       ->check(in_range(0, 100));
   const auto overlap =
       c->add_option("--overlap", o->settings.overlap, "Seconds that neighbouring texts share around a cut")
           ->check(not_negative())
           ->capture_default_str();
-  const auto noise = c->add_option("--noise", o->noise,
-                                   "safetensors file with noise/000 (initial), noise/001, ... instead of the seed")
-                         ->excludes(seed);
+  const auto noise =
+      c->add_option("--noise", o->noise,
+                    "A safetensors file with noise/000 (initial), noise/001 and so on, which replaces the seed")
+          ->excludes(seed);
   c->add_flag("--record", o->record,
-              "Also write what --reuse needs after an edit: NAME" + record_extension +
-                  ", 820 bytes per frame and step (20 MB for 12 s and 100 steps)")
+              "Also write NAME" + record_extension +
+                  " for --reuse after an edit. It has 820 bytes per frame and step (20 MB for 12 s and 100 steps)")
       ->excludes(noise);
-  const auto reuse = c->add_option("--reuse", o->reuse,
-                                   "Folder (or file) of a run with --record: only what the edited timeline changes is "
-                                   "made anew, with seed, steps, "
-                                   "sampler, guidance, overlap and cuts of that run; prints what was reused")
-                         ->check(CLI::ExistingPath);
+  const auto reuse =
+      c->add_option(
+           "--reuse", o->reuse,
+           "Folder or file of a run with --record. Only what the edited timeline changes is computed; seed, steps, "
+           "sampler, guidance, overlap and cuts are those of that run. The program prints what was reused")
+          ->check(CLI::ExistingPath);
   for (CLI::Option* option : {seed, steps, sampler, preset, guidance, overlap, noise}) reuse->excludes(option);
   c->add_option("--keep-beyond", o->settings.keep_beyond,
-                "Of --reuse, an approximation: frames further than so many seconds from an edit stay as they were, "
-                "though the model "
-                "would change them")
+                "Keep frames that are further than this many seconds from an edit. This is an approximation, since the "
+                "model would change them")
       ->check(in_range(0, 3600))
       ->needs(reuse);
   CLI::Option* keep =
-      c->add_option(
-           "--keep", o->keep,
-           "Motion (file as for convert; a T-pose that was put in front of it is left out) of which a part is kept, "
-           "from the start of the timeline on: the texts make the rest. For diffusion models of texts. Smoothing, "
-           "which "
-           "also takes away jumps where it begins and ends, within --overlap, and feet that are put right may still "
-           "move it a little: --no-smooth, --no-fix-feet")
+      c->add_option("--keep", o->keep,
+                    "Motion file, as for convert, of which a part is kept from the start of the timeline on. The texts "
+                    "make the rest. For diffusion models of texts. A T-pose in front is left out. Smoothing and foot "
+                    "fixing may still move the kept part a little; --no-smooth and --no-fix-feet prevent that")
           ->check(CLI::ExistingFile);
   c->add_option("--keep-seconds", o->keep_seconds,
-                "Of --keep: stretches of time in which all of it is kept, for instance 0-0.5 (how to begin) or 0-1,4-5 "
-                "(what is between is made)")
+                "Time ranges in which the whole pose is kept. 0-0.5 fixes the beginning; 0-1,4-5 leaves the frames "
+                "between to the model")
       ->delimiter(',')
       ->needs(keep);
   c->add_option("--keep-parts", o->keep_parts,
-                "Of --keep: body parts that are kept (the others are made), as long as it lasts or in --keep-seconds; "
-                "legs have the way")
+                "Body parts that are kept, for the whole motion or during --keep-seconds. The legs carry the path over "
+                "the floor")
       ->delimiter(',')
       ->needs(keep);
   for (CLI::Option* option : {noise, reuse}) keep->excludes(option);
   c->add_flag("--in-turn", o->in_turn, in_turn_help);
-  const auto cut_texts = c->add_flag("--cut-texts,!--no-cut-texts", o->settings.cut_texts,
-                                     "A text is cut where another takes body parts from it or gives them back, and "
-                                     "into parts where it lasts longer "
-                                     "than 8 s; without, one crop as published")
-                             ->capture_default_str();
+  const auto cut_texts =
+      c->add_flag("--cut-texts,!--no-cut-texts", o->settings.cut_texts,
+                  "Cut a text where another text takes body parts from it or gives them back, and where it lasts "
+                  "longer than 8 s. Without this, each text is one crop, as published")
+          ->capture_default_str();
   reuse->excludes(cut_texts);
-  c->add_flag("--smooth,!--no-smooth", o->settings.smooth, "Takes trembling away, and jerks where texts meet")
+  c->add_flag("--smooth,!--no-smooth", o->settings.smooth, "Remove jitter, and jerks where texts meet")
       ->capture_default_str();
   c->add_flag("--fix-feet,!--no-fix-feet", o->settings.fix_feet,
-              "Feet that stand do not slide; with --no-cut-texts --no-smooth --no-fix-feet the motion is the "
-              "model's own, as other programs make it from --noise")
+              "Keep standing feet from sliding. With --no-cut-texts --no-smooth --no-fix-feet the motion is what other "
+              "programs compute from the same --noise")
       ->capture_default_str();
-  c->add_option("--backend", o->backend, "What to calculate with")
+  c->add_option("--backend", o->backend, "Backend that computes")
       ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
       ->capture_default_str();
   o->machine.add_to(*c);
   c->callback([o, action] {
     o->action = action->count() > 0;
     if (!o->keep.empty() && o->keep_seconds.empty() && o->keep_parts.empty())
-      throw CLI::ValidationError("--keep", "say what is kept: --keep-seconds or --keep-parts");
+      throw CLI::ValidationError("--keep", "needs --keep-seconds or --keep-parts");
     if (!o->keep.empty() && (o->record || !o->towards.empty()))
       throw CLI::ExcludesError("--keep", o->record ? "--record" : "--towards");
     run(*o);

@@ -112,27 +112,28 @@ void run(const JudgeOptions& o) {
 void add_judge(CLI::App& app) {
   const auto o = std::make_shared<JudgeOptions>();
   CLI::App* c = app.add_subcommand(
-      "judge",
-      "Generates twelve prompts with several seeds, measures the motions, prints how many do what they should");
-  c->add_option("--model", o->model, "Weights")->capture_default_str();
-  const auto compare =
-      c->add_option(
-           "--compare", o->compare,
-           "Numbers of steps: a table of what they cost, with both samplers, against the first of them (100 20 10 8 5)")
-          ->check(positive());
-  c->add_option("--seeds", o->seeds, "Motions per prompt")->check(positive())->capture_default_str();
-  c->add_option("--guidance", o->settings.guidance, "Weight of the text, 1 is none; the model's own unless given")
+      "judge", "Generates twelve prompts with several seeds, measures the motions, and prints how many succeed");
+  c->add_option("--model", o->model,
+                "Weights to judge. The default is the bundled model, or what MOTIONLANG_MODEL names");
+  const auto compare = c->add_option("--compare", o->compare,
+                                     "Numbers of steps. Prints a table of cost and quality for both samplers, compared "
+                                     "with the first number (100 20 10 8 5)")
+                           ->check(positive());
+  c->add_option("--seeds", o->seeds, "Number of motions for each prompt")->check(positive())->capture_default_str();
+  c->add_option("--guidance", o->settings.guidance,
+                "Weight of the text; 1 means no guidance. The default is the model's own")
       ->check(in_range(0, 100));
-  c->add_option("--steps", o->settings.steps, "Denoising steps, 0: all; as the weights ask unless given")
+  c->add_option("--steps", o->settings.steps,
+                "Number of denoising steps; 0 takes all. The default is what the weights ask for")
       ->check(not_negative())
       ->excludes(compare);
-  c->add_option("--sampler", o->sampler, "ddpm or ddim; as the weights ask unless given")
+  c->add_option("--sampler", o->sampler, "Sampler. The default is what the weights ask for")
       ->check(CLI::IsMember({"ddpm", "ddim"}))
       ->excludes(compare);
-  c->add_flag("--smooth,!--no-smooth", o->settings.smooth, "Takes trembling away; on unless switched off");
-  c->add_flag("--fix-feet,!--no-fix-feet", o->settings.fix_feet, "Feet that stand do not slide; on unless switched off")
+  c->add_flag("--smooth,!--no-smooth", o->settings.smooth, "Remove jitter. The default is on");
+  c->add_flag("--fix-feet,!--no-fix-feet", o->settings.fix_feet, "Keep standing feet from sliding. The default is on")
       ->capture_default_str();
-  c->add_option("--backend", o->backend, "eigen, xtensor or reference")
+  c->add_option("--backend", o->backend, "Backend that computes")
       ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
       ->capture_default_str();
   c->add_flag("--details", o->details, "Print the measurements of every motion");

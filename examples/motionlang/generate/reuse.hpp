@@ -30,28 +30,27 @@ inline std::filesystem::path record_file(const std::filesystem::path& path) {
 inline std::string reuse_lines(const ml::StmcReuse& r, std::optional<double> keep_beyond) {
   char text[400];
   const double work = r.whole_work == 0 ? 0 : 100.0 * static_cast<double>(r.work) / static_cast<double>(r.whole_work);
-  std::snprintf(text, sizeof text, "reused: %td of %s are those of before; %.0f %% of the work of a whole run\n",
-                r.kept, ml::counted(r.frames, "frame").c_str(), work);
+  std::snprintf(text, sizeof text, "%td of %s were reused; %.0f %% of the work of a whole run\n", r.kept,
+                ml::counted(r.frames, "frame").c_str(), work);
   std::string out = text;
   if (r.exact) {
-    out += "  the motion is that of a whole run, bit for bit\n";
+    out += "  the motion equals that of a whole run, bit for bit\n";
   } else if (!keep_beyond) {
-    out += "  not the motion of a whole run: the run that is reused was made with --keep-beyond\n";
+    out += "  the motion differs from that of a whole run: the reused run was made with --keep-beyond\n";
   } else {
-    std::snprintf(
-        text, sizeof text,
-        "  not the motion of a whole run: frames further than %.2f s from an edit were kept (--keep-beyond)\n",
-        *keep_beyond);
+    std::snprintf(text, sizeof text,
+                  "  the motion differs from that of a whole run: frames further than %.2f s from an edit were kept "
+                  "(--keep-beyond)\n",
+                  *keep_beyond);
     out += text;
   }
   if (r.everywhere > 0) {
-    std::snprintf(text, sizeof text,
-                  "  after step %td of %td nothing could be reused: texts that follow each other share frames, so an "
-                  "edit goes one text "
-                  "further with every step\n  fewer steps reuse more (--preset fast); --keep-beyond 1 keeps what is "
-                  "further away, "
-                  "though the model would change it\n",
-                  r.everywhere, r.steps);
+    std::snprintf(
+        text, sizeof text,
+        "  after step %td of %td nothing could be reused: neighbouring texts share frames, so an edit spreads by one "
+        "text per step\n  fewer steps reuse more (--preset fast); --keep-beyond 1 also keeps frames further away, "
+        "which the model would change\n",
+        r.everywhere, r.steps);
     out += text;
   }
   return out;

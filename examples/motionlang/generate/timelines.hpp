@@ -44,8 +44,8 @@ inline std::vector<ml::Timeline> read_timelines(const std::string& path, double 
 }
 
 inline constexpr const char* in_turn_help =
-    "A text of several actions ('walk forward, then sit down; wave') is done one action after the other, in equal "
-    "shares of its time";
+    "Split a text with several actions ('walk forward, then sit down; wave') and give each action an equal share of "
+    "its time";
 
 /// Each on a line of its own.
 inline void warn(const std::vector<std::string>& warnings) {

@@ -56,9 +56,10 @@ void run(EmbedOptions o) {
 void add_embed(CLI::App& app) {
   const auto o = std::make_shared<EmbedOptions>();
   CLI::App* c = app.add_subcommand(
-      "embed",
-      "Writes the vectors of texts to NAME.npy, NAME_slice.npy and NAME_index.json, as TMR and STMC read them");
-  c->add_option("texts", o->texts, "A text on each line, or an annotations.json")->required()->check(CLI::ExistingFile);
+      "embed", "Writes text vectors to NAME.npy, NAME_slice.npy and NAME_index.json, in the layout of TMR and STMC");
+  c->add_option("texts", o->texts, "File with one text per line, or an annotations.json")
+      ->required()
+      ->check(CLI::ExistingFile);
   c->add_option(
        "--encoder", o->encoder,
        "Folder of Hugging Face (distilbert, bert, mpnet, clip), or OpenAI's ViT-B-32.pt with its vocabulary beside it")
@@ -67,18 +68,21 @@ void add_embed(CLI::App& app) {
   c->add_option("-o,--out", o->out, "Folder for the files")->required();
   c->add_option(
       "--name", o->name,
-      "Of the encoder in the names of the files, 'ViT-B/32' in a sub-folder; that of its folder unless given");
-  c->add_option(
-       "--pooling", o->pooling,
-       "none: a row for each token (TMR's token_embeddings); mean, first: one for each text; end: CLIP's (STMC)")
+      "Name of the encoder in the file names; 'ViT-B/32' makes a subfolder. The default is the name of its folder");
+  c->add_option("--pooling", o->pooling,
+                "Rows to write. none: one per token (TMR's token_embeddings); mean, first: one per text; end: CLIP's "
+                "text vector (STMC)")
       ->check(CLI::IsMember({"none", "mean", "first", "end"}))
       ->capture_default_str();
-  c->add_flag("--normalize", o->normalize, "Vectors of texts get the length 1 (TMR's sent_embeddings)");
-  c->add_flag("--empty,!--no-empty", o->empty, "Also the text \"\", the unconditional one")->capture_default_str();
+  c->add_flag("--normalize", o->normalize, "Scale text vectors to length 1 (TMR's sent_embeddings)");
+  c->add_flag("--empty,!--no-empty", o->empty, "Also embed the empty text, which is the unconditional one")
+      ->capture_default_str();
   c->add_flag("--truncate", o->truncate,
-              "Cuts texts that are longer than the encoder takes (512 ids), which are refused "
-              "otherwise; CLIP, of 77 ids, always cuts");
-  c->add_option("--batch", o->batch, "Texts at a time")->check(in_range(1, 4096))->capture_default_str();
+              "Cut texts that are longer than the encoder takes (512 ids); otherwise they are an error. CLIP always "
+              "cuts at 77 ids");
+  c->add_option("--batch", o->batch, "Number of texts encoded together")
+      ->check(in_range(1, 4096))
+      ->capture_default_str();
   c->callback([o] { run(*o); });
 }
 

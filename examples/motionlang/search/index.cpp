@@ -41,7 +41,7 @@ class Indexer {
 
   void run() {
     if (o_.folder.empty() && !o_.list && o_.remove.empty())
-      ml::raise<usage_error>(102, "index: a folder of motions is missing (or --list, or --remove)");
+      ml::raise<usage_error>(102, "index: name a folder of motions, --list or --remove");
     if (!index_ && (o_.folder.empty() || !o_.remove.empty()))
       ml::raise<ml::io_error>(401, "index: there is no ", o_.out, " yet");
     require_folder_of(o_.out);
@@ -62,7 +62,7 @@ class Indexer {
       removed += now;
     }
     if (removed == 0 && o_.folder.empty() && !o_.list)
-      ml::raise<usage_error>(103, "--remove: ", o_.out, " has no clip of these");
+      ml::raise<usage_error>(103, "--remove: ", o_.out, " has none of these clips");
     if (removed == 0) return;
     const bool stopped = write(false);
     std::printf("%s: %s removed, %td left\n", o_.out.c_str(), ml::counted(removed, "clip").c_str(), index_->count());
@@ -166,41 +166,39 @@ class Indexer {
 void add_index(CLI::App& app) {
   const auto o = std::make_shared<IndexOptions>();
   CLI::App* c =
-      app.add_subcommand("index", "Makes or updates a file in which `motionlang search` finds motions by words");
-  c->add_option(
-       "folder", o->folder,
-       "Folder with .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb and .vrma files, searched to the "
-       "bottom; files that have not changed are not read again")
+      app.add_subcommand("index", "Makes or updates an index, in which motionlang search finds motions by words");
+  c->add_option("folder", o->folder,
+                "Folder with .bvh, .amc, .npz (AMASS), .npy (joints or features), .glb and .vrma files, including its "
+                "subfolders. Unchanged files are not read again")
       ->check(CLI::ExistingDirectory);
-  c->add_option("-o,--out", o->out, "The index")->required();
+  c->add_option("-o,--out", o->out, "Index file")->required();
   c->add_option("--model", o->model,
-                "Folder of TMR: of train-tmr or as it was published; that of the index unless given, of a new one the "
-                "model that comes with motionlang")
+                "Folder of a TMR, from train-tmr or as published. The default is the model of the index; a new index "
+                "takes the bundled model")
       ->check(CLI::ExistingDirectory);
   c->add_option("--text-encoder", o->text_encoder,
                 "Language model that the model reads, if it has no word pieces of its own: a folder, or a cache (.npy)")
       ->check(CLI::ExistingPath);
-  c->add_option("--captions", o->captions, "Table of parts of clips and what they show (examples/training/README.md)")
+  c->add_option("--captions", o->captions, "Table of clip parts and their captions (examples/training/README.md)")
       ->check(CLI::ExistingFile);
   c->add_option("--license", o->license,
-                "Of the motions below the folder, those that are in the index as well; unless given, the first line of "
-                "the LICENSE "
-                "file beside or above them as it is now; without such a file, what the index had");
-  const CLI::Option* windows = c->add_option("--windows", o->windows, "Lengths of moments, seconds")
+                "Licence of the motions below the folder, including those already indexed. The default is the first "
+                "line of the LICENSE file beside or above them; without such a file, the entry of the index stays");
+  const CLI::Option* windows = c->add_option("--windows", o->windows, "Lengths of moments in seconds")
                                    ->delimiter(',')
                                    ->check(in_range(0.05, 600))
                                    ->capture_default_str();
-  const CLI::Option* stride = c->add_option("--stride", o->stride, "From one moment to the next, seconds")
+  const CLI::Option* stride = c->add_option("--stride", o->stride, "Seconds from one moment to the next")
                                   ->check(in_range(0.05, 600))
                                   ->capture_default_str();
-  c->add_flag("--no-moments", o->no_moments, "Only whole clips: a smaller index, sooner made");
-  c->add_flag("--again", o->again, "Reads all files, changed or not");
-  c->add_option("--remove", o->remove, "Files or folders whose clips are taken out of the index");
-  c->add_flag("--list", o->list, "Lists the clips: path, start, end, frames per second, frames, captions, license");
+  c->add_flag("--no-moments", o->no_moments, "Index whole clips only, which is smaller and faster");
+  c->add_flag("--again", o->again, "Read all files, even unchanged ones");
+  c->add_option("--remove", o->remove, "Files or folders whose clips are removed from the index");
+  c->add_flag("--list", o->list, "List the clips: path, start, end, frames per second, frames, captions, license");
   o->read.add_to(*c);
   c->add_option("--graph", o->graph,
-                "From so many clips or moments on, searches follow a graph that finds most of the nearest, instead of "
-                "comparing all; additions are put into it, after removals it is made anew")
+                "Number of clips or moments from which searches follow a graph instead of comparing all vectors. The "
+                "graph finds most of the nearest ones. Additions extend it; removals rebuild it")
       ->check(positive())
       ->capture_default_str();
   o->machine.add_to(*c);

@@ -44,7 +44,7 @@ class Search {
 
   void run() {
     if (o_.text.empty() == o_.like.empty())
-      ml::raise<usage_error>(102, "search: either a text or --like with a file of motion");
+      ml::raise<usage_error>(102, "search: give either a text or --like with a motion file");
     if (o_.moments && o_.captions)
       ml::raise<usage_error>(102, "search: --moments and --captions are two different searches");
     if (!o_.html.empty()) require_folder_of(o_.html);
@@ -81,7 +81,7 @@ class Search {
       if (!f.clip.captions.empty()) std::printf("  \"%s\"", ml::printable(f.clip.captions.front()).c_str());
       std::printf("\n");
     }
-    if (found_.empty()) std::printf("nothing was found: the index has %td %s\n", gallery(), kind());
+    if (found_.empty()) std::printf("no results: the index has %td %s\n", gallery(), kind());
   }
   void say_json() const {
     nlohmann::ordered_json hits = nlohmann::ordered_json::array();
@@ -116,27 +116,29 @@ class Search {
 
 void add_search(CLI::App& app) {
   const auto o = std::make_shared<SearchOptions>();
-  CLI::App* c = app.add_subcommand("search", "Finds the motions of an index that fit words, or another motion");
-  c->add_option("index", o->index, "File of motionlang index")->required()->check(CLI::ExistingFile);
-  c->add_option("text", o->text, "What is looked for: \"a person waves with the left hand\"");
-  CLI::Option* like = c->add_option("--like", o->like, "A motion instead of words: .bvh, .amc, .npz (AMASS) or .glb")
-                          ->check(CLI::ExistingFile);
-  c->add_option("--from", o->from, "Of that motion: begin, seconds")->check(not_negative())->needs(like);
-  c->add_option("--to", o->to, "Of that motion: end, seconds")->check(positive())->needs(like);
-  CLI::Option* moments = c->add_flag("--moments", o->moments, "Moments of clips instead of whole clips");
-  c->add_flag("--captions", o->captions, "Compares with the captions of clips instead of their motion");
-  c->add_option("--top", o->top, "How many are shown")->check(in_range(1, 100000))->capture_default_str();
-  c->add_option("--overlap", o->overlap,
-                "Moments of a clip that overlap a better one by more than this are left out (intersection over union)")
+  CLI::App* c = app.add_subcommand("search", "Finds the motions of an index that fit a text or another motion");
+  c->add_option("index", o->index, "File written by motionlang index")->required()->check(CLI::ExistingFile);
+  c->add_option("text", o->text, "Text to search for, such as \"a person waves with the left hand\"");
+  CLI::Option* like =
+      c->add_option("--like", o->like, "Motion to search for instead of a text: .bvh, .amc, .npz (AMASS) or .glb")
+          ->check(CLI::ExistingFile);
+  c->add_option("--from", o->from, "Start of that motion in seconds")->check(not_negative())->needs(like);
+  c->add_option("--to", o->to, "End of that motion in seconds")->check(positive())->needs(like);
+  CLI::Option* moments = c->add_flag("--moments", o->moments, "Search moments of clips instead of whole clips");
+  c->add_flag("--captions", o->captions, "Compare with the captions of clips instead of their motion");
+  c->add_option("--top", o->top, "Number of results")->check(in_range(1, 100000))->capture_default_str();
+  c->add_option(
+       "--overlap", o->overlap,
+       "Leave out moments that overlap a better moment of the same clip by more than this (intersection over union)")
       ->check(in_range(0, 1))
       ->needs(moments)
       ->capture_default_str();
-  c->add_option("--html", o->html, "A page with film strips of what was found");
-  c->add_flag("--exact", o->exact, "Compares with all vectors, even where the index has a graph");
-  c->add_flag("--json", o->json, "The result as JSON");
-  c->add_option("--model", o->model, "Folder of the model, if it is not where it was when the index was made")
+  c->add_option("--html", o->html, "HTML page with film strips of the results");
+  c->add_flag("--exact", o->exact, "Compare with all vectors, even if the index has a graph");
+  c->add_flag("--json", o->json, "Print the result as JSON");
+  c->add_option("--model", o->model, "Folder of the model, if it has moved since the index was made")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--text-encoder", o->text_encoder, "Language model, if it is not where it was")
+  c->add_option("--text-encoder", o->text_encoder, "Language model, if it has moved since the index was made")
       ->check(CLI::ExistingPath);
   o->read.add_to(*c);
   o->machine.add_to(*c);

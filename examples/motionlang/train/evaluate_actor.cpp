@@ -1,6 +1,6 @@
 // motionlang evaluate of ACTOR: accuracy, FID, diversity and multimodality of generated motions next to recorded ones,
 // of these denoised, and of what lies between two of them (thesis table 3.8), over several seeds, by a classifier that
-// was trained on the training part, or by a published one. ACTOR is of our training, or as it was published.
+// was trained on the training part, or by a published one. ACTOR was trained here, or as it was published.
 #include <cstdio>
 #include <set>
 
@@ -52,7 +52,7 @@ std::string summary(const std::string& metric, std::span<const double> of_seeds)
 
 void evaluate_actor(const EvaluationOptions& o) {
   if (o.classifier.empty())
-    ml::raise<usage_error>(102, "ACTOR is judged by a classifier: --classifier names its folder or its file");
+    ml::raise<usage_error>(102, "ACTOR needs a classifier as judge: name its folder or file with --classifier");
   if (!o.strips.empty()) make_output_folder("--strips", o.strips);
   const ml::ActorModel<B> model(o.model);
   const auto& file = model.file;
@@ -60,7 +60,7 @@ void evaluate_actor(const EvaluationOptions& o) {
   const bool ours = std::filesystem::is_directory(o.classifier);
   if (ours && !(o.body.empty() && o.regressor.empty()))
     ml::raise<usage_error>(102, "--body and --joint-regressor are for the file of a published GRU; ",
-                           o.classifier.string(), " is of our training");
+                           o.classifier.string(), " was trained here");
   auto who = ours ? ml::ActionJudge<B>(o.classifier) : ml::ActionJudge<B>(o.classifier, clips, o.body, o.regressor);
   const ml::ActorClipsConfig& seen = who.file.config.clips;
   ml::require_same_clips(clips, seen);

@@ -34,7 +34,8 @@ ml::BabelSources babel_of(const EvaluationOptions& o) {
   const ml::BabelSources out{o.data, o.babel, o.validation, o.splits, o.spelling};
   as_usage([&] { out.require_sound(); });
   if (o.part == "all" && !(o.validation.empty() && o.splits.empty()))
-    ml::raise<usage_error>(102, "--part all measures all of --babel: neither --babel-validation nor --splits");
+    ml::raise<usage_error>(102,
+                           "--part all measures all of --babel and does not go with --babel-validation or --splits");
   return out;
 }
 

@@ -56,7 +56,8 @@ void run(const TrainOptions& o) {
       trainer.task().learn_texts(bar);
     }
   }));
-  if (o.license.empty()) std::printf("no --license: the metadata of the weights will not say who may use them\n");
+  if (o.license.empty())
+    std::printf("--license is missing: the metadata of the weights will not say who may use them\n");
   const auto weights = o.run.out / "stmc.safetensors", curve = o.run.out / "loss.svg";
   auto about = quality_of(data);
   about.insert({{"license", o.license},
@@ -77,12 +78,14 @@ void run(const TrainOptions& o) {
 void add_train(CLI::App& app) {
   const auto o = std::make_shared<TrainOptions>();
   CLI::App* c = app.add_subcommand(
-      "train", "Trains a model on captioned BVH, AMASS and AMC files; Ctrl-C saves, the same command goes on");
+      "train",
+      "Trains a text-to-motion model on captioned BVH, AMASS and AMC files. Ctrl-C saves; the same command continues");
   c->add_option("--data", o->data, "Folder with the clips that the captions name")
       ->required()
       ->check(CLI::ExistingDirectory);
-  c->add_option("--captions", o->captions,
-                "Table of the clips: clip, start, end, body parts, captions, or clip, captions (all of it)")
+  c->add_option(
+       "--captions", o->captions,
+       "Table of clips, with columns clip, start, end, body parts, captions; or clip, captions for whole clips")
       ->required()
       ->check(CLI::ExistingFile);
   c->add_option("--out", o->run.out, "Folder for checkpoint, weights and loss curve")->capture_default_str();
@@ -112,32 +115,31 @@ void add_train(CLI::App& app) {
       ->check(not_negative())
       ->capture_default_str();
   c->add_option("--text-weight", o->config.text_weight,
-                "Weight of the loss that asks captions for a summary of their motion")
+                "Weight of the loss that predicts a summary of the motion from its caption")
       ->check(not_negative())
       ->capture_default_str();
   c->add_option("--text-steps", o->config.text_steps,
-                "Steps of the text encoder alone, at the beginning; stopped in them, they begin anew")
+                "Number of first steps that train the text encoder alone. If stopped during these, they start over")
       ->check(not_negative())
       ->capture_default_str();
-  c->add_option("--denoiser", o->denoiser, "Begin with the denoiser of this model; only texts are learnt anew")
+  c->add_option("--denoiser", o->denoiser, "Start with the denoiser of this model and train only the texts")
       ->check(CLI::ExistingFile);
-  c->add_option("--seed", o->config.seed, "Same seed, same weights, stopped and resumed or not")
+  c->add_option("--seed", o->config.seed, "Seed. The same seed gives the same weights, also after a stop")
       ->check(seed_number())
       ->capture_default_str();
-  c->add_option("--license", o->license, "Licence of the weights, for their metadata: as the data allow");
-  c->add_option("--provenance", o->provenance, "Where the data come from, for the metadata");
+  c->add_option("--license", o->license, "Licence of the weights, for their metadata; the data must allow it");
+  c->add_option("--provenance", o->provenance, "Origin of the data, for the metadata");
   c->add_option("--commit", o->commit, "Commit of the program, for the metadata");
   c->add_option("--save-minutes", o->run.save_minutes, "Minutes between checkpoints")
       ->check(not_negative())
       ->capture_default_str();
   c->add_flag("--other-settings", o->run.other_settings,
-              "Go on with a checkpoint that began with other numbers (batch, rates, weights of losses, samples); the "
-              "result is then no longer that of one "
-              "command");
+              "Continue a checkpoint that began with other values (batch, rates, weights of losses, samples). The "
+              "result then differs from that of a single command");
   c->add_option("--noise-focus", o->config.noise_focus, "Share of the samples that come from the noisiest fifth")
       ->check(in_range(0, 1))
       ->capture_default_str();
-  c->add_flag("--fresh", o->run.fresh, "Start anew even if there is a checkpoint");
+  c->add_flag("--fresh", o->run.fresh, "Start over even if there is a checkpoint");
   c->add_flag("--recompute", o->run.recompute, about_recompute);
   o->machine.add_to(*c);
   c->callback([o] { run(*o); });

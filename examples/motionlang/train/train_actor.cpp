@@ -29,16 +29,16 @@ void run(const Options& o) {
 void add_train_actor(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand(
-      "train-actor", "Trains ACTOR, which makes motions for actions; Ctrl-C saves, the same command goes on");
+      "train-actor", "Trains ACTOR, which generates motions from actions. Ctrl-C saves; the same command continues");
   add_training_options(*c, o->common, {"actor-published", "actor-variable", "small"});
   o->labels.add_to(*c);
   c->add_option("--from", o->from,
-                "Model to begin with, also as published: motions of many lengths after those of 60 frames")
+                "Model to start with, trained here or published, to train on many lengths after those of 60 frames")
       ->check(CLI::ExistingDirectory);
-  c->add_option("--body", o->files.body, "SMPL, for losses.points = vertices, smpl, a2m, a2mpl, vibe")
+  c->add_option("--body", o->files.body, "File of SMPL, for losses.points = vertices, smpl, a2m, a2mpl, vibe")
       ->check(CLI::ExistingFile);
   c->add_option("--joint-regressor", o->files.regressor,
-                "J_regressor_extra.npy of SPIN or VIBE, for losses.points = a2m, a2mpl, vibe")
+                "File J_regressor_extra.npy of SPIN or VIBE, for losses.points = a2m, a2mpl, vibe")
       ->check(CLI::ExistingFile);
   c->callback([o] { run(*o); });
 }

@@ -19,17 +19,16 @@ inline CLI::App* add_babel_options(CLI::App& app, const char* name, const char* 
                                    const char* published) {
   CLI::App* c = app.add_subcommand(name, what);
   add_training_options(*c, o.common, {published, "small"});
-  c->get_option("--data")->description("Folder of the motions, such as AMASS, into which feat_p of BABEL leads");
+  c->get_option("--data")->description("Folder of the motions, such as AMASS; the paths feat_p of BABEL lead into it");
   c->add_option("--babel", o.babel, "BABEL's train.json")->check(CLI::ExistingFile);
   c->add_option("--babel-validation", o.validation,
-                "BABEL's val.json, to validate with; unless given, a part of --babel, by --splits or at random")
+                "BABEL's val.json, for validation. The default is a part of --babel, chosen by --splits or at random")
       ->check(CLI::ExistingFile);
-  c->add_option("--spelling", o.spelling, "JSON of words of labels and what they are replaced by")
-      ->check(CLI::ExistingFile);
+  c->add_option("--spelling", o.spelling, "JSON of words in labels and their replacements")->check(CLI::ExistingFile);
   c->add_option("--text-encoder", o.text_encoder, "DistilBERT: a folder, or the .npy file of an embedding cache")
       ->check(CLI::ExistingPath);
   c->add_option("--statistics", o.statistics,
-                "Folder with mean and std of the features; those of the motions to train on unless given")
+                "Folder with mean and std of the features. The default is the statistics of the training motions")
       ->check(CLI::ExistingDirectory);
   return c;
 }
@@ -45,7 +44,8 @@ void run_babel(const BabelOptions& o, Config config, ml::BabelReader (*reader)(c
   as_usage([&] { sources.require_sound(); });
   const bool pieces = as_usage([&] { return ml::reads_pieces(config.text, o.text_encoder); });
   if (config.text.finetune)
-    ml::raise<ml::config_error>(102, "text.finetune is of train-tmr and train-temos; DistilBERT is read here as it is");
+    ml::raise<ml::config_error>(
+        102, "text.finetune is for train-tmr and train-temos; this command does not train DistilBERT");
   const auto data = [&] {
     ProgressBar bar("reading motions");
     return ml::read_babel_motions(sources, config.features, ml::split_config(config.data), reader(config.data), bar);

@@ -27,13 +27,14 @@ void run(const Options& o) {
 
 void add_train_classifier(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  CLI::App* c = app.add_subcommand("train-classifier",
-                                   "Trains a classifier of actions, by which evaluate judges ACTOR; Ctrl-C saves");
+  CLI::App* c = app.add_subcommand(
+      "train-classifier",
+      "Trains a classifier of actions, which evaluate uses to judge ACTOR. Ctrl-C saves; the same command continues");
   add_training_options(*c, o->common, {"small", "stgcn-published", "gru-published"});
   o->labels.add_to(*c);
   c->add_option("--generated", o->generated,
-                "Model of train-actor that makes a part of the motions (generated_share): sampled, or of the recorded "
-                "ones denoised or interpolated (generated_kind)")
+                "Model of train-actor that makes a share of the motions (generated_share). generated_kind chooses "
+                "sampled motions, or recorded ones that are denoised or interpolated")
       ->check(CLI::ExistingDirectory);
   c->callback([o] { run(*o); });
 }

@@ -8,14 +8,13 @@ namespace program {
 
 void add_train_sinc(CLI::App& app) {
   const auto o = std::make_shared<BabelOptions>();
-  CLI::App* c = add_babel_options(
-      app, "train-sinc",
-      "Trains SINC, which makes motions from several actions at the same time; Ctrl-C saves, the same command goes on",
-      *o, "sinc-published");
+  CLI::App* c = add_babel_options(app, "train-sinc",
+                                  "Trains SINC, which generates motions from several actions at the same time. Ctrl-C "
+                                  "saves; the same command continues",
+                                  *o, "sinc-published");
   c->add_option("--body-parts", o->body_parts,
-                "JSON of labels and what a language model answered when it was asked for their body parts, as SINC has "
-                "it; combines "
-                "actions of different parts (data.proportion)")
+                "JSON of labels and the body parts that a language model named for them, as SINC has it. Training then "
+                "combines actions of different parts (data.proportion)")
       ->check(CLI::ExistingFile);
   c->callback([o] {
     std::optional<ml::BodyPartTable> table;

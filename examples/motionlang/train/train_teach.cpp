@@ -9,8 +9,8 @@ void add_train_teach(CLI::App& app) {
   const auto o = std::make_shared<BabelOptions>();
   CLI::App* c = add_babel_options(
       app, "train-teach",
-      "Trains TEACH, which makes motions from actions one after the other; Ctrl-C saves, the same command goes on", *o,
-      "teach-published");
+      "Trains TEACH, which generates motions from actions one after another. Ctrl-C saves; the same command continues",
+      *o, "teach-published");
   c->callback([o] {
     run_babel(
         *o, named_preset([&] { return ml::teach_preset(o->common.preset); }), &ml::teach_reader,

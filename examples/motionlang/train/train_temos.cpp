@@ -7,7 +7,7 @@ namespace program {
 
 void add_train_temos(CLI::App& app) {
   add_text_motion<ml::TemosTraining<TrainingTape>>(
-      app, "train-temos", "Trains TEMOS, which makes motions from texts; Ctrl-C saves, the same command goes on",
+      app, "train-temos", "Trains TEMOS, which generates motions from texts. Ctrl-C saves; the same command continues",
       "temos-published", &ml::temos_preset);
 }
 

@@ -41,17 +41,15 @@ void add_text_motion(CLI::App& app, const char* name, const char* what, const ch
   add_training_options(*c, o->common, {published, "small"});
   o->texts.add_to(*c);
   c->add_option("--text-encoder", o->files.text_encoder,
-                "DistilBERT: a folder, which text.finetune trains, too, or the .npy file of an embedding cache")
+                "DistilBERT: a folder, which text.finetune trains as well, or the .npy file of an embedding cache")
       ->check(CLI::ExistingPath);
   c->add_option("--sentence-encoder", o->files.sentence_encoder,
-                "MPNet, which tells texts that mean the same: a folder or a cache; the words of all texts about the "
-                "same frames are "
-                "compared unless given")
+                "MPNet, which finds texts of equal meaning: a folder or a cache. The default is to compare the words "
+                "of all texts about the same frames")
       ->check(CLI::ExistingPath);
   c->add_option("--statistics", o->files.statistics,
-                "Folder with mean and std of the features, such as that of HumanML3D or KIT-ML with Mean.npy and "
-                "Std.npy; those of the "
-                "motions to train on unless given, as the published programs have it")
+                "Folder with mean and std of the features, such as HumanML3D or KIT-ML with Mean.npy and Std.npy. The "
+                "default is the statistics of the training motions, as in the published programs")
       ->check(CLI::ExistingDirectory);
   c->callback([o, preset] { run_text_motion<Training>(*o, named_preset([&] { return preset(o->common.preset); })); });
 }

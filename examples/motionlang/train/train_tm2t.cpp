@@ -82,31 +82,29 @@ void run(const Options& o) {
 void add_train_tm2t(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("train-tm2t",
-                                   "Trains TM2T, which describes motions and makes them from texts, a stage at a time; "
-                                   "Ctrl-C saves, the same command goes on");
+                                   "Trains one stage of TM2T, which captions motions and generates them from texts. "
+                                   "Ctrl-C saves; the same command continues");
   const std::map<std::string, ml::Tm2tStage> stages{{"tokenizer", ml::Tm2tStage::tokenizer},
                                                     {"motion-to-text", ml::Tm2tStage::motion_to_text},
                                                     {"text-to-motion", ml::Tm2tStage::text_to_motion}};
-  c->add_option("--stage", o->stage, "tokenizer (motions as words), then motion-to-text, then text-to-motion")
+  c->add_option("--stage", o->stage, "Stage: tokenizer (motions as tokens), then motion-to-text, then text-to-motion")
       ->required()
       ->transform(CLI::CheckedTransformer(stages).description("tokenizer, motion-to-text or text-to-motion"));
   add_training_options(*c, o->common, {"tm2t-published", "tm2t-published-kit", "small"});
   o->texts.add_to(*c);
   c->add_option("--statistics", o->statistics,
-                "Of the tokenizer: folder with Mean.npy and Std.npy of the features; those of the motions to train on "
-                "unless given")
+                "Tokenizer stage: folder with Mean.npy and Std.npy of the features. The default is the statistics of "
+                "the training motions")
       ->check(CLI::ExistingDirectory);
   c->add_option("--tokenizer", o->tokenizer,
-                "Of the other stages: folder of the tokenizer, of the first stage or as published")
+                "Other stages: folder of the tokenizer, from the first stage or as published")
       ->check(CLI::ExistingDirectory);
   c->add_option("--describer", o->describer,
-                "Of text-to-motion: folder of motion-to-text, or M2T_... as published, for inverse alignment; its "
-                "words and, unless "
-                "--tokenizer names it, its tokenizer are taken")
+                "Stage text-to-motion: folder of motion-to-text, or M2T_... as published, for inverse alignment. Its "
+                "words are used, and its tokenizer unless --tokenizer names one")
       ->check(CLI::ExistingDirectory);
   c->add_option("--text-encoder", o->words,
-                "Folder of word vectors (our_vab_data.npy ...); the words of the texts, with vectors that are drawn, "
-                "unless given")
+                "Folder of word vectors (our_vab_data.npy). The default is the words of the texts, with random vectors")
       ->check(CLI::ExistingDirectory);
   c->callback([o] { run(*o); });
 }

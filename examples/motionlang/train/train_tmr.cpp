@@ -7,7 +7,7 @@ namespace program {
 
 void add_train_tmr(CLI::App& app) {
   add_text_motion<ml::TmrTraining<TrainingTape>>(
-      app, "train-tmr", "Trains TMR, which finds motions by texts; Ctrl-C saves, the same command goes on",
+      app, "train-tmr", "Trains TMR, which finds motions by texts. Ctrl-C saves; the same command continues",
       "tmr-published", &ml::tmr_preset);
 }
 

@@ -14,44 +14,46 @@ void add_training_options(CLI::App& command, TrainingOptions& o, const std::vect
   for (std::size_t i = 1; i < presets.size(); ++i) names += (i + 1 < presets.size() ? ", " : " or ") + presets[i];
   command.add_option("--data", o.data, "Folder with the clips of the table, or in the form of HumanML3D or KIT-ML")
       ->check(CLI::ExistingDirectory);
-  command.add_option("--splits", o.splits, "Folder with train.txt, val.txt, test.txt; split at random unless given")
+  command
+      .add_option("--splits", o.splits, "Folder with train.txt, val.txt and test.txt. The default is a random split")
       ->check(CLI::ExistingDirectory);
   command.add_option("--preset", o.preset, "Hyperparameters: " + names)->capture_default_str();
   command.add_option("--config", o.config, "JSON with the hyperparameters that differ from the preset")
       ->check(CLI::ExistingFile);
-  command.add_option("--set", o.set, "One hyperparameter: optimiser.lr=3e-4; may be repeated")->allow_extra_args(false);
-  command.add_flag("--print-config", o.print_config, "Print all hyperparameters as JSON, and stop");
+  command.add_option("--set", o.set, "One hyperparameter, such as optimiser.lr=3e-4; may be repeated")
+      ->allow_extra_args(false);
+  command.add_flag("--print-config", o.print_config, "Print all hyperparameters as JSON and stop");
   command.add_option("--out", o.run.out, "Folder for checkpoint, curves and model")->capture_default_str();
   command.add_option("--save-minutes", o.run.save_minutes, "Minutes between checkpoints")->capture_default_str();
-  command.add_flag("--fresh", o.run.fresh, "Start anew even if there is a checkpoint");
+  command.add_flag("--fresh", o.run.fresh, "Start over even if there is a checkpoint");
   command.add_flag("--other-settings", o.run.other_settings,
-                   "Go on with a checkpoint that began with other rates or weights of losses");
+                   "Continue a checkpoint that began with other rates or weights of losses");
   command.add_flag("--recompute", o.run.recompute, about_recompute);
   command.add_option("--license", o.license, "Licence of the weights, for their metadata")->capture_default_str();
-  command.add_option("--provenance", o.provenance, "Where the data come from, for the metadata")->capture_default_str();
+  command.add_option("--provenance", o.provenance, "Origin of the data, for the metadata")->capture_default_str();
   command.add_option("--commit", o.commit, "Commit of the program, for the metadata");
   o.machine.add_to(command);
 }
 
 void LabelOptions::add_to(CLI::App& command) {
   command
-      .add_option(
-          "--labels", labels,
-          "Table of the clips: clip, start, end, label, or clip, label (all of it); with --annotations: id of a "
-          "stretch or of a motion, or a text, and its label")
+      .add_option("--labels", labels,
+                  "Table of clips, with columns clip, start, end, label; or clip, label for whole clips. With "
+                  "--annotations: the id of a segment or motion, or a text, and its label")
       ->check(CLI::ExistingFile);
   command
       .add_option(
           "--annotations", annotations,
-          "Annotation file (JSON) whose paths lead into --data: BABEL's own, which has categories of actions, or the "
-          "unified one with a label for each stretch")
+          "Annotation file (JSON) whose paths lead into --data: BABEL's own with categories of actions, or the unified "
+          "one with a label for each segment")
       ->check(CLI::ExistingFile);
 }
 
 void CaptionOptions::add_to(CLI::App& command) {
   command
-      .add_option("--captions", captions,
-                  "Table of the clips: clip, start, end, body parts, captions, or clip, captions (all of it)")
+      .add_option(
+          "--captions", captions,
+          "Table of clips, with columns clip, start, end, body parts, captions; or clip, captions for whole clips")
       ->check(CLI::ExistingFile);
   command.add_option("--annotations", annotations, "Unified annotation file (JSON); its paths lead into --data")
       ->check(CLI::ExistingFile);

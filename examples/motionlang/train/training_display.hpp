@@ -14,8 +14,9 @@
 namespace program {
 
 inline constexpr const char* about_recompute =
-    "Calculate layers again instead of keeping what is inside them: the same numbers from a third to a half of the "
-    "memory, in about half as much time again";
+    "Recompute layers instead of storing their inner values. The result is the same; memory falls to a third or a "
+    "half, "
+    "and time rises by about half";
 
 class TrainingDisplay {
  public:
@@ -27,7 +28,7 @@ class TrainingDisplay {
             .stop =
                 [this](motionlang::Index step, const std::filesystem::path& checkpoint) {
                   bar_->finish();
-                  std::fprintf(stderr, "stopped at step %td; the same command goes on from %s\n", step,
+                  std::fprintf(stderr, "stopped at step %td; the same command continues from %s\n", step,
                                checkpoint.string().c_str());
                 },
             .finish = [this](const motionlang::TrainingSummary& s) { finish(s); }};
@@ -35,7 +36,7 @@ class TrainingDisplay {
 
  private:
   void start(const motionlang::TrainingStart& s) {
-    if (s.resumed) std::printf("going on at step %td of %td\n", s.step, s.steps);
+    if (s.resumed) std::printf("continuing at step %td of %td\n", s.step, s.steps);
     bar_.emplace("training", s.step);
   }
   bool progress(const motionlang::TrainingProgress& p) {
@@ -50,7 +51,7 @@ class TrainingDisplay {
   }
   void finish(const motionlang::TrainingSummary& s) {
     bar_->finish();
-    if (s.stopped_early) std::printf("stopped early at step %td: the validation no longer gets better\n", s.last_step);
+    if (s.stopped_early) std::printf("stopped early at step %td: the validation no longer improves\n", s.last_step);
     std::printf("trained  %s in %s\n", counted(s.steps, "step").c_str(), ProgressBar::clock(s.seconds).c_str());
   }
 

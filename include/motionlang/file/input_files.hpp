@@ -43,7 +43,7 @@ class InputFiles {
   }
   /// Throws option_error 102 if the file is one of them.
   void refuse(const std::filesystem::path& output) const {
-    if (has(output)) raise<option_error>(102, output.string(), " is what is read: name another file for the result");
+    if (has(output)) raise<option_error>(102, output.string(), " is an input: name another file for the result");
   }
 
  private:

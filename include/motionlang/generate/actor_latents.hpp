@@ -75,7 +75,7 @@ class ActorLatentModel final : public LatentMotionModel {
   }
   Motion on_its_joints(const Motion& motion) const override { return on_smpl(motion); }
   Motion decoded(const Motion& motion, const std::string& action) const override {
-    if (action.empty()) raise<option_error>(102, "ACTOR has to know which action a motion shows to denoise it");
+    if (action.empty()) raise<option_error>(102, "ACTOR needs to know which action the motion shows to denoise it");
     const Index known = class_of(action), frames = motion.frames(),
                 width = parts_.model.config.njoints * parts_.model.config.nfeats;
     require_frames(frames, parts_.model.fc_encoder || parts_.model.fc_decoder);

@@ -42,7 +42,7 @@ class MotionDescriber {
       : run_(std::move(run)), features_(&motion_features(run_.width() == 251 ? "kit" : "guoh3d")) {
     if (features_->width != run_.width())
       raise<config_error>(102, "MotionDescriber: a tokenizer of ", counted(run_.width(), "number"),
-                          " a frame; known are 263 and 251");
+                          " a frame, expected 263 or 251");
   }
 
   /// That the model reads.

@@ -60,8 +60,7 @@ class TextLatentModel final : public LatentMotionModel {
   }
   Motion on_its_joints(const Motion& motion) const override { return on_joints_of(*parts_.features, motion); }
   Motion decoded(const Motion& motion, const std::string& action) const override {
-    if (!action.empty())
-      raise<option_error>(102, "action '", action, "' is for ACTOR; this model reads the motion alone");
+    if (!action.empty()) raise<option_error>(102, "action '", action, "' is for ACTOR; this model needs no action");
     const auto rows = parts_.features->from_motion(motion);
     const std::vector<typename B::scalar> values(rows.begin(), rows.end());
     const Index width = parts_.features->width, frames = std::ssize(values) / width;

@@ -76,7 +76,7 @@ class OneConversion {
     char text[160];
     if (const Index frames = detect_t_pose_lead_in(m); frames > 0 && how_.time.from == 0) {
       std::snprintf(text, sizeof text,
-                    "begins with %s of a T-pose that was put in front; `from` %.3g leaves out what was",
+                    "begins with %s of a T-pose in front of the recording; `from` %.3g leaves it out",
                     counted(frames, "frame").c_str(), static_cast<double>(frames) / m.fps);
       notes_.input += where + text + "\n";
     }
@@ -84,7 +84,7 @@ class OneConversion {
     const double reach = reach_of(m.skeleton);
     if (reach > 0 && (reach < smallest || reach > largest)) {
       std::snprintf(text, sizeof text, "the figure is %.2g m large%s", reach,
-                    file_kind(in_) == ".bvh" ? ": `scale` says how long a unit of the file is" : "");
+                    file_kind(in_) == ".bvh" ? ": set `scale` to the length of its unit in metres" : "");
       notes_.input += where + text + "\n";
     }
   }

@@ -36,7 +36,7 @@ void with_babel_checkpoint(const std::filesystem::path& folder, const Checkpoint
     take(load_temos<B>(folder, options));
   else
     raise<config_error>(103, folder.string(), ": a model of '", system,
-                        "'; taken are sinc and teach, and temos as published");
+                        "'; expected sinc or teach, or temos as published");
 }
 
 MOTIONLANG_NAMESPACE_END

@@ -23,7 +23,7 @@ TEST_CASE("an input is found by whatever name") {
   for (const char* name : {"other.bvh", "new.bvh", "in.glb"}) CHECK_MESSAGE(!inputs.has(folder / name), name);
   CHECK(!inputs.has(""));
   CHECK_THROWS_AS(inputs.refuse(folder / "hard.bvh"), ml::option_error);
-  CHECK_ERROR(inputs.refuse(folder / "in.bvh"), "in.bvh is what is read: name another file for the result");
+  CHECK_ERROR(inputs.refuse(folder / "in.bvh"), "in.bvh is an input: name another file for the result");
   inputs.refuse(folder / "new.bvh");
   inputs.add(folder / "new.bvh");  // is not there yet
   CHECK(inputs.has(folder / "new.bvh"));
