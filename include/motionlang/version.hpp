@@ -7,9 +7,9 @@
 #endif
 
 #define MOTIONLANG_VERSION_MAJOR 0
-#define MOTIONLANG_VERSION_MINOR 1
+#define MOTIONLANG_VERSION_MINOR 2
 #define MOTIONLANG_VERSION_PATCH 0
-#define MOTIONLANG_VERSION "0.1.0"
+#define MOTIONLANG_VERSION "0.2.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
 /// layouts, and without exceptions, so that object files built with different options do not link silently against each
