@@ -16,18 +16,26 @@ constexpr ml::Index most_frames = 1000;  // of an animation: long ones are slow,
 
 void check_motions(std::span<const std::byte> bytes) {
   const ml::GlbFile file(bytes, "fuzz.glb");
-  file.skeleton().validate();
+  for (ml::Index figure = 0; figure < file.figures(); ++figure) {
+    file.skeleton(figure).validate();
+  }
+  file.moving_others();
   const auto names = file.animation_names();
   for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), 3); ++i) {
     const auto number = static_cast<ml::Index>(i);
     if (file.duration(number) > 190) continue;
-    const ml::Motion motion = file.motion(number, 5);
-    const auto& joints = file.skeleton().names;
-    for (const std::string& name : file.stretched_joints(number))
-      check(std::ranges::find(joints, name) != joints.end(), "a stretched joint is one of the skeleton");
-    check(motion.frames() >= 1 && motion.frames() <= most_frames, "frames");
-    check(motion.local.size() == motion.root.size() * file.skeleton().names.size(), "size of the table");
-    for (const auto& q : motion.local) check(std::abs(dot(q, q) - 1) < 1e-9, "unit quaternions");
+    for (ml::Index figure = 0; figure < std::min<ml::Index>(file.figures(), 3); ++figure) {
+      ml::GlbLoss loss;
+      const ml::Motion motion = file.motion(number, 5, figure, &loss);
+      const auto& joints = file.skeleton(figure).names;
+      for (const std::string& name : file.stretched_joints(number, figure))
+        check(std::ranges::find(joints, name) != joints.end(), "a stretched joint is one of the skeleton");
+      check(loss.joint.empty() || std::ranges::find(joints, loss.joint) != joints.end(), "whose loss it is");
+      check(motion.frames() >= 1 && motion.frames() <= most_frames, "frames");
+      check(motion.local.size() == motion.root.size() * joints.size(), "size of the table");
+      for (const auto& q : motion.local) check(std::abs(dot(q, q) - 1) < 1e-9, "unit quaternions");
+      check(file.rate(number, figure) >= 1 && file.rate(number, figure) <= 1e4, "a rate");
+    }
   }
 }
 

@@ -191,9 +191,9 @@ TEST_CASE("convert: from one format to the others and back, cut, resampled, mirr
 
   const auto unknown = w.run({"convert", "walk.bvh", "walk.fbx"});
   CHECK(unknown.code == 2);
-  CHECK_MESSAGE(
-      contains(unknown.text, "written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '.fbx': Blender makes"),
-      unknown.text);
+  CHECK_MESSAGE(contains(unknown.text,
+                         "written to .bvh, .glb, .vrma, .npz, .npy, .html, .svg and .png, not '.fbx': Blender makes"),
+                unknown.text);
   const auto empty = w.run({"convert", "walk.bvh", "none.bvh", "--from", "5"});
   CHECK(empty.code == 2);
   CHECK_MESSAGE(contains(empty.text, "nothing of its 2 s is between 5 and"), empty.text);

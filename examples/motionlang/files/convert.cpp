@@ -210,11 +210,12 @@ void add_convert(CLI::App& app) {
       "Converts a motion to another format and edits it. Also converts weights to .safetensors, and texts of motions");
   add_input(*c, *o,
             ". Also weights, a body (--hands), or texts (.json of BABEL, or annotations as TMR and STMC have them)");
-  c->add_option("output", o->out,
-                "Result: .bvh, .glb, .npz (AMASS, on SMPL's skeleton), .npy (SMPL's joints, Z up as STMC saves them), "
-                ".html (page), .svg or .png (film strip), or with --body .obj (one file per frame). Weights become "
-                ".safetensors, a body (--hands) becomes .npz, and a folder becomes a folder (--as). Texts become .json "
-                "(annotations as TMR and STMC have them), or a folder with texts/ as HumanML3D has it")
+  c->add_option(
+       "output", o->out,
+       "Result: .bvh, .glb, .vrma, .npz (AMASS, on SMPL's skeleton), .npy (SMPL's joints, Z up as STMC saves them), "
+       ".html (page), .svg or .png (film strip), or with --body .obj (one file per frame). Weights become "
+       ".safetensors, a body (--hands) becomes .npz, and a folder becomes a folder (--as). Texts become .json "
+       "(annotations as TMR and STMC have them), or a folder with texts/ as HumanML3D has it")
       ->check(not_empty())
       ->required();
   c->add_option("--as", o->as,

@@ -119,7 +119,8 @@ MOTIONLANG_C_API const motionlang_motion* motionlang_motions_at(const motionlang
 MOTIONLANG_C_API const char* motionlang_motions_notes(const motionlang_motions* motions);
 MOTIONLANG_C_API void motionlang_free_motions(motionlang_motions* motions); /* NULL is allowed */
 
-/* Writes a .bvh, .glb, .npz (AMASS) or .npy file (joint positions), a page (.html) or a film strip (.svg, .png). */
+/* Writes a .bvh, .glb, .vrma, .npz (AMASS) or .npy file (joint positions), a page (.html) or a film strip (.svg,
+ * .png). */
 MOTIONLANG_C_API int motionlang_write_motion(const motionlang_motion* motion, const char* file);
 /* Writes several motions into one .glb (on one skeleton) or .html file. */
 MOTIONLANG_C_API int motionlang_write_motions(const motionlang_motion* const* motions, int64_t count, const char* file);

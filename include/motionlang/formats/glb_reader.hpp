@@ -2,15 +2,22 @@
 /// GLB files, and .gltf files with their data in base64, as motions: skins and animations of glTF 2.0. Meshes,
 /// materials and morph targets are left out. The bones of a VRM avatar (.vrm, .vrma) have the names of VRM's humanoid.
 ///
-/// The skeleton's rest pose is that of the file, with all rotations the identity as everywhere in this library: with B
-/// the world rotation of a node at rest and r its local rotation, L_j = B_parent r_j B_j^-1, and the offset of a joint
-/// is its rest translation turned by B_parent. Bones keep their length: only the root moves; animated scales and
-/// translations of other joints are dropped (stretched_joints names these).
+/// A figure is what a skeleton table knows among the joints of all skins, or among all nodes of a file without skins:
+/// from the hips down. What is above the hips moves them; what is beside them (cameras, props, control bones) is no
+/// joint. Several figures are several motions. If no table fits, the largest skin is the figure.
+///
+/// The skeleton's rest pose is that of the nodes or that of the inverse bind matrices, whichever is nearer to a T-pose,
+/// with all rotations the identity as everywhere in this library. With A(t) the matrix of a joint in the world, the
+/// product of all matrices above it, and Q its orthogonal polar factor: D_j = Q_j(t) Q_j(rest)^-1 is how the joint has
+/// turned, L_j = D_parent^-1 D_j, and an offset is the difference of two places at rest. That is exact for all but
+/// uneven scales above joints that turn. Bones keep their length: only the root moves. Translations and scales that an
+/// animation keeps all the time are of the rest pose of its motion. GlbLoss says what is lost otherwise.
 ///
 /// Two keys of a small file can be years apart. What is sampled has at most 10 million rotations (frames x joints;
 /// nearly four hours at 30 per second with 24 joints: 320 MB), or 16 for each key of a channel in the file, which is
-/// enough for any recording with keys at its frames. motions() counts all animations together, and for each of them the
-/// rotations that would fill the memory of its skeleton, of which every motion has its own.
+/// enough for any recording with keys at its frames. A motion has at most a million frames, unless there are more keys.
+/// motions() counts all animations together, and for each of them the rotations that would fill the memory of its
+/// skeleton, of which every motion has its own.
 #pragma once
 
 #include <cstddef>      // byte
@@ -18,6 +25,7 @@
 #include <span>         // bytes
 #include <string>       // names
 #include <string_view>  // names
+#include <utility>      // animations of figures
 #include <vector>       // motions
 
 #include <motionlang/file/file_path.hpp>
@@ -26,67 +34,99 @@
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// How far joints of a motion are from where its file has them.
+struct GlbLoss {
+  double distance = 0;     // the largest, metres
+  std::string joint{};     // whose it is
+  double seconds = 0;      // when
+  double path = 0;         // metres over the floor by which all joints together leave their place
+  bool walk_lost = false;  // whether that is more than a tenth of the figure's size
+};
+
 /// A GLB file in memory, from which several motions can be taken.
 class GlbFile {
  public:
-  /// skin    which of the file's skins; a file without any gives a skeleton of all animated nodes
-  /// Throws  io_error 401 to 405; config_error 107 where the JSON has a value of the wrong kind
-  static GlbFile open(const FilePath& path, Index skin = 0);
-  GlbFile(std::span<const std::byte> bytes, std::string name, Index skin = 0);
+  /// skin    the only one whose joints count; none: the figures of the file
+  /// Throws  io_error 401 to 405; config_error 103 for a skin that is not there, 107 where the JSON has a value of the
+  ///         wrong kind
+  static GlbFile open(const FilePath& path, std::optional<Index> skin = {});
+  GlbFile(std::span<const std::byte> bytes, std::string name, std::optional<Index> skin = {});
 
-  const Skeleton& skeleton() const { return joints_.skeleton; }
+  /// Figures, one at least. The functions below throw config_error 103 for an unknown number.
+  Index figures() const { return std::ssize(figures_); }
+  const Skeleton& skeleton(Index figure = 0) const { return of(figure).skeleton; }
+  /// The name of a figure: that of the highest node which is above no other figure, its armature or its root.
+  std::string figure_name(Index figure = 0) const;
   std::vector<std::string> animation_names() const;
 
-  /// Seconds from time 0 to the last key of an animation. Throws config_error 103 if there is no such animation.
+  /// Whether an animation has a key of a joint of the figure, or of what is above it. Throws config_error 103 if there
+  /// is no such animation.
+  bool moves(Index animation, Index figure = 0) const;
+
+  /// Seconds from time 0 to the last key of an animation that moves a figure. Throws config_error 103 if there is no
+  /// such animation.
   double duration(Index animation) const;
 
   /// Names of the joints below the root that an animation moves away from their place at rest, by more than a hundredth
   /// of the bone, or by the scale of the joint before: motion() leaves this out. Throws config_error 103 if there is no
   /// such animation.
-  std::vector<std::string> stretched_joints(Index animation) const;
+  std::vector<std::string> stretched_joints(Index animation, Index figure = 0) const;
+  /// Names of nodes that animations move, of no figure: cameras, props, control bones.
+  std::vector<std::string> moving_others() const;
+  /// Sentences about keys that glTF does not allow and how they are read: "animation 'walk' begins at -0.2 s: ..."
+  std::vector<std::string> repairs() const;
 
-  /// Frames per second at which motion() takes an animation: those of its keys, where all are at whole frames of one
-  /// rate of 10 to 1000; 30 for others. Throws config_error 103 if there is no such animation.
-  double rate(Index animation) const;
+  /// Frames per second at which motion() takes an animation. Where its keys are at whole frames of one rate of 10 to
+  /// 1000 and some joint has one at each: this rate. A multiple of it, of 20 at least, where no joint has one at each;
+  /// of 30 at least, for curves between keys and for slower keys. Where keys are at no common rate: 30, or more if they
+  /// are closer. Throws config_error 103 if there is no such animation.
+  double rate(Index animation, Index figure = 0) const;
 
-  /// The animation from time 0 to its last key, at `wanted` frames per second or as rate() says.
+  /// The animation from time 0 to its last key, at `wanted` frames per second or as rate() says. If its keys are not at
+  /// whole frames from 0 on, it begins up to a frame later. One that moves() nothing is one frame of the rest pose.
+  /// loss    gets what the motion lacks, if not null
   /// Throws  config_error 103 if there is no such animation, 101 for an impossible frame rate, io_error 405 if the
   ///         motion would be too long
-  Motion motion(Index animation, std::optional<double> wanted = {}) const;
-  /// All animations. Throws what motion(number) throws; io_error 405 if they would be too long together.
-  std::vector<Motion> motions(std::optional<double> wanted = {}) const;
+  Motion motion(Index animation, std::optional<double> wanted = {}, Index figure = 0, GlbLoss* loss = nullptr) const;
+  /// All animations of all figures that they move; if they move none, those of the first figure. The names of motions
+  /// of one animation end with those of their figures.
+  /// losses  gets one for each motion, if not null
+  /// Throws  what motion(number) throws; io_error 405 if they would be too long together.
+  std::vector<Motion> motions(std::optional<double> wanted = {}, std::vector<GlbLoss>* losses = nullptr) const;
   /// The animation of that name. Throws config_error 103, and what motion(number) throws.
   Motion motion(std::string_view animation, std::optional<double> fps = {}) const;
 
  private:
-  GlbFile(const detail::GltfDocument& document, Index skin);
+  GlbFile(const detail::GltfDocument& document, std::optional<Index> skin);
 
   static std::vector<detail::GltfAnimation> load(const detail::GltfDocument& document);
 
   const detail::GltfAnimation& at(Index animation) const;
+  const detail::GltfSkeleton& of(Index figure) const;
+  const std::vector<int>& moving_of(Index figure) const;
+  const detail::GltfTransform& rest_of(int node) const { return nodes_[static_cast<std::size_t>(node)].rest; }
 
-  double frames_of(const detail::GltfAnimation& a, double fps) const;
+  double frames_of(Index animation, Index figure, double fps) const;
+  /// The time of the first frame: where keys are at whole frames, but not from 0 on, part of a frame.
+  double begin_of(Index animation, Index figure, double fps) const;
   static double most_rotations(std::size_t keys);
   /// How many rotations take as much memory as the skeleton of a motion.
-  double skeleton_rotations() const;
-
-  detail::GltfTransform transform(const detail::GltfAnimation& a, int node, double time) const;
-
-  /// The root with all that stands above it in the file.
-  detail::GltfTransform root_in_world(const detail::GltfAnimation& a, double time) const;
-
-  void append_pose(Motion& motion, const detail::GltfAnimation& a, double time) const;
+  static double skeleton_rotations(const Skeleton& skeleton);
+  /// Animations and the figures that they move.
+  std::vector<std::pair<Index, Index>> pairs() const;
 
   std::string file_;
   std::vector<detail::GltfNode> nodes_;
   std::vector<detail::GltfAnimation> animations_;
-  detail::GltfSkeleton joints_;
+  std::vector<detail::GltfSkeleton> figures_;
+  std::vector<std::vector<int>> moving_of_;  // nodes of every figure and above it, ascending
+  std::vector<int> moving_;                  // those of all figures
 };
 
 struct GlbReadOptions {
   std::string animation{};      // by name; "": the first
   std::optional<double> fps{};  // none: GlbFile::rate
-  Index skin = 0;
+  std::optional<Index> skin{};  // none: the first figure
 };
 
 /// Throws what GlbFile::open and GlbFile::motion throw.

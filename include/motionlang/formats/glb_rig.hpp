@@ -30,10 +30,9 @@ class GlbRig {
   /// Says which joint of a skeleton is which: one of the known tables, or read_skeleton_table.
   using FindTable = std::function<SkeletonTable(const Skeleton&)>;
 
-  /// Among several skins, the first one with a table; among very many (thousands in a file of thousands of nodes),
-  /// only the first are tried.
+  /// The figure is the first that GlbFile finds in the same file.
   /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits, for every skin if
-  ///         there are several
+  ///         there are several, of many for the first
   static GlbRig open(const FilePath& path, const FindTable& find_table = detect_skeleton_table);
   GlbRig(std::span<const std::byte> bytes, std::string name, const FindTable& find_table = detect_skeleton_table);
 
@@ -53,9 +52,10 @@ class GlbRig {
   std::vector<std::byte> with(std::span<const Motion> motions, const GlbRigOptions& options = {}) const;
 
  private:
-  void find_joints(Index skin, const FindTable& find_table);
+  /// Throws config_error 103 that says why no table fits.
+  [[noreturn]] void refuse(const FindTable& find_table) const;
 
-  /// The motion as nodes have it: r_j = B_parent^-1 L_j B_j with B the world rotations at rest, and the place of the
+  /// The motion as nodes have it: r_j = B_parent^-1 L_j B_j with B the axes in the world at rest, and the place of the
   /// pelvis as seen from the node above it.
   Motion in_nodes(Motion motion) const;
   /// The nodes of joints that ever leave the pose at rest; -1 for fingers and the like, which need no keys.
@@ -65,9 +65,9 @@ class GlbRig {
   std::shared_ptr<const detail::GltfDocument> document_;
   SkeletonTable table_;
   Skeleton skeleton_;
-  std::vector<int> nodes_;  // of the joints
-  std::vector<Quaternion<double>> rest_rotations_;
-  detail::GltfTransform above_;  // of the pelvis' parent in the world, at rest
+  std::vector<int> nodes_;             // of the joints
+  std::vector<Matrix3<double>> axes_;  // of the joints in the world at rest; left-handed in a mirror image
+  detail::GltfPlace above_;            // the pelvis' parent in the world at rest
 };
 
 /// Motions on the skeleton of a character, which those that are not on it yet are retargeted to.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>  // min
+#include <optional>   // tables
 #include <set>        // names of animations
 
 #include <motionlang/file/file.hpp>
@@ -19,25 +20,51 @@ MOTIONLANG_BODY GlbRig GlbRig::open(const FilePath& path, const FindTable& find_
 MOTIONLANG_BODY GlbRig::GlbRig(std::span<const std::byte> bytes, std::string name, const FindTable& find_table)
     : bytes_(std::make_shared<const std::vector<std::byte>>(bytes.begin(), bytes.end())),
       document_(std::make_shared<const detail::GltfDocument>(*bytes_, std::move(name))) {
+  const auto find = [&](const Skeleton& s) {
+    std::optional<SkeletonTable> table;
+    const auto not_it = [](const config_error& e) { return e.id() == 103; };
+    detail::guard<config_error>([&] { table = find_table(s); }, not_it);
+    return table;
+  };
+  std::vector<detail::GltfAnimation> animations;
+  detail::SharedAccessors keys(*document_);
+  if (document_->count("skins") == 0) {  // then joints may be what moves
+    for (Index i = 0; i < document_->count("animations"); ++i) animations.emplace_back(keys, i);
+  }
+  const detail::GltfSkeleton figure = detail::GltfFigures(*document_, animations, {}, find).figures.front();
+  if (!figure.table) refuse(find_table);
+  table_ = *figure.table;
+  skeleton_ = figure.skeleton;
+  nodes_ = figure.nodes;
+  std::vector<detail::GltfPlace> rest;
+  above_ = figure.place([&](int n) { return document_->node(n).rest; }, rest);
+  for (std::size_t j = 0; j < rest.size(); ++j) axes_.push_back(to_matrix(figure.lean[j]) * rest[j].axes());
+  if (!detail::nearest_orthogonal(above_.linear))
+    raise<io_error>(404, file(), ": a scale above '", skeleton_.name(0), "' is 0");
+}
+
+MOTIONLANG_BODY void GlbRig::refuse(const FindTable& find_table) const {
   const Index skins = document_->count("skins");
-  if (skins < 2) {
-    find_joints(0, find_table);
-    return;
-  }
-  constexpr Index most_visits = 10'000'000, most_reasons = 8;  // each skin is looked for among all nodes
-  const Index tried = std::min(skins, 1 + most_visits / (1 + std::ssize(document_->nodes())));
+  std::vector<detail::GltfAnimation> animations;
+  detail::SharedAccessors keys(*document_);
+  for (Index i = 0; skins == 0 && i < document_->count("animations"); ++i) animations.emplace_back(keys, i);
+  const auto joints_of = [&](std::optional<Index> skin) {
+    const detail::GltfFigures all(*document_, animations, skin, [](const Skeleton&) { return std::nullopt; });
+    return all.figures.front().skeleton;
+  };
+  constexpr Index most_reasons = 8;
   std::string reasons;
-  for (Index skin = 0; skin < tried; ++skin) {
-    const auto find = [&] { find_joints(skin, find_table); };
-    const auto not_it = [&](const config_error& e) {
+  for (Index skin = 0; skin < std::min(skins, most_reasons); ++skin) {
+    const auto why = [&](const config_error& e) {
       const std::string_view what = e.what();
-      if (skin < most_reasons) reasons += concat_text("; skin ", skin, ": ", what.substr(what.find("] ") + 2));
-      return e.id() == 103;
+      reasons += concat_text("; skin ", skin, ": ", what.substr(what.find("] ") + 2));
+      return skins > 1 && e.id() == 103;
     };
-    if (detail::guard<config_error>(find, not_it)) return;
+    detail::guard<config_error>([&] { find_table(joints_of(skin)); }, why);
   }
-  raise<config_error>(103, file(), ": none of ", tried < skins ? concat_text("the first ", tried, " of ") : "",
-                      counted(skins, "skin"), " is a body that is known", reasons);
+  if (skins == 0) find_table(joints_of({}));
+  if (reasons.empty()) raise<config_error>(103, file(), ": no node is the root of all joints of the body");
+  raise<config_error>(103, file(), ": none of ", counted(skins, "skin"), " is a body that is known", reasons);
 }
 
 MOTIONLANG_BODY const std::string& GlbRig::file() const { return document_->file(); }
@@ -71,52 +98,17 @@ MOTIONLANG_BODY std::vector<std::byte> GlbRig::with(std::span<const Motion> moti
   return glb.finish();
 }
 
-MOTIONLANG_BODY void GlbRig::find_joints(Index skin, const FindTable& find_table) {
-  std::vector<detail::GltfAnimation> animations;
-  detail::SharedAccessors keys(*document_);
-  if (document_->count("skins") == 0) {  // then joints are what moves
-    for (Index i = 0; i < document_->count("animations"); ++i) animations.emplace_back(keys, i);
-  }
-  const detail::GltfSkeleton all(*document_, animations, skin);
-  table_ = find_table(all.skeleton);
-  const int pelvis = find_joint(all.skeleton, table_.find("pelvis")->source);
-  if (all.nodes[static_cast<std::size_t>(pelvis)] < 0) {  // "root", which was made up over several trees
-    raise<config_error>(103, file(), ": no node is the joint '", all.skeleton.name(pelvis), "'");
-  }
-
-  std::vector<int> number(all.nodes.size(), -1);  // of a joint of `all` in the skeleton from the pelvis down
-  for (std::size_t j = 0; j < all.nodes.size(); ++j) {
-    const int parent = all.skeleton.parents[j];
-    const bool root = static_cast<int>(j) == pelvis;
-    if (!root && (parent < 0 || number[static_cast<std::size_t>(parent)] < 0)) continue;
-    number[j] = static_cast<int>(nodes_.size());
-    nodes_.push_back(all.nodes[j]);
-    rest_rotations_.push_back(all.rest_rotations[j]);
-    skeleton_.names.push_back(all.skeleton.names[j]);
-    skeleton_.parents.push_back(root ? -1 : number[static_cast<std::size_t>(parent)]);
-    skeleton_.offsets.push_back(root ? all.skeleton.rest_positions()[j] : all.skeleton.offsets[j]);
-  }
-  skeleton_.validate();
-  const std::vector<detail::GltfTransform> world = detail::world_at_rest(*document_);
-  const int above = document_->node(nodes_.front()).parent;
-  if (above >= 0) above_ = world[static_cast<std::size_t>(above)];
-  if (const auto& s = above_.scale; !(s.x > 0 && s.y > 0 && s.z > 0)) {
-    raise<io_error>(404, file(), ": the scale above '", skeleton_.name(0), "' is not positive");
-  }
-}
-
 MOTIONLANG_BODY Motion GlbRig::in_nodes(Motion motion) const {
-  const auto undo = inverse(above_.rotation);
+  const Matrix3<double> up = above_.axes(), undo = transpose(detail::inverse_transposed(above_.linear));
   for (Index f = 0; f < motion.frames(); ++f) {
     const auto local = motion.rotations(f);
     for (std::size_t j = 0; j < local.size(); ++j) {
       const int parent = skeleton_.parents[j];
-      const auto up = parent < 0 ? above_.rotation : rest_rotations_[static_cast<std::size_t>(parent)];
-      local[j] = inverse(up) * local[j] * rest_rotations_[j];
+      const Matrix3<double>& before = parent < 0 ? up : axes_[static_cast<std::size_t>(parent)];
+      local[j] = normalized(to_quaternion(transpose(before) * to_matrix(local[j]) * axes_[j]));
     }
     Vec3<double>& root = motion.root[static_cast<std::size_t>(f)];
-    const Vec3<double> seen = rotate(undo, root - above_.translation);
-    root = {seen.x / above_.scale.x, seen.y / above_.scale.y, seen.z / above_.scale.z};
+    root = undo * (root - above_.place);
   }
   return motion;
 }

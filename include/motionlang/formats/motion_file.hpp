@@ -6,7 +6,7 @@
 ///
 /// Reads   .bvh (a motion for each ROOT), .amc with its .asf, .npz (AMASS, smplx), .npy (joints, features, or all
 ///         motions of MDM's results.npy), .glb, .gltf, .vrm and .vrma (a motion for each animation)
-/// Writes  .bvh, .glb, .npz (AMASS), .npy (joint positions, Z up). Pages and pictures: view/view_file.hpp
+/// Writes  .bvh, .glb, .vrma, .npz (AMASS), .npy (joint positions, Z up). Pages and pictures: view/view_file.hpp
 ///
 /// Each format has a header of its own with all of its options; these functions take what the formats share.
 #pragma once
@@ -47,7 +47,7 @@ bool is_gltf(const FilePath& path);
 /// True if files of this kind are made to hold motions: .bvh, .amc, .npz, .npy, .glb, .vrma. (read_motions reads .vrm
 /// and .gltf as well, which are mostly avatars and scenes.)
 bool is_motion_file(const FilePath& path);
-/// True if write_motion writes this kind: .bvh, .glb, .npz, .npy.
+/// True if write_motion writes this kind: .bvh, .glb, .vrma, .npz, .npy.
 bool is_written_motion(const FilePath& path);
 
 /// The skeleton beside an AMC file: that of its subject, as CMU has them (01.asf beside 01_02.amc), otherwise the only

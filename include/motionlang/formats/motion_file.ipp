@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>   // any_of
+#include <cmath>       // round
 #include <filesystem>  // the skeleton beside a file
 #include <memory>      // mapped files
 
@@ -18,6 +19,7 @@
 #include <motionlang/formats/mdm_results.hpp>
 #include <motionlang/formats/motion_file.hpp>
 #include <motionlang/formats/skeleton_table_file.hpp>
+#include <motionlang/formats/vrma.hpp>
 #include <motionlang/kinematics/body_root.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/skeleton_tables.hpp>
@@ -42,7 +44,7 @@ MOTIONLANG_BODY bool is_motion_file(const FilePath& path) {
 
 MOTIONLANG_BODY bool is_written_motion(const FilePath& path) {
   const std::string kind = file_kind(path);
-  return kind == ".bvh" || kind == ".glb" || kind == ".npz" || kind == ".npy";
+  return kind == ".bvh" || kind == ".glb" || kind == ".vrma" || kind == ".npz" || kind == ".npy";
 }
 
 MOTIONLANG_BODY FilePath asf_beside(const FilePath& amc) {
@@ -96,20 +98,55 @@ inline void note_stretched(const std::string& file, const std::vector<std::strin
                         " away from the joint before: bones keep their ", kept, "\n");
 }
 
-/// Reports a joint once, however many animations stretch it.
+/// What the motions of a GLB file lack, and how it was read where it is not as glTF wants it.
+inline void note_animations(const GlbFile& file, const std::string& name, std::span<const GlbLoss> losses,
+                            std::string* notes) {
+  if (notes == nullptr) return;
+  for (const std::string& repair : file.repairs()) *notes += concat_text(name, ": ", repair, "\n");
+  if (const auto others = file.moving_others(); !others.empty())
+    *notes +=
+        concat_text(name, ": left out is how ", listed_joints(others),
+                    others.size() == 1 ? " moves: it is no joint" : " move: they are no joints", " of the body\n");
+  std::vector<std::string> stretched, still;  // a joint once, however many animations stretch it
+  std::set<std::string> known;
+  bool any = false;
+  const std::vector<std::string> animations = file.animation_names();
+  for (Index i = 0; i < std::ssize(animations); ++i) {
+    bool moved = false;
+    for (Index figure = 0; figure < file.figures(); ++figure) {
+      moved = moved || file.moves(i, figure);
+      for (std::string& joint : file.stretched_joints(i, figure)) {
+        if (known.insert(joint).second) stretched.push_back(std::move(joint));
+      }
+    }
+    any = any || moved;
+    if (!moved) still.push_back(animations[static_cast<std::size_t>(i)]);
+  }
+  if (!still.empty())
+    *notes += concat_text(name, ": ", still.size() == 1 ? "animation " : "animations ", listed_joints(still),
+                          still.size() == 1 ? " moves" : " move",
+                          " no joint: ", any ? "left out" : "the motion is the rest pose", "\n");
+  note_stretched(name, stretched, "length at rest", notes);
+  const GlbLoss* worst = nullptr;
+  for (const GlbLoss& loss : losses) {
+    if (worst == nullptr || loss.distance > worst->distance) worst = &loss;
+  }
+  const auto rounded = [](double x) { return std::round(x * 1000) / 1000; };
+  constexpr double visible = 0.005;  // metres
+  if (worst != nullptr && worst->distance > visible)
+    *notes += concat_text(name, ": joints are up to ", rounded(worst->distance), " m from where the file has them: '",
+                          worst->joint, "' at ", rounded(worst->seconds), " s\n");
+  if (std::any_of(losses.begin(), losses.end(), [](const GlbLoss& loss) { return loss.walk_lost; }))
+    *notes += concat_text(name, ": the walk is lost: joints that are left out carry the body\n");
+}
+
 inline std::vector<Motion> every_animation(std::span<const std::byte> bytes, const std::string& name,
                                            std::optional<double> fps, std::string* notes) {
   const GlbFile file(bytes, name);
-  std::vector<Motion> motions = file.motions(fps);
-  std::vector<std::string> stretched;
-  std::set<std::string> known;
-  for (Index i = 0; i < std::ssize(motions); ++i) {
-    for (std::string& joint : file.stretched_joints(i)) {
-      if (known.insert(joint).second) stretched.push_back(std::move(joint));
-    }
-  }
+  std::vector<GlbLoss> losses;
+  std::vector<Motion> motions = file.motions(fps, &losses);
   if (motions.empty()) raise<config_error>(103, name, ": no animation");
-  note_stretched(name, stretched, "length at rest", notes);
+  note_animations(file, name, losses, notes);
   return motions;
 }
 
@@ -272,10 +309,11 @@ MOTIONLANG_BODY std::vector<std::byte> motion_bytes(const FilePath& kind, const 
     return {bytes.begin(), bytes.end()};
   }
   if (wanted == ".glb") return glb_bytes(std::span(&motion, 1));
+  if (wanted == ".vrma") return vrma_bytes(motion);
   if (wanted == ".npz") return amass_bytes(on_smpl(motion), options.body, {}, kind.string());
   if (wanted == ".npy") return joints_npy_bytes(has_joints_of_arrays(motion) ? motion : on_smpl(motion));
-  raise<config_error>(103, kind.string(), ": motions are written to .bvh, .glb, .npz and .npy, not '", wanted, "'",
-                      detail::about_fbx(wanted));
+  raise<config_error>(103, kind.string(), ": motions are written to .bvh, .glb, .vrma, .npz and .npy, not '", wanted,
+                      "'", detail::about_fbx(wanted));
 }
 
 MOTIONLANG_BODY void write_motion(const FilePath& path, const Motion& motion, const MotionWriteOptions& options) {

@@ -7,3 +7,4 @@
 #include <motionlang/formats/glb_writer.ipp>
 #include <motionlang/formats/motion_file.ipp>
 #include <motionlang/formats/motion_folder.ipp>
+#include <motionlang/formats/vrma.ipp>

@@ -12,7 +12,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. From
 /// "LeftHandIndex1" (Mixamo), "index_01_l" (Unreal), "DEF-f_index.01.L" (Rigify), "lIndex1" (Daz), "leftIndexProximal"
-/// (VRM) and their like. "" for another joint, and for tips and metacarpals.
+/// (VRM, whose thumbs begin with leftThumbMetacarpal) and their like. "" for another joint, and for tips and other
+/// metacarpals.
 std::string finger_of(std::string_view joint);
 
 MOTIONLANG_NAMESPACE_END

@@ -19,6 +19,8 @@ MOTIONLANG_BODY std::string finger_of(std::string_view joint) {
   for (char& c : name) c = detail::lower(c);
   const auto has = [&](std::string_view part) { return name.find(part) != name.npos; };
   if (has(opposite)) return "";
+  if (joint == concat_text(own, "ThumbMetacarpal")) return concat_text(own, "_thumb1");
+  if (joint == concat_text(own, "ThumbProximal")) return concat_text(own, "_thumb2");
   for (const char* other : {"leaf", "end", "tip", "nub", "meta", "twist"}) {
     if (has(other)) return "";
   }

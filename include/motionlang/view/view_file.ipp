@@ -46,8 +46,8 @@ MOTIONLANG_BODY std::vector<std::byte> motion_or_view_bytes(const FilePath& kind
   }
   if (is_written_motion("motion" + wanted)) return motion_bytes(kind, motion, options);
   raise<option_error>(103, kind.string(),
-                      ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", wanted, "'",
-                      wanted == ".obj" ? ": .obj shows a body, `body` says which" : detail::about_fbx(wanted));
+                      ": motions are written to .bvh, .glb, .vrma, .npz, .npy, .html, .svg and .png, not '", wanted,
+                      "'", wanted == ".obj" ? ": .obj shows a body, `body` says which" : detail::about_fbx(wanted));
 }
 
 MOTIONLANG_BODY void write_motion_or_view(const FilePath& path, const Motion& motion,

@@ -10,10 +10,12 @@
 #include <motionlang/formats/detail/gltf_document.hpp>
 #include <motionlang/formats/glb.hpp>
 
+#include "../../support/gltf_builder.hpp"
 #include "../../support/synthetic_motion.hpp"
 #include "../../support/temporary_folder.hpp"
 
 namespace ml = motionlang;
+using gltf::Builder;
 using nlohmann::json;
 
 namespace {
@@ -35,40 +37,6 @@ std::vector<std::byte> other_program_bytes() {
   const auto zlib = ml::detail::from_base64(other_program);
   return ml::detail::inflate(std::span(zlib).subspan(2), 10'000, "zlib").data;  // after the two bytes of zlib's header
 }
-
-/// A document under construction: floats go to the binary chunk, one accessor each.
-struct Builder {
-  json document{{"asset", {{"version", "2.0"}}}, {"buffers", json::array({json::object()})}};
-  std::vector<std::byte> binary;
-
-  int floats(std::vector<float> values, const char* type) {
-    const int components = std::string_view(type) == "SCALAR" ? 1 : std::string_view(type) == "VEC3" ? 3 : 4;
-    document["bufferViews"].push_back(
-        {{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", 4 * values.size()}});
-    document["accessors"].push_back({{"bufferView", document["bufferViews"].size() - 1},
-                                     {"componentType", 5126},
-                                     {"count", static_cast<int>(values.size()) / components},
-                                     {"type", type}});
-    ml::detail::append_bytes(binary, std::as_bytes(std::span(values)));
-    return static_cast<int>(document["accessors"].size()) - 1;
-  }
-  void node(json n) { document["nodes"].push_back(std::move(n)); }
-  void skin(json joints) { document["skins"].push_back({{"joints", std::move(joints)}}); }
-  void animate(int node, const char* path, int input, int output, const char* mode = "LINEAR") {
-    if (!document.contains("animations")) {
-      document["animations"].push_back({{"name", "clip"}, {"channels", json::array()}, {"samplers", json::array()}});
-    }
-    json& a = document["animations"][0];
-    a["channels"].push_back({{"sampler", a["samplers"].size()}, {"target", {{"node", node}, {"path", path}}}});
-    a["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", mode}});
-  }
-  std::vector<std::byte> bytes() const {
-    json d = document;
-    if (!d["buffers"][0].contains("byteLength")) d["buffers"][0]["byteLength"] = binary.size();
-    return ml::detail::glb_file(d.dump(), binary);
-  }
-  ml::GlbFile file() const { return ml::GlbFile(bytes(), "test.glb"); }
-};
 
 /// Two joints, the second one metre above the first; it turns by 90 degrees about z within one second.
 Builder two_joints() {
@@ -136,12 +104,12 @@ TEST_CASE("the frame rate is that of the keys, where they are at frames") {
     double rate;
   };
   for (const auto& keys : {Keys{{0, 0.05F, 0.1F, 0.15F}, {0, 0.15F}, 20},
-                           {{0, 0.05F, 0.1F, 0.15F}, {0.07F}, 30},
-                           {{0, 0.05F, 0.1F}, {0.15F}, 30},
-                           {{0, 0.05F, 0.15F}, {0}, 30},
+                           {{0, 0.05F, 0.1F, 0.15F}, {0.07F}, 20},  // a pose that is held
+                           {{0, 0.05F, 0.1F}, {0.15F}, 20},
+                           {{0, 0.05F, 0.15F}, {0}, 20},  // a key that was left out
                            {{0, 0.5F, 1}, {0}, 30},
                            {{0, 1e-4F}, {0}, 30},
-                           {{0.05F, 0.1F, 0.15F}, {0.15F}, 30},
+                           {{0.05F, 0.1F, 0.15F}, {0.15F}, 20},  // not from 0 on
                            {{0}, {0}, 30}}) {
     Builder b = two_joints();
     b.document.erase("animations");
@@ -406,11 +374,6 @@ TEST_CASE("other versions of glTF and packed data are refused by name") {
   CHECK(b.file().motion(0).frames() > 1);
   b.document["bufferViews"][1]["extensions"]["EXT_meshopt_compression"] = json::object();
   CHECK_THROWS_WITH_AS(b.file().motion(0), doctest::Contains("packed by EXT_meshopt_compression"), ml::io_error);
-  b = two_joints();
-  b.node({{"mesh", 0}, {"skin", 0}});
-  const json packed{{"attributes", json::object()}, {"extensions", {{"KHR_draco_mesh_compression", json::object()}}}};
-  b.document["meshes"] = json::array({{{"primitives", json::array({packed})}}});
-  CHECK_THROWS_WITH_AS(b.file(), doctest::Contains("packed by KHR_draco_mesh_compression"), ml::io_error);
 }
 
 namespace {
@@ -517,7 +480,6 @@ TEST_CASE("hostile documents") {
   refused([](json& d) { d["nodes"][0]["children"] = "1"; }, "107");
   refused([](json& d) { d["nodes"][0]["rotation"] = {0, 0, 0, 0}; }, "403");
   refused([](json& d) { d["nodes"][0]["translation"] = {0, 0}; }, "403");
-  refused([](json& d) { d["nodes"][0]["matrix"] = std::vector<double>(16, 0.0); }, "404");
   refused([](json& d) { d["nodes"][0]["scale"] = {1e300, 1, 1}, d["nodes"][1]["scale"] = {1e300, 1, 1}; }, "403");
   refused([](json& d) { d["skins"][0]["joints"] = {0, 99}; }, "403");
   refused([](json& d) { d["accessors"][1]["count"] = 1'000'000'000'000; }, "402");
@@ -528,7 +490,6 @@ TEST_CASE("hostile documents") {
   refused([](json& d) { d["accessors"][1]["componentType"] = 1; }, "403");
   refused([](json& d) { d["accessors"][1]["type"] = "VEC3"; }, "403");
   refused([](json& d) { d["accessors"][1]["sparse"] = json::object(); }, "no member 'indices'");
-  refused([](json& d) { d["accessors"][0].erase("bufferView"); }, "not after");  // all times are 0
   refused([](json& d) { d["accessors"][1].erase("bufferView"), d["accessors"][1]["count"] = 1'000'000'000'000; },
           "405");
   refused([](json& d) { d["bufferViews"][1]["byteLength"] = 1u << 30; }, "402");
@@ -555,10 +516,6 @@ TEST_CASE("hostile documents") {
   refused([](json& d) { d.erase("animations"); }, "103");
 
   Builder times = two_joints();
-  times.document["animations"][0]["samplers"][0]["input"] = times.floats({1, 1}, "SCALAR");
-  CHECK_THROWS_WITH_AS(times.file(), doctest::Contains("not after"), ml::io_error);
-  times.document["animations"][0]["samplers"][0]["input"] = times.floats({-1, 1}, "SCALAR");
-  CHECK_THROWS_WITH_AS(times.file(), doctest::Contains("negative"), ml::io_error);
   times.document["animations"][0]["samplers"][0]["input"] = times.floats({0, std::nanf("")}, "SCALAR");
   CHECK_THROWS_WITH_AS(times.file(), doctest::Contains("not finite"), ml::io_error);
   times.document["animations"][0]["samplers"][0]["input"] = times.floats({0, 1e30f}, "SCALAR");

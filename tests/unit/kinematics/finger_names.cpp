@@ -13,6 +13,9 @@ TEST_CASE("fingers as programs name them") {
   CHECK(ml::finger_of("RightHandMiddle3") == "right_middle3");
   CHECK(ml::finger_of("rightLittleDistal") == "right_pinky3");
   CHECK(ml::finger_of("thumb.002.R") == "right_thumb2");
+  CHECK(ml::finger_of("leftThumbMetacarpal") == "left_thumb1");  // VRM 1.0
+  CHECK(ml::finger_of("rightThumbProximal") == "right_thumb2");
+  CHECK(ml::finger_of("leftThumbDistal") == "left_thumb3");
   CHECK(ml::finger_of("DEF-f_ring.03.R") == "right_ring3");
 }
 

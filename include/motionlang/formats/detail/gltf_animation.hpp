@@ -7,7 +7,7 @@
 #include <map>       // channels by node
 #include <memory>    // values that channels share
 #include <optional>  // rate
-#include <set>       // lists of times
+#include <span>      // nodes
 #include <string>    // name
 #include <vector>    // values
 
@@ -20,13 +20,16 @@ namespace detail {
 
 /// Keys of one property of one node over time.
 struct GltfChannel {
+  using Values = std::shared_ptr<const std::vector<double>>;
   enum Mode { step, linear, cubic };
-  std::shared_ptr<const std::vector<double>> times, values;
+  Values times, values;  // times do not descend; of keys at the same time the last counts
   Mode mode = linear;
   std::size_t components = 3;
 
   /// The value at `time`; before the first and after the last key theirs. Rotations are x, y, z, w and not normalised.
   std::array<double, 4> at(double time) const;
+  /// The value, if all keys have it to a thousandth and no curve leads away from it.
+  std::optional<Vec3<double>> constant() const;
 
  private:
   using Value = std::array<double, 4>;
@@ -38,37 +41,58 @@ struct GltfChannel {
   Value hermite(std::size_t k, const Value& a, const Value& b, double span, double u) const;
 };
 
+/// When the keys of some nodes are.
+struct GltfTiming {
+  double first = 0, last = 0;    // key, seconds
+  std::size_t keys = 0;          // of all channels; those that channels share count for each
+  std::optional<double> rate{};  // keys per second, where all are at whole frames of one rate from the first on
+  bool dense = false;            // a channel has a key at every frame of it
+  bool cubic = false;            // a channel is a curve between its keys
+  double usual = 0;              // seconds between keys of the channel that has most: their median; 0 without two keys
+};
+
 class GltfAnimation {
  public:
   /// Throws  io_error 402 to 405, config_error 107
   GltfAnimation(SharedAccessors& keys, Index number);
 
   const std::string& name() const { return name_; }
-  /// Time of the last key, seconds.
-  double duration() const { return duration_; }
-  /// Keys per second, where all keys are at whole frames of one rate: those of the channel that has most, the first at
-  /// 0.
-  std::optional<double> rate() const;
-  /// Keys of all channels; those that channels share count for each.
-  std::size_t keys() const;
-  bool animates(int node) const { return translations_.contains(node) || rotations_.contains(node); }
+  /// How the keys differ from what glTF allows: sentences that end the name of the animation.
+  const std::vector<std::string>& repairs() const { return repairs_; }
+  /// Of the channels of these nodes, which ascend; all are 0 if there are none.
+  GltfTiming timing(std::span<const int> nodes) const;
 
-  /// Transform of a node, from its transform at rest; the scale stays.
-  GltfTransform at(int node, GltfTransform transform, double time) const;
-  /// True if the node ever leaves its place at rest by more than a hundredth of its distance to the parent.
+  bool animates(int node) const {
+    return translations_.contains(node) || rotations_.contains(node) || scales_.contains(node);
+  }
+  /// Whether a node ever leaves its transform at rest: by more than a hundredth of its distance to the parent, of its
+  /// scale, or by half a degree.
+  bool moves(int node, const GltfTransform& rest) const;
+
+  /// Transform of a node, from its transform at rest.
+  GltfTransform at(int node, const GltfTransform& rest, double time) const;
+  /// Its transform at rest, with the translation and the scale that it has all the time in place of other ones.
+  GltfTransform rest(int node, GltfTransform rest) const;
+  /// Whether the node ever leaves its place at rest by more than a hundredth of its distance to the parent.
   bool moves_away(int node, const Vec3<double>& rest) const { return leaves(translations_, node, rest); }
   /// True if its scale ever is another than at rest, by more than a hundredth.
   bool grows(int node, const Vec3<double>& rest) const { return leaves(scales_, node, rest); }
 
  private:
-  /// Channels may share them: each once.
-  std::set<const std::vector<double>*> lists_of_times() const;
-  static bool leaves(const std::map<int, GltfChannel>& channels, int node, const Vec3<double>& rest);
+  using Channels = std::map<int, GltfChannel>;
+
+  static bool leaves(const Channels& channels, int node, const Vec3<double>& rest);
+  static bool differs(const Vec3<double>& v, const Vec3<double>& rest);
   GltfChannel channel(SharedAccessors& keys, const JsonView& sampler, std::size_t components);
+  /// Puts keys in the order of their times.
+  static void sort_keys(GltfChannel& channel);
+  void repair(const std::string& sentence);
+  /// Moves all keys so that the first is at 0, if it is before.
+  void begin_at_0();
 
   std::string name_;
-  std::map<int, GltfChannel> translations_, rotations_, scales_;
-  double duration_ = 0;
+  std::vector<std::string> repairs_;
+  Channels translations_, rotations_, scales_;
 };
 
 }  // namespace detail

@@ -18,13 +18,12 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Throws io_error 404 if the data of an object of the file are packed by one of these extensions.
-inline void refuse_packed(const JsonView& object, std::initializer_list<const char*> extensions) {
+/// The one of these extensions by which the data of an object of the file are packed; null if there is none.
+inline const char* is_packed(const JsonView& object, std::initializer_list<const char*> extensions) {
   for (const char* packed : extensions) {
-    if (object.contains("extensions") && object["extensions"].contains(packed))
-      raise<io_error>(404, object.path(), ": packed by ", packed,
-                      ": unpack the file first, for instance with gltf-transform");
+    if (object.contains("extensions") && object["extensions"].contains(packed)) return packed;
   }
+  return nullptr;
 }
 
 /// Only those required extensions matter that pack data which is read here; others concern meshes and
@@ -76,6 +75,17 @@ class GltfDocument {
     return static_cast<int>(i);
   }
 
+  /// Whether the values of an accessor are in this file, and not packed.
+  bool has_data(Index accessor) const {
+    const JsonView a = element("accessors", accessor);
+    if (!a.contains("bufferView")) return true;
+    const JsonView view = element("bufferViews", a["bufferView"].as<Index>());
+    const auto buffer = view["buffer"].as<Index>();
+    const JsonView b = element("buffers", buffer);
+    const bool is_here = b.contains("uri") ? is_data(b["uri"].as<std::string>()) : buffer == 0;
+    return is_here && is_packed(view, packed_views) == nullptr;
+  }
+
   /// The values of an accessor, `components` per element; integers that are marked as normalised become real numbers.
   /// Those that the file does not have are 0, and a sparse accessor replaces some.
   /// Source  glTF 2.0, 3.6.2
@@ -114,6 +124,8 @@ class GltfDocument {
   }
 
  private:
+  static constexpr std::initializer_list<const char*> packed_views{"EXT_meshopt_compression",
+                                                                   "KHR_meshopt_compression"};
   static constexpr std::size_t most_made_up = 1 << 20;  // values that a small file may leave out
 
   static std::size_t components_of(std::string_view type) {
@@ -180,7 +192,9 @@ class GltfDocument {
   /// `count` elements of `item` bytes each, where the object's bufferView and byteOffset say.
   Elements elements(const JsonView& object, std::uint64_t count, std::uint64_t item) const {
     const JsonView view = element("bufferViews", object["bufferView"].as<Index>());
-    refuse_packed(view, {"EXT_meshopt_compression", "KHR_meshopt_compression"});
+    if (const char* packed = is_packed(view, packed_views))
+      raise<io_error>(404, view.path(), ": packed by ", packed,
+                      ": unpack the file first, for instance with gltf-transform");
     const auto data = slice(buffer(view["buffer"].as<Index>()), view.value_or("byteOffset", std::uint64_t{0}),
                             view["byteLength"].as<std::uint64_t>(), view.path(), "buffer view");
     const auto start = object.value_or("byteOffset", std::uint64_t{0}), stride = view.value_or("byteStride", item);
@@ -224,16 +238,22 @@ class GltfDocument {
     if (v.size() != 4 || !(squared > 1e-6 && squared < 1e6)) raise<io_error>(403, node.path(), ": rotation");
     return normalized(Quaternion<double>{v[3], v[0], v[1], v[2]});
   }
-  /// Columns of a matrix without shear: lengths are the scale, directions the rotation.
+  /// A matrix as translation, rotation and scale, if it is that; a reflection is a negative scale along x.
   GltfTransform decomposed(const JsonView& node) const {
     const auto m = node["matrix"].as<std::vector<double>>();
     const double sum = std::accumulate(m.begin(), m.end(), 0.0);
     if (m.size() != 16 || !std::isfinite(sum)) raise<io_error>(403, node.path(), ": matrix");
     const Vec3<double> x{m[0], m[1], m[2]}, y{m[4], m[5], m[6]}, z{m[8], m[9], m[10]};
-    const Matrix3<double> r = Matrix3<double>::from_columns(normalized(x), normalized(y), normalized(z));
-    const double determinant = dot(r.column(0), cross(r.column(1), r.column(2)));
-    if (!(determinant > 0.5)) raise<io_error>(404, node.path(), ": matrix with shear, reflection or no extent");
-    return {{m[12], m[13], m[14]}, normalized(to_quaternion(r)), {norm(x), norm(y), norm(z)}};
+    const auto linear = Matrix3<double>::from_columns(x, y, z);
+    const double sign = determinant(linear) < 0 ? -1 : 1;
+    GltfTransform out{{m[12], m[13], m[14]}, Quaternion<double>::identity(), {sign * norm(x), norm(y), norm(z)}};
+    if (auto turn = nearest_orthogonal(linear)) {
+      for (int row = 0; row < 3; ++row) (*turn)(row, 0) *= sign;
+      out.rotation = normalized(to_quaternion(*turn));
+    }
+    const double sizes = norm(x) * norm(y) * norm(z);
+    if (!(sizes > 0 && std::abs(determinant(linear)) > (1 - 1e-6) * sizes)) out.sheared = linear;
+    return out;
   }
 
   void read_nodes() {
@@ -245,6 +265,8 @@ class GltfDocument {
       nodes_[i].rest = n.contains("matrix")
                            ? decomposed(n)
                            : GltfTransform{vector(n, "translation", {}), quaternion(n), vector(n, "scale", {1, 1, 1})};
+      nodes_[i].is_thing = n.contains("mesh") || n.contains("camera") ||
+                           (n.contains("extensions") && n["extensions"].contains("KHR_lights_punctual"));
       for (Index c = 0; n.contains("children") && c < n["children"].size(); ++c) {
         const int child = node_number(n["children"][c]);
         GltfNode& target = nodes_[static_cast<std::size_t>(child)];
@@ -267,6 +289,13 @@ class GltfDocument {
     if (order_.size() != nodes_.size()) raise<io_error>(403, file_, ": the tree of nodes has a cycle");
   }
 
+  /// VRM 1.0's name of a bone of VRM 0.x, which calls the joints of thumbs otherwise.
+  static std::string name_of_1_0(const std::string& bone) {
+    const std::size_t thumb = bone.find("ThumbIntermediate");
+    if (thumb != bone.npos) return bone.substr(0, thumb) + "ThumbProximal";
+    return bone.ends_with("ThumbProximal") ? bone.substr(0, bone.size() - 8) + "Metacarpal" : bone;
+  }
+
   /// Avatars say which of their nodes are the bones of a humanoid, whatever these are called. -1: a bone without a
   /// node.
   /// Source  VRM 0.x: VRM; 1.0: VRMC_vrm, VRMC_vrm_animation
@@ -284,14 +313,17 @@ class GltfDocument {
     }
     if (extensions.contains("VRM")) {
       const JsonView all = extensions["VRM"]["humanoid"]["humanBones"];
-      for (Index i = 0; i < all.size(); ++i) add(all[i]["bone"].as<std::string>(), all[i]["node"]);
+      for (Index i = 0; i < all.size(); ++i) add(name_of_1_0(all[i]["bone"].as<std::string>()), all[i]["node"]);
     }
     std::set<std::string> names;
     for (const auto& [node, bone] : bones) names.insert(bone);
     for (GltfNode& node : nodes_) {
       if (names.contains(node.name)) node.name += " (no bone)";
     }
-    for (const auto& [node, bone] : bones) nodes_[static_cast<std::size_t>(node)].name = bone;
+    for (const auto& [node, bone] : bones) {
+      nodes_[static_cast<std::size_t>(node)].name = bone;
+      nodes_[static_cast<std::size_t>(node)].is_bone = true;
+    }
   }
 
   std::string file_;
@@ -302,24 +334,16 @@ class GltfDocument {
   std::vector<int> order_;
 };
 
-inline Vec3<double> scaled(const Vec3<double>& s, const Vec3<double>& v) { return {s.x * v.x, s.y * v.y, s.z * v.z}; }
-
-/// World transforms of all nodes at rest. Scales are multiplied axis by axis: exact unless an uneven scale stands above
-/// a rotation. Throws io_error 403 for a node that is infinitely far away.
-inline std::vector<GltfTransform> world_at_rest(const GltfDocument& document) {
-  std::vector<GltfTransform> world(document.nodes().size());
+/// All nodes in the world at rest. Throws io_error 403 for a node that is infinitely far away.
+inline std::vector<GltfPlace> world_at_rest(const GltfDocument& document) {
+  std::vector<GltfPlace> world(document.nodes().size());
   for (const int n : document.depth_first()) {
     const GltfNode& node = document.node(n);
-    GltfTransform& w = world[static_cast<std::size_t>(n)];
-    w = node.rest;
-    if (node.parent >= 0) {
-      const GltfTransform& p = world[static_cast<std::size_t>(node.parent)];
-      w = {p.translation + rotate(p.rotation, scaled(p.scale, node.rest.translation)),
-           normalized(p.rotation * node.rest.rotation), scaled(p.scale, node.rest.scale)};
-    }
-    if (!std::isfinite(norm(w.translation) + norm(w.scale))) {
+    GltfPlace& w = world[static_cast<std::size_t>(n)];
+    w = (node.parent < 0 ? GltfPlace{} : world[static_cast<std::size_t>(node.parent)]) * node.rest;
+    const double sum = std::accumulate(w.linear.m.begin(), w.linear.m.end(), norm(w.place));
+    if (!std::isfinite(sum))
       raise<io_error>(403, document.file(), ": node ", n, " '", node.name, "' is infinitely far away");
-    }
   }
   return world;
 }
