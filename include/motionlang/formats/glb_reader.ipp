@@ -263,13 +263,11 @@ MOTIONLANG_BODY std::vector<std::pair<Index, Index>> GlbFile::pairs() const {
 }
 
 MOTIONLANG_BODY std::vector<Motion> GlbFile::motions(std::optional<double> wanted, std::vector<GlbLoss>* losses) const {
-  double frames = 0, rotations = 0, skeletons = 0;
+  double rotations = 0, skeletons = 0;
   std::size_t keys = 0;
   const auto all = pairs();
   for (const auto& [a, f] : all) {
-    const double here = frames_of(a, f, wanted ? *wanted : rate(a, f));
-    frames += here;
-    rotations += here * skeleton(f).size();
+    rotations += frames_of(a, f, wanted ? *wanted : rate(a, f)) * skeleton(f).size();
     skeletons += skeleton_rotations(skeleton(f));
     keys += at(a).timing(moving_of(f)).keys;
   }

@@ -337,17 +337,21 @@ MOTIONLANG_BODY void GltfFigures::choose_rest(GltfSkeleton& figure, std::optiona
   Index best = -1;
   std::size_t most = 0;
   constexpr Index most_skins = 256;
-  for (Index s = 0; s < std::min(document_.count("skins"), most_skins); ++s) {
-    if (skin && s != *skin) continue;
-    const JsonView view = document_.element("skins", s);
-    if (!view.contains("inverseBindMatrices") || !document_.has_data(view["inverseBindMatrices"].as<Index>())) continue;
-    std::size_t here = 0;
-    for (const int n : joints_of_skin(s)) here += number.count(n);
-    if (here > most) most = here, best = s;
-  }
-  if (best < 0) return;
-  const std::vector<double> values =
-      document_.values(document_.element("skins", best)["inverseBindMatrices"].as<Index>(), 16);
+  std::vector<double> values;
+  const auto find_matrices = [&] {
+    for (Index s = 0; s < std::min(document_.count("skins"), most_skins); ++s) {
+      if (skin && s != *skin) continue;
+      const JsonView view = document_.element("skins", s);
+      if (!view.contains("inverseBindMatrices") || !document_.has_data(view["inverseBindMatrices"].as<Index>()))
+        continue;
+      std::size_t here = 0;
+      for (const int n : joints_of_skin(s)) here += number.count(n);
+      if (here > most) most = here, best = s;
+    }
+    if (best >= 0) values = document_.values(document_.element("skins", best)["inverseBindMatrices"].as<Index>(), 16);
+  };
+  // a motion can do without them: damaged ones leave the rest pose to the nodes
+  if (!guard<error>(find_matrices, [](const error&) { return true; }) || best < 0) return;
   const std::vector<int> bound = joints_of_skin(best);
   std::vector<std::optional<GltfPlace>> bind(joints);  // in the space of the mesh
   for (std::size_t i = 0; i < bound.size() && 16 * (i + 1) <= values.size(); ++i) {
