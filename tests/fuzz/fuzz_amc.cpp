@@ -16,7 +16,9 @@ constexpr std::string_view two_bones =
     "begin name b direction 0 1 0 length 2 axis 0 0 0 XYZ dof ty l\nend :hierarchy begin root a\na b\nend";
 
 void check_motion(std::string_view text, const ml::AsfSkeleton& asf) {
-  const ml::Motion motion = ml::parse_amc(text, asf);
+  std::vector<std::string> notes;
+  const ml::Motion motion = ml::parse_amc(text, asf, {}, "text", &notes);
+  check(notes.size() <= 1 + 2 * asf.bones.size(), "notes");
   check(motion.skeleton.size() == static_cast<int>(asf.bones.size()), "one joint for each bone");
   for (const auto& q : motion.local) check(std::abs(dot(q, q) - 1) < 1e-9, "unit quaternions");
 }

@@ -32,6 +32,9 @@ void check_round_trip(const ml::Bvh& file) {
 void check_motion(const ml::Bvh& file) {
   const ml::Motion motion = ml::to_motion(file, {.scale = 1});
   check(motion.frames() == file.frames, "frames");
+  const auto beside = ml::joints_beside_body(file).size(), stretched = ml::stretched_joints(file).size();
+  check(beside + stretched + static_cast<std::size_t>(motion.skeleton.size()) <= 2 * file.nodes.size(), "joints");
+  check(ml::bvh_names(motion.skeleton).size() == motion.skeleton.names.size(), "names");
   for (const auto& q : motion.local) check(std::abs(dot(q, q) - 1) < 1e-9, "unit quaternions");
   const ml::Motion again = ml::to_motion(ml::to_bvh(motion, {.scale = 1}), {.scale = 1});
   check(again.skeleton.size() == motion.skeleton.size() && again.frames() == motion.frames(), "the motion again");

@@ -16,6 +16,7 @@
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/retarget.hpp>
 #include <motionlang/kinematics/root_motion.hpp>
+#include <motionlang/kinematics/up_axis.hpp>
 
 void actions(const MdmDenoiser<B>& network, const std::vector<Index>& actions) {
 #include "diffusion/mdm_actions.1.inc"
@@ -52,4 +53,7 @@ void batch(const Skeleton& skeleton, const Tensor<B, 4>& rot6d, const Tensor<B, 
 }
 void from_joints(const std::vector<Vec3<double>>& joints) {
 #include "kinematics/motion_from_joints.1.inc"
+}
+void up_axis(Motion motion) {
+#include "kinematics/up_axis.1.inc"
 }
