@@ -4,6 +4,7 @@
 
 #include <motionlang/datasets/annotations.hpp>
 #include <motionlang/datasets/humanml3d_folder.hpp>
+#include <motionlang/formats/amass.hpp>
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/formats/glb_reader.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
@@ -174,10 +175,11 @@ TEST_CASE("options that say nothing about a file, and results in the place of wh
   const Workplace w;
   ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 40}));
   ml::write_bvh(w / "other.bvh", synthetic::walk({.frames = 40, .turn = 1}));
+  ml::write_amass(w / "walk.npz", synthetic::walk({.frames = 40}));
   const std::string before = ml::read_file(w / "walk.bvh");
   const std::vector<std::pair<std::vector<std::string>, std::string>> refused{
       {{"convert", "walk.bvh", "x.glb", "--rate", "60"}, "--rate is for .npy, .amc and .npz files"},
-      {{"strip", "walk.bvh", "x.svg", "--up", "z"}, "--up is for .npy files"},
+      {{"strip", "walk.npz", "x.svg", "--up", "z"}, "--up is for other files than AMASS"},
       {{"convert", "walk.bvh", "x.glb", "--asf", "two.txt"}, "--asf is for AMC files; walk.bvh is not one"},
       {{"convert", "walk.bvh", "./walk.bvh", "--mirror"}, "./walk.bvh is an input"},
       {{"join", "other.bvh", "walk.bvh", "-o", "walk.bvh"}, "walk.bvh is an input"},

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include <motionlang/core/utf8.hpp>
 #include <motionlang/view/inspect_folder.hpp>
 
 #include "../commands.hpp"
@@ -54,11 +55,13 @@ void run(const DoctorOptions& o) {
   if (files.empty())
     ml::raise<ml::config_error>(101, "doctor: no .bvh, .amc, .npz, .npy, .glb or .vrma file below '", o.folder, "'");
   if (!o.clean.empty()) make_output_folder("--clean", o.clean);
+  std::string notes;
   auto found = [&] {
     ProgressBar bar("inspecting");
-    return ml::inspect_files(files, o.folder,
-                             {.read = o.read, .clean = o.clean, .strips = o.report.empty() ? 0 : o.strips}, bar);
+    return ml::inspect_files(
+        files, o.folder, {.read = o.read, .clean = o.clean, .strips = o.report.empty() ? 0 : o.strips}, bar, &notes);
   }();
+  std::printf("%s", ml::printable(with_options(notes), "\n").c_str());
   for (ml::InspectedMotion& m : found) m.unreadable = with_options(m.unreadable);
   say(found, o.all);
   if (o.report.empty()) return;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <map>
 
 #include <motionlang/formats/glb_rig.hpp>
 #include <motionlang/formats/skeleton_table_file.hpp>
@@ -25,11 +26,15 @@ void MotionReadOptions::add_to(CLI::App& command) {
                   "Frames per second of .npy and .amc files, and of .npz files that do not state it. The default is "
                   "the published rate; for .amc it is 120")
       ->check(positive());
+  static const std::map<std::string, ml::UpAxis> axes{{"y", ml::UpAxis::y},           {"z", ml::UpAxis::z},
+                                                      {"x", ml::UpAxis::x},           {"y-down", ml::UpAxis::y_down},
+                                                      {"z-down", ml::UpAxis::z_down}, {"x-down", ml::UpAxis::x_down}};
   command
       .add_option_function<std::string>(
-          "--up", [this](const std::string& axis) { up = axis == "y" ? ml::UpAxis::y : ml::UpAxis::z; },
-          "Axis that points up in .npy files with joints. The default is to find it; for MDM's results it is y")
-      ->check(CLI::IsMember({"y", "z"}));
+          "--up", [this](const std::string& axis) { up = axes.at(axis); },
+          "Axis that points up. The default is y; in .npy files with joints the program finds it, and MDM's results "
+          "have y. In the coordinates of a camera it is y-down. AMASS files have z")
+      ->check(CLI::IsMember(axes));
   command
       .add_option("--asf", asf,
                   "Skeleton of AMC files. The default is the file of the subject beside the clip, or the only one in "
@@ -46,7 +51,7 @@ void MotionReadOptions::require_for(const std::filesystem::path& file) const {
   refuse(scale != MotionReadOptions{}.scale, kind == ".bvh", "--scale", "BVH files");
   refuse(rate != 0, kind == ".npy" || kind == ".amc" || kind == ".npz", "--rate",
          ".npy, .amc and .npz files (--fps resamples, --speed makes faster)");
-  refuse(up != ml::UpAxis::found, kind == ".npy", "--up", ".npy files with joints (doctor --clean turns others up)");
+  refuse(up != ml::UpAxis::found, kind != ".npz", "--up", "other files than AMASS, which has Z up");
   refuse(!asf.empty(), kind == ".amc", "--asf", "AMC files");
 }
 

@@ -8,14 +8,18 @@
 #include <sstream>    // lines
 
 #include <motionlang/core/option_error.hpp>
+#include <motionlang/core/text_lines.hpp>
+#include <motionlang/core/utf8.hpp>
 #include <motionlang/datasets/humanml3d_clip.hpp>
 #include <motionlang/features/feature_rows.hpp>
 #include <motionlang/features/motion_features.hpp>
 #include <motionlang/formats/amass.hpp>
+#include <motionlang/formats/bvh.hpp>
 #include <motionlang/formats/features_npy.hpp>
 #include <motionlang/geometry/box.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
 #include <motionlang/kinematics/retarget.hpp>
+#include <motionlang/kinematics/up_axis.hpp>
 #include <motionlang/view/convert_motions.hpp>
 #include <motionlang/view/view_file.hpp>
 
@@ -44,6 +48,21 @@ inline std::string rate_and_time(double fps, double seconds) {
   char text[96];
   std::snprintf(text, sizeof text, "%g per second, %.2f s", fps, seconds);
   return text;
+}
+
+/// A line about names of joints that a BVH file cannot hold, if there are some.
+inline std::string changed_names(const std::filesystem::path& path, const Skeleton& skeleton) {
+  const std::vector<std::string> names = bvh_names(skeleton);
+  std::size_t changed = 0, first = 0;
+  for (std::size_t j = names.size(); j-- > 0;) {
+    if (names[j] != skeleton.names[j]) first = j, ++changed;
+  }
+  if (changed == 0) return {};
+  const std::string line =
+      concat_text(path.string(), ": ",
+                  changed == 1 ? "the name of 1 joint is" : concat_text("the names of ", changed, " joints are"),
+                  " not as a BVH file can hold: '", skeleton.names[first], "' is '", names[first], "' in it\n");
+  return printable(line, "\n");
 }
 
 class OneConversion {
@@ -78,6 +97,12 @@ class OneConversion {
       std::snprintf(text, sizeof text,
                     "begins with %s of a T-pose in front of the recording; `from` %.3g leaves it out",
                     counted(frames, "frame").c_str(), static_cast<double>(frames) / m.fps);
+      notes_.input += where + text + "\n";
+    }
+    if (const auto stands = find_up_axis(m); stands && file_kind(in_) != ".npz") {
+      const std::string axis(to_string(stands->axis));  // "-Y"
+      std::snprintf(text, sizeof text, "the figure stands along %s, not +Y: `up` %c%s turns it up", axis.c_str(),
+                    lower(axis[1]), axis[0] == '-' ? "-down" : "");
       notes_.input += where + text + "\n";
     }
     constexpr double smallest = 0.5, largest = 4;  // metres
@@ -227,9 +252,10 @@ inline std::vector<std::filesystem::path> files_to_convert(const std::filesystem
 }  // namespace detail
 
 MOTIONLANG_BODY std::string line_about_motion(const std::filesystem::path& path, const Motion& motion) {
+  const std::string changed = file_kind(path) == ".bvh" ? detail::changed_names(path, motion.skeleton) : "";
   return concat_text(path.string(), ": ", counted(motion.frames(), "frame"), " at ",
                      detail::rate_and_time(motion.fps, motion.seconds()), ", ",
-                     counted(motion.skeleton.size(), "joint"), "\n");
+                     counted(motion.skeleton.size(), "joint"), "\n", changed);
 }
 
 MOTIONLANG_BODY void convert_motions(const std::filesystem::path& in, const std::filesystem::path& out,

@@ -22,13 +22,14 @@ struct InspectFolderOptions {
 };
 
 /// The motions of `files`, which are below `folder`, in their order; a file that cannot be read is one of them.
+/// notes   gets what the readers note about the files
 /// Throws  option_error 102 for a copy that would take the place of an original; io_error 401 for a copy that cannot be
 ///         written; cancelled
 std::vector<InspectedMotion> inspect_files(const std::vector<std::filesystem::path>& files,
                                            const std::filesystem::path& folder, const InspectFolderOptions& options,
-                                           Progress progress = {});
+                                           Progress progress = {}, std::string* notes = nullptr);
 /// Those that motion_files_below finds.
-/// notes   gets a line about each file and folder that was skipped
+/// notes   gets a line about each file and folder that was skipped, and what the readers note
 /// Throws  config_error 101 if there is none, what motion_files_below throws, and as above
 std::vector<InspectedMotion> inspect_folder(const std::filesystem::path& folder,
                                             const InspectFolderOptions& options = {}, std::string* notes = nullptr,

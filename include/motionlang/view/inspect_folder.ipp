@@ -18,13 +18,13 @@ namespace detail {
 class FolderInspection {
  public:
   FolderInspection(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder,
-                   const InspectFolderOptions& options)
-      : o_(options), folder_(folder), inputs_(files) {}
+                   const InspectFolderOptions& options, std::string* notes)
+      : o_(options), folder_(folder), inputs_(files), notes_(notes) {}
 
   void add(const std::filesystem::path& file) {
     const std::string name = file.lexically_relative(folder_).string();
     std::vector<Motion> motions;
-    const auto read = [&] { motions = read_motions(file, options_for_file(o_.read, file)); };
+    const auto read = [&] { motions = read_motions(file, options_for_file(o_.read, file), notes_); };
     const auto note_values = [&](const numeric_error& e) {
       found_.push_back({name, "", {}, {{Fault::not_finite, e.what()}}, {}});
       return true;
@@ -74,6 +74,7 @@ class FolderInspection {
   const InspectFolderOptions& o_;
   std::filesystem::path folder_;
   InputFiles inputs_;
+  std::string* notes_;
   std::vector<InspectedMotion> found_;
   std::set<std::string> copies_;
   std::array<int, fault_info.size()> drawn_{};
@@ -83,8 +84,9 @@ class FolderInspection {
 
 MOTIONLANG_BODY std::vector<InspectedMotion> inspect_files(const std::vector<std::filesystem::path>& files,
                                                            const std::filesystem::path& folder,
-                                                           const InspectFolderOptions& options, Progress progress) {
-  detail::FolderInspection inspection(files, folder, options);
+                                                           const InspectFolderOptions& options, Progress progress,
+                                                           std::string* notes) {
+  detail::FolderInspection inspection(files, folder, options, notes);
   Index done = 0;
   for (const auto& file : files) {
     inspection.add(file);
@@ -99,7 +101,7 @@ MOTIONLANG_BODY std::vector<InspectedMotion> inspect_folder(const std::filesyste
   const auto files = motion_files_below(folder, options.clean, notes);
   if (files.empty())
     raise<config_error>(101, "no .bvh, .amc, .npz, .npy, .glb or .vrma file below '", folder.string(), "'");
-  return inspect_files(files, folder, options, progress);
+  return inspect_files(files, folder, options, progress, notes);
 }
 
 MOTIONLANG_NAMESPACE_END
