@@ -38,7 +38,7 @@ struct JoinedClips {
 /// width  values of a frame
 JoinedClips join_random_clips(const std::vector<DescribedMotion>& motions, Index width, Index clips, Philox rng);
 
-struct MomentOptions {
+struct MomentEvaluationOptions {
   Index motions = 100;                         // that are made
   Index joined = 5;                            // clips in each
   std::vector<double> windows{1, 2, 3, 4, 6};  // seconds of the stretches that are compared
@@ -60,7 +60,7 @@ struct MomentFigures {
 /// Throws  config_error 101 for fewer than two different texts; cancelled
 template <Backend B>
 MomentFigures moment_figures(const TmrSearchEncoder<B>& tmr, Index width, const std::vector<DescribedMotion>& part,
-                             const MomentOptions& options, Progress progress = {}) {
+                             const MomentEvaluationOptions& options, Progress progress = {}) {
   const auto frames_of = [&](double seconds) { return std::max<Index>(1, std::lround(seconds * tmr.model().fps)); };
   MomentFigures out;
   for (const double seconds : options.windows) out.answers.push_back({concat_text(seconds, " s"), {}});

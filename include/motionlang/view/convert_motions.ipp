@@ -147,9 +147,10 @@ class OneConversion {
   bool wants_smpl(const Motion& m) const {
     if (how_.body != nullptr && !how_.body->has_joints_of(m)) return true;
     if (how_.body != nullptr && !how_.body->takes_any_joints()) return false;
-    const bool others = !how_.features.empty() && !has_joints_of(motion_features(how_.features), m);
+    const std::string features = how_.data_set != nullptr ? std::string(how_.data_set->features) : how_.features;
+    const bool others = !features.empty() && !has_joints_of(motion_features(features), m);
     const std::string kind = file_kind(out_);
-    const bool unknown_order = how_.features.empty() && kind == ".npy" && !has_joints_of_arrays(m);
+    const bool unknown_order = features.empty() && kind == ".npy" && !has_joints_of_arrays(m);
     return how_.edits.smpl || how_.edits.fix_feet || others || unknown_order || kind == ".npz";
   }
   /// `report` is set if the joints were others than SMPL's and had to become these.
