@@ -3,8 +3,8 @@
 /// materials and morph targets are left out. The bones of a VRM avatar (.vrm, .vrma) have the names of VRM's humanoid.
 ///
 /// A figure is what a skeleton table knows among the joints of all skins, or among all nodes of a file without skins:
-/// from the hips down. What is above the hips moves them; what is beside them (cameras, props, control bones) is no
-/// joint. Several figures are several motions. If no table fits, the largest skin is the figure.
+/// from the hips down. What is above the hips moves them; what is beside them (cameras, props, control bones) is left
+/// out. Several figures are several motions. If no table fits, the largest skin is the figure.
 ///
 /// The skeleton's rest pose is that of the nodes or that of the inverse bind matrices, whichever is nearer to a T-pose,
 /// with all rotations the identity as everywhere in this library. With A(t) the matrix of a joint in the world, the
@@ -59,8 +59,8 @@ class GlbFile {
   std::string figure_name(Index figure = 0) const;
   std::vector<std::string> animation_names() const;
 
-  /// Whether an animation has a key of a joint of the figure, or of what is above it. Throws config_error 103 if there
-  /// is no such animation.
+  /// True if an animation has a key of a joint of the figure, or of what is above it. Throws config_error 103 without
+  /// such an animation.
   bool moves(Index animation, Index figure = 0) const;
 
   /// Seconds from time 0 to the last key of an animation that moves a figure. Throws config_error 103 if there is no

@@ -98,7 +98,7 @@ inline void note_stretched(const std::string& file, const std::vector<std::strin
                         " away from the joint before: bones keep their ", kept, "\n");
 }
 
-/// What the motions of a GLB file lack, and how it was read where it is not as glTF wants it.
+/// Notes what the motions of a GLB file lack, and how it was read where it is not as glTF wants it.
 inline void note_animations(const GlbFile& file, const std::string& name, std::span<const GlbLoss> losses,
                             std::string* notes) {
   if (notes == nullptr) return;
@@ -106,7 +106,7 @@ inline void note_animations(const GlbFile& file, const std::string& name, std::s
   if (const auto others = file.moving_others(); !others.empty())
     *notes +=
         concat_text(name, ": left out is how ", listed_joints(others),
-                    others.size() == 1 ? " moves: it is no joint" : " move: they are no joints", " of the body\n");
+                    others.size() == 1 ? " moves: it is not a joint" : " move: they are not joints", " of the body\n");
   std::vector<std::string> stretched, still;  // a joint once, however many animations stretch it
   std::set<std::string> known;
   bool any = false;

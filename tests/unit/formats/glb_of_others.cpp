@@ -54,10 +54,10 @@ TEST_CASE("the path is that of the hips, whatever moves beside them") {
   const Read vrma("expression_lookat.vrma");
   check_walk(vrma, 22, "hips");
   CHECK(vrma.notes == data("expression_lookat.vrma").string() +
-                          ": left out is how 'happy' and 'lookAt' move: they are no joints of the body\n");
+                          ": left out is how 'happy' and 'lookAt' move: they are not joints of the body\n");
   const Read camera("noskin_animated_camera.glb");
   check_walk(camera, 22, "pelvis");
-  CHECK(camera.notes_that("left out is how 'Camera' moves: it is no joint of the body\n"));
+  CHECK(camera.notes_that("left out is how 'Camera' moves: it is not a joint of the body\n"));
 }
 
 TEST_CASE("the body is read, not the first skin; joints without keys belong to it; packed meshes do not matter") {
@@ -191,7 +191,7 @@ struct Figure {
 
 }  // namespace
 
-TEST_CASE("random trees: the hips are the root, what is beside them is no joint, and joints are where they should be") {
+TEST_CASE("random trees: the hips are the root, what is beside them is left out, and joints are where they should be") {
   ml::Philox random{.seed = 1};
   for (const char* table : {"Mixamo", "Unreal 5", "VRM", "SMPL", "KayKit", "Quaternius"}) {
     for (int round = 0; round < 4; ++round) {

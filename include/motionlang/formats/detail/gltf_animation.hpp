@@ -59,13 +59,13 @@ class GltfAnimation {
   const std::string& name() const { return name_; }
   /// How the keys differ from what glTF allows: sentences that end the name of the animation.
   const std::vector<std::string>& repairs() const { return repairs_; }
-  /// Of the channels of these nodes, which ascend; all are 0 if there are none.
+  /// The timing of the channels of these nodes, which ascend; all are 0 if there are none.
   GltfTiming timing(std::span<const int> nodes) const;
 
   bool animates(int node) const {
     return translations_.contains(node) || rotations_.contains(node) || scales_.contains(node);
   }
-  /// Whether a node ever leaves its transform at rest: by more than a hundredth of its distance to the parent, of its
+  /// True if a node ever leaves its transform at rest: by more than a hundredth of its distance to the parent, of its
   /// scale, or by half a degree.
   bool moves(int node, const GltfTransform& rest) const;
 
@@ -73,7 +73,7 @@ class GltfAnimation {
   GltfTransform at(int node, const GltfTransform& rest, double time) const;
   /// Its transform at rest, with the translation and the scale that it has all the time in place of other ones.
   GltfTransform rest(int node, GltfTransform rest) const;
-  /// Whether the node ever leaves its place at rest by more than a hundredth of its distance to the parent.
+  /// True if the node ever leaves its place at rest by more than a hundredth of its distance to the parent.
   bool moves_away(int node, const Vec3<double>& rest) const { return leaves(translations_, node, rest); }
   /// True if its scale ever is another than at rest, by more than a hundredth.
   bool grows(int node, const Vec3<double>& rest) const { return leaves(scales_, node, rest); }

@@ -75,7 +75,7 @@ class GltfDocument {
     return static_cast<int>(i);
   }
 
-  /// Whether the values of an accessor are in this file, and not packed.
+  /// True if the values of an accessor are in this file, and not packed.
   bool has_data(Index accessor) const {
     const JsonView a = element("accessors", accessor);
     if (!a.contains("bufferView")) return true;

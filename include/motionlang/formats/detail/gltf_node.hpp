@@ -24,7 +24,7 @@ struct GltfTransform {
   Vec3<double> translation{};
   Quaternion<double> rotation = Quaternion<double>::identity();
   Vec3<double> scale{1, 1, 1};
-  /// Of a node with a matrix that is no rotation times a scale: its linear part, in place of both.
+  /// The linear part of a matrix that is not a rotation times a scale, in place of both.
   std::optional<Matrix3<double>> sheared{};
 };
 

@@ -56,7 +56,7 @@ class GltfFigures {
 
   /// skin   the only one whose joints count; none: all skins, the bones of VRM's humanoid, or, in a file with neither,
   ///        all nodes
-  /// What is known by a table is a figure, from the lowest joint down that has all joints which the table needs. If
+  /// A skeleton that a table knows is a figure, from the lowest joint down that has all joints which the table needs. If
   /// nothing is known: the largest skin, and others that share no joint with it; without skins what is animated.
   /// Throws io_error 403 to 405
   GltfFigures(const GltfDocument& document, std::span<const GltfAnimation> animations, std::optional<Index> skin,
@@ -87,7 +87,7 @@ class GltfFigures {
   /// upright, with limbs more as in a T-pose.
   void choose_rest(GltfSkeleton& figure, std::optional<Index> skin) const;
 
-  /// Whether the joints of a skin move a vertex, node by node; all do where the data are packed.
+  /// True if the joints of a skin move a vertex, node by node; all do where the data are packed.
   std::vector<bool> weighted(const std::vector<int>& joints, Index skin) const;
 
   /// The lowest node that has all joints below it, or -1 if there is none.

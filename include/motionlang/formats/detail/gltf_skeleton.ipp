@@ -60,7 +60,7 @@ MOTIONLANG_BODY GltfFigures::GltfFigures(const GltfDocument& document, std::span
     if (!skin && nodes[slot(n)].is_bone) add(n);
   }
   if (place > 0) find_known(declared, find_table);
-  if (!skin && figures.empty()) {  // joints that move no vertex may be in no skin; things are no joints, as a rule
+  if (!skin && figures.empty()) {  // joints that move no vertex may be in no skin; things are rarely joints
     const auto animated = [&](int n) {
       return std::any_of(animations.begin(), animations.end(), [n](const auto& a) { return a.animates(n); });
     };
