@@ -66,7 +66,7 @@ MOTIONLANG_BODY SkeletonMap::SkeletonMap(const Skeleton& source, const SkeletonT
     if (!lies.empty())
       raise<config_error>(103, "SkeletonMap: a skeleton of ", s->skeleton.size(), " joints (root '",
                           s->skeleton.name(0), "') does not stand as ", s->table.name, ": ", lies, "; ",
-                          detail::own_table_hint, "; `turned_upright` turns another axis up");
+                          detail::own_table_hint, "; option `up` turns another axis up");
   }
   connect(from, to);
   measure(from, to);
