@@ -56,8 +56,8 @@ class GltfFigures {
 
   /// skin   the only one whose joints count; none: all skins, the bones of VRM's humanoid, or, in a file with neither,
   ///        all nodes
-  /// A skeleton that a table knows is a figure, from the lowest joint down that has all joints which the table needs. If
-  /// nothing is known: the largest skin, and others that share no joint with it; without skins what is animated.
+  /// A skeleton that a table knows is a figure, from the lowest joint down that has all joints which the table needs.
+  /// If nothing is known: the largest skin, and others that share no joint with it; without skins what is animated.
   /// Throws io_error 403 to 405
   GltfFigures(const GltfDocument& document, std::span<const GltfAnimation> animations, std::optional<Index> skin,
               const FindTable& find_table);
