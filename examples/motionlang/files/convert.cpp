@@ -82,13 +82,15 @@ void say(const ml::FolderConversion& made, const ConvertOptions& o) {
 }
 
 void convert_folder(const ConvertOptions& o) {
+  std::string skipped;
+  const auto files = ml::files_to_convert(o.in, o.out, o.data_set != nullptr ? ".npy" : o.as, &skipped);
+  std::fputs(skipped.c_str(), stderr);
   const auto body = shown_body(o.body);
   ml::FolderConversion made;
   try {
     ProgressBar bar("converting");
-    ml::convert_folder(o.in, o.out, o.as, conversion_of(o, body.get()), made, bar);
+    ml::convert_files(files, o.in, o.out, o.as, conversion_of(o, body.get()), made, bar);
   } catch (const ml::cancelled&) {}
-  std::fputs(made.skipped.c_str(), stderr);
   say(made, o);
   if (made.done < made.files) throw ml::cancelled();
   if (!made.failures.empty())

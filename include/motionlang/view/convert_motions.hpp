@@ -65,17 +65,26 @@ void convert_motions(const std::filesystem::path& in, const std::filesystem::pat
 struct FolderConversion {
   std::size_t files = 0, done = 0, converted = 0;
   std::vector<std::string> failures{};  // the file, and why
-  std::string skipped{};                // lines of motion_files_below
   /// Without the name of the file at its beginning: the first such line, and how many files more have it.
   std::map<std::string, std::pair<std::string, Index>> notes{};
 };
-/// Every motion file in a folder and below it, to the same place below another folder, or into a data set. One that
-/// fails stops no other.
+/// The motion files in a folder and below it, which convert_files is given.
+/// extension  of the results, ".npy" of a data set
+/// skipped    gets a line for each file and folder that is skipped
+/// Throws     option_error 102 for motions that would be among the originals; config_error 101 if there is no motion
+///            file, and what motion_files_below throws
+std::vector<std::filesystem::path> files_to_convert(const std::filesystem::path& in, const std::filesystem::path& out,
+                                                    const std::string& extension, std::string* skipped = nullptr);
+/// Converts the files of a folder to the same place below another folder, or into a data set. One that fails stops no
+/// other.
 /// out        "": beside each motion, as walk.bvh.html
 /// extension  of the results; of a data set it counts for nothing
 /// result     is filled also where something is thrown
-/// Throws     option_error 102 for motions that would stand among the originals; config_error 101 if there is no motion
-///            file; cancelled
+/// Throws     cancelled
+void convert_files(const std::vector<std::filesystem::path>& files, const std::filesystem::path& in,
+                   const std::filesystem::path& out, const std::string& extension, MotionConversion how,
+                   FolderConversion& result, Progress progress = {});
+/// Both one after the other. Throws what they throw.
 void convert_folder(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& extension,
                     MotionConversion how, FolderConversion& result, Progress progress = {});
 

@@ -6,6 +6,7 @@
 #include <cstdio>     // lines
 #include <exception>  // failures
 #include <sstream>    // lines
+#include <utility>    // move
 
 #include <motionlang/core/option_error.hpp>
 #include <motionlang/core/text_lines.hpp>
@@ -236,20 +237,6 @@ class OneConversion {
   std::size_t failures_ = 0;
 };
 
-/// The files of a folder that are read. Written motions must not be among the originals: they could take the place of
-/// a file that is still to be read. In a folder below them they are not read by the next run.
-inline std::vector<std::filesystem::path> files_to_convert(const std::filesystem::path& in,
-                                                           const std::filesystem::path& out, const std::string& kind,
-                                                           std::string& skipped) {
-  const bool are_motions = is_motion_file("a" + kind);
-  if (are_motions && is_same_place(in, out))
-    raise<option_error>(102, "convert: ", kind, " files of ", in.string(),
-                        " cannot go into the folder itself: name another one, which may be below it");
-  auto files = motion_files_below(in, are_motions ? out : std::filesystem::path(), &skipped);
-  if (files.empty()) raise<config_error>(101, "convert: no motion file in ", in.string());
-  return files;
-}
-
 }  // namespace detail
 
 MOTIONLANG_BODY std::string line_about_motion(const std::filesystem::path& path, const Motion& motion) {
@@ -268,10 +255,24 @@ MOTIONLANG_BODY void convert_motions(const std::filesystem::path& in, const std:
       .run();
 }
 
-MOTIONLANG_BODY void convert_folder(const std::filesystem::path& in, const std::filesystem::path& out,
-                                    const std::string& extension, MotionConversion how, FolderConversion& result,
-                                    Progress progress) {
-  const auto files = detail::files_to_convert(in, out, how.data_set != nullptr ? ".npy" : extension, result.skipped);
+// Written motions must not be among the originals: they could take the place of a file that is still to be read. In a
+// folder below them they are not read by the next run.
+MOTIONLANG_BODY std::vector<std::filesystem::path> files_to_convert(const std::filesystem::path& in,
+                                                                    const std::filesystem::path& out,
+                                                                    const std::string& extension,
+                                                                    std::string* skipped) {
+  const bool are_motions = is_motion_file("a" + extension);
+  if (are_motions && is_same_place(in, out))
+    raise<option_error>(102, "convert: ", extension, " files of ", in.string(),
+                        " cannot go into the folder itself: name another one, which may be below it");
+  auto files = motion_files_below(in, are_motions ? out : std::filesystem::path(), skipped);
+  if (files.empty()) raise<config_error>(101, "convert: no motion file in ", in.string());
+  return files;
+}
+
+MOTIONLANG_BODY void convert_files(const std::vector<std::filesystem::path>& files, const std::filesystem::path& in,
+                                   const std::filesystem::path& out, const std::string& extension, MotionConversion how,
+                                   FolderConversion& result, Progress progress) {
   result.files = files.size();
   for (const auto& file : files) how.inputs.add(file);
   const MotionReadOptions read = how.read;
@@ -309,6 +310,13 @@ MOTIONLANG_BODY void convert_folder(const std::filesystem::path& in, const std::
     ++result.done;
     progress(static_cast<Index>(result.done), static_cast<Index>(files.size()));
   }
+}
+
+MOTIONLANG_BODY void convert_folder(const std::filesystem::path& in, const std::filesystem::path& out,
+                                    const std::string& extension, MotionConversion how, FolderConversion& result,
+                                    Progress progress) {
+  const auto files = files_to_convert(in, out, how.data_set != nullptr ? ".npy" : extension);
+  convert_files(files, in, out, extension, std::move(how), result, progress);
 }
 
 MOTIONLANG_NAMESPACE_END
