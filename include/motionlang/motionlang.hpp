@@ -88,6 +88,7 @@
 #include <motionlang/kinematics/edit_motion.hpp>
 #include <motionlang/kinematics/face_landmarks.hpp>
 #include <motionlang/kinematics/finger_names.hpp>
+#include <motionlang/kinematics/floor_fix.hpp>
 #include <motionlang/kinematics/foot_contact.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/forward.hpp>
@@ -243,6 +244,7 @@
 #include <motionlang/compose/intervals.hpp>
 #include <motionlang/compose/long_texts.hpp>
 #include <motionlang/compose/mtt_timelines.hpp>
+#include <motionlang/compose/natural_lengths.hpp>
 #include <motionlang/compose/overlap.hpp>
 #include <motionlang/compose/plan.hpp>
 #include <motionlang/compose/plan_options.hpp>
@@ -266,6 +268,7 @@
 #include <motionlang/metrics/inspect_motion.hpp>
 #include <motionlang/metrics/matching.hpp>
 #include <motionlang/metrics/motion_quality.hpp>
+#include <motionlang/metrics/motion_trace.hpp>
 #include <motionlang/metrics/mtt.hpp>
 #include <motionlang/metrics/retrieval.hpp>
 #include <motionlang/metrics/rows.hpp>

@@ -78,7 +78,7 @@ TEST_CASE("samples are reused like any motion") {
 
 TEST_CASE("--keep-beyond keeps what is further away and the program says that it is not a whole run") {
   const Edited w;
-  const std::vector<std::string> raw{"--no-smooth", "--no-fix-feet"};
+  const std::vector<std::string> raw{"--no-smooth", "--no-fix-feet", "--no-fix-floor"};
   auto recorded = raw, kept = raw;
   recorded.push_back("--record");
   kept.insert(kept.end(), {"--reuse", "a", "--keep-beyond", "0.5"});

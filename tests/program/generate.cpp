@@ -22,8 +22,9 @@
 TEST_CASE("a long text is made in parts, and the program says so") {
   const Workplace w;
   const auto text = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> all{"generate",          "--text", "walk", "--seconds",   "17",           "--model",
-                                 "model.safetensors", "--out",  "long", "--no-smooth", "--no-fix-feet"};
+    std::vector<std::string> all{
+        "generate", "--text",      "walk",          "--seconds",     "17", "--model", "model.safetensors", "--out",
+        "long",     "--no-smooth", "--no-fix-feet", "--no-fix-floor"};
     all.insert(all.end(), more.begin(), more.end());
     const auto out = w.run(all);
     REQUIRE_MESSAGE(out.code == 0, out.text);
@@ -36,7 +37,7 @@ TEST_CASE("a long text is made in parts, and the program says so") {
   CHECK(parts != whole);
   ml::write_file(w / "parts.txt", "walk # 0 # 5.65\nwalk # 5.65 # 11.3\nwalk # 11.3 # 17\n");
   REQUIRE(w.run({"generate", "--timeline", "parts.txt", "--model", "model.safetensors", "--out", "long", "--no-smooth",
-                 "--no-fix-feet"})
+                 "--no-fix-feet", "--no-fix-floor"})
               .code == 0);
   CHECK(ml::read_file(w / "long/parts.bvh") == parts);
   CHECK(contains(w.run({"check", "parts.txt"}).text, "3 texts\n"));
@@ -166,7 +167,7 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
   const Workplace w;
   ml::write_bvh(w / "walk.bvh", synthetic::walk({.frames = 40, .turn = 0.5}));
   const auto walk = ml::read_bvh_motion(w / "walk.bvh");
-  const std::vector<std::string> as_made{"--keep", "walk.bvh", "--no-smooth", "--no-fix-feet"};
+  const std::vector<std::string> as_made{"--keep", "walk.bvh", "--no-smooth", "--no-fix-feet", "--no-fix-floor"};
   const auto keeping = [&](const std::string& out, std::vector<std::string> what) {
     what.insert(what.end(), as_made.begin(), as_made.end());
     const Outcome made = w.generate(out, what);
@@ -195,8 +196,8 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
   ml::Motion pose = ml::crop(walk, 0, 1);
   std::fill(pose.local.begin(), pose.local.end(), ml::Quaternion<double>::identity());
   ml::write_bvh(w / "exported.bvh", ml::concatenate(pose, walk));
-  const Outcome performed = w.generate(
-      "performed", {"--keep", "exported.bvh", "--keep-seconds", "0-0.25,0.8-1", "--no-smooth", "--no-fix-feet"});
+  const Outcome performed = w.generate("performed", {"--keep", "exported.bvh", "--keep-seconds", "0-0.25,0.8-1",
+                                                     "--no-smooth", "--no-fix-feet", "--no-fix-floor"});
   CHECK_MESSAGE(contains(performed.text, "exported.bvh: left out is 1 frame of an inserted T-pose"), performed.text);
   CHECK(synthetic::largest_distance(ml::read_bvh_motion(w / "performed/two.bvh"), begun) < 1e-3);
   // the way comes to another place, and the program says so
@@ -204,7 +205,9 @@ TEST_CASE("generate --keep: frames and body parts of a motion stay, in their pla
   REQUIRE(std::hypot(apart.x, apart.z) > 0.1);
   CHECK_MESSAGE(contains(performed.text, "--keep: kept frames are up to "), performed.text);
   // what is made goes on where what is kept ends, and comes to where it begins again
-  REQUIRE(w.generate("fitted", {"--keep", "walk.bvh", "--keep-seconds", "0-0.25,0.8-1", "--no-fix-feet"}).code == 0);
+  REQUIRE(
+      w.generate("fitted", {"--keep", "walk.bvh", "--keep-seconds", "0-0.25,0.8-1", "--no-fix-feet", "--no-fix-floor"})
+          .code == 0);
   const ml::Motion fitted = ml::read_bvh_motion(w / "fitted/two.bvh");
   const auto largest_step = [](const ml::Motion& m, ml::Index frame) {
     double out = 0;
@@ -294,16 +297,16 @@ TEST_CASE("noise from outside gives the motion of the seed that it was drawn wit
 
 TEST_CASE("feet are put right unless that is switched off") {
   const Workplace w;
-  CHECK(w.generate("on", {"--seed", "4"}).code == 0);
-  CHECK(w.generate("off", {"--seed", "4", "--no-fix-feet"}).code == 0);
+  CHECK(w.generate("on", {"--seed", "4", "--no-fix-floor"}).code == 0);
+  CHECK(w.generate("off", {"--seed", "4", "--no-fix-feet", "--no-fix-floor"}).code == 0);
   const auto on = ml::read_amass(w / "on/two.npz").motion, off = ml::read_amass(w / "off/two.npz").motion;
   CHECK(synthetic::largest_distance(on, ml::fix_feet(off)) < 1e-3);
 }
 
 TEST_CASE("trembling is taken away, and then feet are put right, unless that is switched off") {
   const Workplace w;
-  CHECK(w.generate("on", {"--seed", "4"}).code == 0);
-  CHECK(w.generate("own", {"--seed", "4", "--no-fix-feet", "--no-smooth"}).code == 0);
+  CHECK(w.generate("on", {"--seed", "4", "--no-fix-floor"}).code == 0);
+  CHECK(w.generate("own", {"--seed", "4", "--no-fix-feet", "--no-fix-floor", "--no-smooth"}).code == 0);
   const auto on = ml::read_amass(w / "on/two.npz").motion, own = ml::read_amass(w / "own/two.npz").motion;
   CHECK(synthetic::largest_distance(on, ml::fix_feet(ml::smooth_motion(own))) < 1e-3);
   CHECK(synthetic::largest_distance(on, ml::fix_feet(own)) > 1e-3);

@@ -79,7 +79,7 @@ TEST_CASE("generate --towards: ACTOR from action to action, TEMOS and SINC from 
   const OfficialWorkplace w;
   const auto generate = [&](std::vector<std::string> more) {
     more.insert(more.begin(), "generate");
-    more.insert(more.end(), {"--seconds", "1", "--seed", "3", "--no-smooth", "--no-fix-feet"});
+    more.insert(more.end(), {"--seconds", "1", "--seed", "3", "--no-smooth", "--no-fix-feet", "--no-fix-floor"});
     return w.did(more);
   };
   const auto is_line = [&](const std::string& first, const std::string& last) {
@@ -195,7 +195,7 @@ TEST_CASE("generate --fact: how far latents are from their mean; refused where t
   }
   const auto rows = [&](const std::string& fact) {  // of the file that a text makes, against the library
     w.did({"generate", "--model", "temos", "--text", "walk", "--seconds", "1.2", "--fact", fact, "--no-smooth",
-           "--no-fix-feet"});
+           "--no-fix-feet", "--no-fix-floor"});
     return ml::read_bvh_motion(w / "out/walk.bvh");
   };
   const auto run = ml::load_temos_run<official::B>(ml::FilePath(w / "temos"));

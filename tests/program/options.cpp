@@ -66,7 +66,7 @@ TEST_CASE("help names every command and option, and the exit codes") {
       {"view", {"input", "output", "--body", "--betas"}},
       {"judge",
        {"--model", "--seeds", "--steps", "--sampler", "--guidance", "--backend", "--details", "--smooth", "--fix-feet",
-        "--compare"}},
+        "--fix-floor", "--overlay-arms", "--compare", "--bench", "--seconds", "--clips", "--captions", "--strips"}},
       {"train",
        {"--data",        "--captions",       "--out",      "--steps",      "--batch",       "--lr",
         "--width",       "--feed-forward",   "--layers",   "--vocabulary", "--dropout",     "--velocity-weight",

@@ -3,9 +3,10 @@
 
 #include <motionlang/backend/eigen.hpp>
 #include <motionlang/compose/cut_texts.hpp>
+#include <motionlang/generate/arm_overlay.hpp>
 #include <motionlang/generate/samples.hpp>
 #include <motionlang/generate/stmc_motion_model.hpp>
-#include <motionlang/kinematics/foot_lock.hpp>
+#include <motionlang/kinematics/floor_fix.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
 
 #include "../support/check_error.hpp"
@@ -24,6 +25,9 @@ ml::Stmc<B> model() {
   ml::prepare(m);
   return m;
 }
+ml::Motion finished(const ml::Motion& m) {
+  return ml::lift_sunken_feet(ml::fix_feet(ml::stand_on_floor(ml::smooth_motion(m))));
+}
 bool same(const ml::Motion& a, const ml::Motion& b) { return a.local == b.local && a.root == b.root && a.fps == b.fps; }
 
 }  // namespace
@@ -33,30 +37,36 @@ TEST_CASE("texts are cut, motions sampled, smoothed and put on their feet") {
   const Timeline timeline = small::several_tracks();
   const ml::Philox rng{.seed = 3};
   const auto features = stmc.generate(ml::cut_texts(timeline, stmc.fps), rng, {.hidden = ml::HiddenTexts::ignore});
-  const ml::Motion expected = ml::fix_feet(ml::smooth_motion(ml::stmc_motion(features, stmc.fps)));
-  CHECK(same(ml::generate_motion(stmc, timeline, {.seed = 3}), expected));
+  const ml::Motion expected = finished(ml::stmc_motion(features, stmc.fps));
+  CHECK(same(ml::generate_motion(stmc, timeline, {.seed = 3, .overlay_arms = false}), expected));
   const auto whole = stmc.generate(timeline, rng, {.guidance = 1.5, .steps = 4, .hidden = ml::HiddenTexts::ignore});
-  CHECK(same(ml::generate_motion(
-                 stmc, timeline,
-                 {.seed = 3, .steps = 4, .guidance = 1.5, .cut_texts = false, .smooth = false, .fix_feet = false}),
+  CHECK(same(ml::generate_motion(stmc, timeline,
+                                 {.seed = 3,
+                                  .steps = 4,
+                                  .guidance = 1.5,
+                                  .cut_texts = false,
+                                  .smooth = false,
+                                  .fix_feet = false,
+                                  .fix_floor = false,
+                                  .overlay_arms = false}),
              ml::stmc_motion(whole, stmc.fps)));
   CHECK_FALSE(same(ml::generate_motion(stmc, timeline, {.seed = 4}), expected));
 
   // several timelines, samples, and the same model behind the interface of all models
   const std::vector<Timeline> two{timeline, small::one_track()};
   ml::GenerateNotes notes;
-  const auto motions = ml::generate_motions(stmc, two, {.seed = 3, .notes = &notes});
+  const auto motions = ml::generate_motions(stmc, two, {.seed = 3, .overlay_arms = false, .notes = &notes});
   REQUIRE(motions.size() == 2);
   CHECK(same(motions[0], expected));
   CHECK(notes.layout == "smplrifke");
   CHECK(notes.features.size() == 2);
-  const auto samples = ml::generate_samples(stmc, two, 2, {.seed = 3});
+  const auto samples = ml::generate_samples(stmc, two, 2, {.seed = 3, .overlay_arms = false});
   for (const std::size_t t : {0u, 1u}) {
     CHECK(same(samples[t][0], motions[t]));
     CHECK_FALSE(same(samples[t][1], motions[t]));
   }
   const auto any = ml::stmc_motion_model(model(), {"walk"});
-  CHECK(same(ml::generate_motion(*any, timeline, {.seed = 3}), expected));
+  CHECK(same(ml::generate_motion(*any, timeline, {.seed = 3, .overlay_arms = false}), expected));
   CHECK(any->steps() == 8);
   CHECK(any->takes_timelines());
   CHECK(any->words() == std::vector<std::string>{"walk"});
@@ -64,11 +74,37 @@ TEST_CASE("texts are cut, motions sampled, smoothed and put on their feet") {
   CHECK_ERROR(ml::generate_motion(*any, timeline, {.fact = 1}), "this is a diffusion model, which draws none");
 }
 
+TEST_CASE("arms that the collage loses move as their texts make them alone") {
+  const auto stmc = model();
+  const Timeline timeline = small::several_tracks();
+  const ml::GenerateOptions raw{.seed = 3, .smooth = false, .fix_feet = false, .fix_floor = false};
+  ml::GenerateOptions without = raw;
+  without.overlay_arms = false;
+  ml::Motion expected = ml::generate_motion(stmc, timeline, without);
+  std::vector<Timeline> alone;
+  const auto texts = ml::arm_texts(timeline, 10);
+  CHECK(texts.size() == 3);
+  for (const ml::ArmText& t : texts) alone.push_back(t.alone);
+  const auto arms = ml::generate_motions(stmc, alone, without);
+  ml::Index laid = 0;
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    if (!ml::is_arm_lost(expected, arms[i], texts[i])) continue;
+    expected = ml::lay_arm_over(expected, arms[i], texts[i]), ++laid;
+  }
+  ml::Index calls = 0, most = 0;
+  auto progress = [&](ml::Index done, ml::Index total) { return most = total, ++calls == done; };
+  ml::GenerateOptions how = raw;
+  how.progress = progress;
+  CHECK(same(ml::generate_motion(stmc, timeline, how), expected));
+  CHECK((calls == 16 && most == 16));  // two runs of 8 steps
+  CHECK(laid > 0);
+}
+
 TEST_CASE_TEMPLATE("any denoiser and text encoder", D, ml::MdmDenoiser<small::B>, ml::MotionDiffuseDenoiser<small::B>) {
   const auto stmc = small::model_of<D>();
   const Timeline text = small::one_text(20);
   const auto features = stmc.generate(text, ml::Philox{.seed = 3});
-  const ml::Motion expected = ml::fix_feet(ml::smooth_motion(ml::stmc_motion(features, stmc.fps)));
+  const ml::Motion expected = finished(ml::stmc_motion(features, stmc.fps));
   CHECK(same(ml::generate_motion(stmc, text, {.seed = 3}), expected));
 }
 

@@ -419,6 +419,12 @@ void add_generate(CLI::App& app) {
               "Keep standing feet from sliding. With --no-cut-texts --no-smooth --no-fix-feet the motion is what other "
               "programs compute from the same --noise")
       ->capture_default_str();
+  c->add_flag("--fix-floor,!--no-fix-floor", o->settings.fix_floor,
+              "Let the floor carry the body: no hovering, no sinking, and flights are arcs")
+      ->capture_default_str();
+  c->add_flag("--overlay-arms,!--no-overlay-arms", o->settings.overlay_arms,
+              "Lay an arm that loses its text over the motion, as the text alone moves it. This takes a second pass")
+      ->capture_default_str();
   c->add_option("--backend", o->backend, "Backend that computes")
       ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
       ->capture_default_str();

@@ -1,11 +1,14 @@
 // motionlang judge: does the model do what prompts say? Each prompt is generated with several seeds and measured.
 //
-// What counts as done is stated in numbers for each prompt (motionlang/generate/judged_prompts.hpp), so that a table of
-// percentages can be compared between models, and with --compare between numbers of steps.
+// What counts as done is stated in numbers for each verb (motionlang/generate/judged_verbs.hpp), so that a table of
+// percentages can be compared between models, and with --compare between numbers of steps. --clips measures recorded
+// motions in the same way.
 #include <cstdio>
 
+#include <motionlang/core/quantile.hpp>
 #include <motionlang/file/safetensors.hpp>
-#include <motionlang/generate/judged_prompts.hpp>
+#include <motionlang/generate/judged_clips.hpp>
+#include <motionlang/view/film_strip.hpp>
 #include <motionlang/weights/run_folder.hpp>
 
 #include "../commands.hpp"
@@ -26,6 +29,9 @@ struct JudgeOptions {
   std::string sampler;  // "": the model's own
   int seeds = 10;
   bool details = false;
+  std::string bench = "own";
+  std::vector<double> seconds;  // of each prompt; none: its own
+  std::string clips, captions, strips;
   std::vector<Index> compare;  // numbers of steps
   MachineOptions machine;
 };
@@ -46,14 +52,14 @@ void compare(const ml::MotionModel& generator, const JudgeOptions& o) {
       settings.steps = steps;
       ProgressBar bar(sampler + " " + std::to_string(steps));
       settings.progress = bar;
-      ml::Judgement j = ml::judge(generator, settings, o.seeds);
+      ml::Judgement j = ml::judge(generator, ml::own_prompts(), settings, o.seeds);
       bar.finish();
       if (first.motions() == 0) {
         first = j;
         if (o.seeds > 1) {
           char text[100];
           std::snprintf(text, sizeof text, " %s %.0f", sampler.c_str(),
-                        1000 * ml::mean_distance(first, first, ml::judged_prompts().size()));
+                        1000 * ml::mean_distance(first, first, ml::own_prompts().size()));
           scale += text;
         }
       }
@@ -64,47 +70,137 @@ void compare(const ml::MotionModel& generator, const JudgeOptions& o) {
     }
   }
   std::printf("%s of %zu prompts. Joints: mean distance to the result of the same seed with %s",
-              ml::counted(o.seeds, "seed").c_str(), ml::judged_prompts().size(),
+              ml::counted(o.seeds, "seed").c_str(), ml::own_prompts().size(),
               ml::counted(o.compare.front(), "step").c_str());
   std::printf(scale.empty() ? "\n" : "; between two seeds:%s mm\n", scale.c_str());
 }
 
-void run(const JudgeOptions& o) {
-  o.machine.apply();
-  const auto generator = load_generator(o.backend, ml::stmc_model_file(o.model));
-  if (!o.compare.empty()) return compare(*generator, o);
-  const ml::Judgement j = [&] {
-    ProgressBar bar("judging");
-    ml::GenerateOptions settings = o.settings;
-    if (!o.sampler.empty()) settings.sampler = ml::parse_sampler(o.sampler);
-    settings.progress = bar;
-    return ml::judge(*generator, settings, o.seeds);
-  }();
-  std::printf("%-28s %-8s %s\n", "prompt", "done", "what counts");
-  const auto& prompts = ml::judged_prompts();
-  for (std::size_t i = 0; i < prompts.size(); ++i) {
-    std::printf("%-28s %zu/%-6zu %s\n", prompts[i].text.c_str(), j.done(i), j.results[i].size(),
-                prompts[i].rule.c_str());
-    if (o.details) {
-      for (const ml::PromptMeasures& m : j.results[i]) {
-        std::printf(
-            "    speed %.2f forward %+.2f turned %+4.0f pelvis %.2f>%.2f low %.2f hands L %+.2f R %+.2f both %+.2f "
-            "speed %.1f head %.2f>%.2f feet %.2f %.2f both %.2f\n",
-            m.speed, m.forward, m.turned, m.first_pelvis, m.last_pelvis, m.lowest_pelvis, m.left_hand, m.right_hand,
-            m.both_hands, std::max(m.left_hand_speed, m.right_hand_speed), m.first_head, m.lowest_head, m.left_foot,
-            m.right_foot, m.both_feet);
-      }
+double percent(std::size_t part, std::size_t whole) {
+  return whole == 0 ? 0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+/// What a table is about, and its prompts with so many seconds each.
+struct Bench {
+  const char* name;
+  const char* about;
+  std::vector<ml::JudgedPrompt> (*prompts)(double seconds);
+};
+std::vector<ml::JudgedPrompt> own_prompts_of(double seconds) {
+  auto prompts = ml::own_prompts();
+  for (ml::JudgedPrompt& p : prompts) p.seconds = seconds > 0 ? seconds : p.seconds;
+  return prompts;
+}
+const Bench benches[] = {{"own", "what the bundled model was trained for", own_prompts_of},
+                         {"newcomers", "what newcomers type", ml::newcomers_prompts},
+                         {"arms", "an arm, the other, both over ten base movements", ml::arm_prompts},
+                         {"trunk", "the head, the spine over ten base movements", ml::trunk_prompts},
+                         {"paraphrases", "other words for the same", ml::paraphrase_prompts}};
+
+std::vector<double> seconds_of(const JudgeOptions& o, const Bench& bench) {
+  if (!o.seconds.empty()) return o.seconds;
+  return {bench.name == std::string("own") ? 0.0 : 4.0};
+}
+
+ml::Judgement judged(const ml::MotionModel& generator, const JudgeOptions& o, const Bench& bench, double seconds) {
+  ProgressBar bar("judging " + std::string(bench.name));
+  ml::GenerateOptions settings = o.settings;
+  if (!o.sampler.empty()) settings.sampler = ml::parse_sampler(o.sampler);
+  settings.progress = bar;
+  return ml::judge(generator, bench.prompts(seconds), settings, o.seeds, !o.strips.empty());
+}
+
+/// Of every motion a picture, with what the judge says as its title.
+void write_strips(const ml::Judgement& j, const std::string& folder, const std::string& name) {
+  std::filesystem::create_directories(folder);
+  for (std::size_t i = 0; i < j.made.size(); ++i) {
+    const std::size_t prompt = i % j.prompts.size(), seed = i / j.prompts.size();
+    const auto& why = j.verdicts[prompt][seed].why_not;
+    const std::string title = j.prompts[prompt].name() + ": " + (why.empty() ? "done" : why);
+    const auto file = name + "_" + std::to_string(prompt) + "_" + std::to_string(seed) + ".png";
+    ml::write_png(std::filesystem::path(folder) / file,
+                  ml::film_strip_picture(j.made[i], {}, {.width = 1000, .title = title, .resolution = 1}));
+  }
+}
+
+void print_prompts(const ml::Judgement& j, bool details) {
+  std::printf("%-44s %-8s %s\n", "prompt", "done", "what counts");
+  for (std::size_t i = 0; i < j.prompts.size(); ++i) {
+    std::printf("%-44s %zu/%-6zu %s\n", j.prompts[i].name().c_str(), j.done(i), j.verdicts[i].size(),
+                j.prompts[i].rule().c_str());
+    for (std::size_t seed = 0; details && seed < j.verdicts[i].size(); ++seed) {
+      const ml::Verdict& v = j.verdicts[i][seed];
+      std::printf("    seed %zu: %s (ahead %.2f m/s, air %.2f s, turned %.0f)\n", seed,
+                  v.why_not.empty() ? "done" : v.why_not.c_str(), v.speed, v.air, v.turned);
     }
   }
-  std::printf("%-28s %zu/%zu = %.0f %%\n", "all", j.done(), j.motions(),
-              100.0 * static_cast<double>(j.done()) / static_cast<double>(j.motions()));
-  std::printf("foot skate %.3f m/s, jitter %.1f m/s^3 (means over all motions)\n", j.skate, j.jitter);
-  const auto about = ml::SafetensorsFile::open(ml::stmc_model_file(o.model)).metadata();
-  if (about.contains("real.skate") && about.contains("real.jitter")) {
-    const double real_skate = std::stod(about.at("real.skate")), real_jitter = std::stod(about.at("real.jitter"));
-    std::printf("recordings: %.3f m/s, %.1f m/s^3; ratio %.2f and %.2f\n", real_skate, real_jitter,
-                j.skate / real_skate, j.jitter / real_jitter);
+  std::printf("%-44s %zu/%zu = %.0f %%\n", "all", j.done(), j.motions(), percent(j.done(), j.motions()));
+}
+void print_shares(double hovering, double sinking, double statues) {
+  std::printf("hovering %.1f %%, sinking %.1f %%, statues %.1f %%\n", 100 * hovering, 100 * sinking, 100 * statues);
+}
+
+void judge_clips(const JudgeOptions& o) {
+  const ml::RecordedFigures figures = [&] {
+    ProgressBar bar("reading clips");
+    const ml::TrainingSet set(o.captions, o.clips, bar);
+    bar.finish();
+    return ml::judge_recordings(set.segments());
+  }();
+  std::printf("recordings: %zu segments on the floor, %zu elsewhere left out\n", figures.segments, figures.elsewhere);
+  print_shares(figures.hovering, figures.sinking, figures.statues);
+  std::printf("%-36s %8s %8s %8s %8s %8s\n", "", "median", "90 %", "95 %", "99 %", "largest");
+  for (const ml::RecordedMeasure& m : figures.measures) {
+    std::printf("%-36s", m.name.c_str());
+    for (const double share : {0.5, 0.9, 0.95, 0.99, 1.0}) std::printf(" %8.3f", ml::quantile(m.values, share));
+    std::printf("\n");
   }
+  std::printf("%-24s %-10s %-24s %-24s %s\n", "caption says", "done", "ahead m/s, 5 50 95 %", "air s",
+              "turned, degrees");
+  for (const ml::RecordedVerb& v : figures.verbs) {
+    if (v.segments == 0) continue;
+    std::printf("%-24s %3zu/%-6zu", v.name.c_str(), v.done, v.segments);
+    for (const auto* values : {&v.speed, &v.air, &v.turned})
+      std::printf("  %6.2f %6.2f %6.2f  ", ml::quantile(*values, 0.05), ml::quantile(*values, 0.5),
+                  ml::quantile(*values, 0.95));
+    std::printf("\n");
+    for (std::size_t i = 0; o.details && i < v.why_not.size(); ++i) std::printf("    %s\n", v.why_not[i].c_str());
+  }
+}
+
+void run(const JudgeOptions& o) {
+  o.machine.apply();
+  if (!o.clips.empty()) return judge_clips(o);
+  const auto generator = load_generator(o.backend, ml::stmc_model_file(o.model));
+  if (!o.compare.empty()) return compare(*generator, o);
+  std::string summary;
+  for (const Bench& bench : benches) {
+    if (o.bench != "all" && o.bench != bench.name) continue;
+    for (const double seconds : seconds_of(o, bench)) {
+      const ml::Judgement j = judged(*generator, o, bench, seconds);
+      if (!o.strips.empty())
+        write_strips(j, o.strips, std::string(bench.name) + "_" + std::to_string(static_cast<int>(seconds)));
+      char line[200];
+      std::snprintf(line, sizeof line, "| %s | %s | %.0f %% | %.1f / %.1f / %.1f %% | %.3f | %.0f |\n", bench.about,
+                    seconds > 0 ? (std::to_string(static_cast<int>(seconds)) + " s").c_str() : "own",
+                    percent(j.done(), j.motions()), 100 * j.hovering(), 100 * j.sinking(), 100 * j.statues(), j.skate,
+                    j.jitter);
+      summary += line;
+      if (seconds > 0) std::printf("%s, %g s each\n", bench.about, seconds);
+      print_prompts(j, o.details);
+      std::printf("foot skate %.3f m/s, jitter %.1f m/s^3 (means over all motions)\n", j.skate, j.jitter);
+      print_shares(j.hovering(), j.sinking(), j.statues());
+      std::fflush(stdout);
+    }
+  }
+  if (o.bench == "all" || o.seconds.size() > 1)
+    std::printf(
+        "| prompts | length | done | hovering / sinking / statues | foot skate m/s | jitter m/s^3 "
+        "|\n|---|---|---|---|---|---|\n%s",
+        summary.c_str());
+  const auto about = ml::SafetensorsFile::open(ml::stmc_model_file(o.model)).metadata();
+  if (about.contains("real.skate") && about.contains("real.jitter"))
+    std::printf("recordings: foot skate %.3f m/s, jitter %.1f m/s^3\n", std::stod(about.at("real.skate")),
+                std::stod(about.at("real.jitter")));
 }
 
 }  // namespace
@@ -112,7 +208,7 @@ void run(const JudgeOptions& o) {
 void add_judge(CLI::App& app) {
   const auto o = std::make_shared<JudgeOptions>();
   CLI::App* c = app.add_subcommand(
-      "judge", "Generates twelve prompts with several seeds, measures the motions, and prints how many succeed");
+      "judge", "Generates prompts with several seeds, measures the motions, and prints how many succeed");
   c->add_option("--model", o->model,
                 "Weights to judge. The default is the bundled model, or what MOTIONLANG_MODEL names");
   const auto compare = c->add_option("--compare", o->compare,
@@ -133,10 +229,36 @@ void add_judge(CLI::App& app) {
   c->add_flag("--smooth,!--no-smooth", o->settings.smooth, "Remove jitter. The default is on");
   c->add_flag("--fix-feet,!--no-fix-feet", o->settings.fix_feet, "Keep standing feet from sliding. The default is on")
       ->capture_default_str();
+  c->add_flag("--fix-floor,!--no-fix-floor", o->settings.fix_floor,
+              "Let the floor carry the body: no hovering, no sinking, and flights are arcs")
+      ->capture_default_str();
+  c->add_flag("--overlay-arms,!--no-overlay-arms", o->settings.overlay_arms,
+              "Lay an arm that loses its text over the motion, as the text alone moves it. This takes a second pass")
+      ->capture_default_str();
   c->add_option("--backend", o->backend, "Backend that computes")
       ->check(CLI::IsMember({"eigen", "xtensor", "reference"}))
       ->capture_default_str();
-  c->add_flag("--details", o->details, "Print the measurements of every motion");
+  c->add_flag("--details", o->details, "Print for every motion why it fails");
+  c->add_option("--bench", o->bench,
+                "own: twelve prompts that the bundled model knows; newcomers: 56 that newcomers type; arms, trunk: "
+                "arms, or head and "
+                "spine over ten base movements; paraphrases; or all")
+      ->check(CLI::IsMember({"own", "newcomers", "arms", "trunk", "paraphrases", "all"}))
+      ->excludes(compare)
+      ->capture_default_str();
+  c->add_option("--seconds", o->seconds,
+                "Lengths of the motions, as in 2,4,8. The default is 4; own prompts have lengths of their own")
+      ->delimiter(',')
+      ->check(in_range(0.5, 3600))
+      ->excludes(compare);
+  const auto clips =
+      c->add_option("--clips", o->clips, "Folder of recorded clips to judge instead of generated motions")
+          ->check(CLI::ExistingDirectory);
+  const auto captions = c->add_option("--captions", o->captions, "File of captions of these clips, as `train` reads it")
+                            ->check(CLI::ExistingFile)
+                            ->needs(clips);
+  clips->needs(captions);
+  c->add_option("--strips", o->strips, "Folder for a film strip of every motion (PNG)")->check(not_empty());
   o->machine.add_to(*c);
   c->callback([o] { run(*o); });
 }

@@ -167,7 +167,9 @@ ml::GenerateOptions generate_options(const motionlang_options& o) {
                           .overlap = o.overlap,
                           .cut_texts = o.cut_texts != 0,
                           .smooth = o.smooth != 0,
-                          .fix_feet = o.fix_feet != 0};
+                          .fix_feet = o.fix_feet != 0,
+                          .fix_floor = o.fix_floor != 0,
+                          .overlay_arms = o.overlay_arms != 0};
   if (o.steps != 0) out.steps = o.steps;
   if (o.all_steps != 0) out.steps = 0;
   if (o.guidance != 0) out.guidance = o.guidance;
@@ -210,6 +212,7 @@ motionlang_options motionlang_default_options(void) {
   const ml::GenerateOptions usual;
   motionlang_options o{};
   o.cut_texts = usual.cut_texts, o.smooth = usual.smooth, o.fix_feet = usual.fix_feet;
+  o.fix_floor = usual.fix_floor, o.overlay_arms = usual.overlay_arms;
   o.overlap = usual.overlap;
   return o;
 }

@@ -74,8 +74,11 @@ typedef struct motionlang_options {
   const double* keep_seconds;    /* of keep: (keep_stretches, 2), from and to */
   int64_t keep_stretches;        /* 0: all of it is kept */
   const char* keep_parts; /* of keep: body parts, "legs, left arm"; the legs carry the path on the floor; NULL: all */
+  int32_t fix_floor;      /* 1: the floor carries the body: no hovering, no sinking, flights are arcs */
+  int32_t overlay_arms;   /* 1: an arm that loses its text moves as the text alone moves it; a second pass */
 } motionlang_options;
-/* The defaults of the program `motionlang generate`: seed 0, the model's steps, cut texts, smooth, fixed feet. */
+/* The defaults of the program `motionlang generate`: seed 0, the model's steps, cut texts, smooth, fixed feet and
+ * floor. */
 MOTIONLANG_C_API motionlang_options motionlang_default_options(void);
 
 /* The motion of a timeline, one text on a line: "walk forward # 0.0 # 6.0 # legs" (text # start # end in seconds # body

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Texts cut where a denoiser does them best in parts: where they lend body parts or get them back, and where they are
-/// too long.
+/// Texts cut where a denoiser does them best in parts: where their action is over, where they lend body parts or get
+/// them back, and where they are too long.
 ///
 ///     const auto motion = stmc.generate(cut_texts(timeline, stmc.fps), rng);
 ///
@@ -17,7 +17,7 @@ inline constexpr double longest_whole_text = 8;
 /// Seconds below which a part would be too short for the denoiser to do what the text says.
 inline constexpr double shortest_part = 0.5;
 
-/// cut_at_handovers, divide_long_texts. Throws what they throw.
+/// end_actions, cut_at_handovers, divide_long_texts. Throws what they throw.
 Timeline cut_texts(const Timeline& timeline, double fps);
 
 MOTIONLANG_NAMESPACE_END

@@ -23,8 +23,9 @@ Motion motion_of_features(std::string_view layout, std::span<const double> rows,
 /// fps: 0 is the rate of the features.
 Motion motion_of_features(const MotionFeatures& features, std::span<const float> rows, double fps = 0);
 
-/// Removes jitter (smooth_motion) and keeps standing feet from sliding (fix_feet), as the options say. Feet are fixed
-/// on skeletons with known_legs, and last: feet that stand are to be still.
+/// Removes jitter (smooth_motion), lets the floor carry the body (stand_on_floor), keeps standing feet from sliding
+/// (fix_feet) and lifts feet that sink in (lift_sunken_feet), as the options say. Floor and feet are fixed on skeletons
+/// with known_legs. Feet come last, because feet that stand are to be still.
 Motion finish_motion(Motion motion, const GenerateOptions& options);
 
 MOTIONLANG_NAMESPACE_END

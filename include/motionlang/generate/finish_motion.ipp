@@ -3,7 +3,7 @@
 #pragma once
 
 #include <motionlang/generate/finish_motion.hpp>
-#include <motionlang/kinematics/foot_lock.hpp>
+#include <motionlang/kinematics/floor_fix.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
 #include <motionlang/systems/detail/stmc_parts.hpp>
 
@@ -29,7 +29,10 @@ MOTIONLANG_BODY Motion motion_of_features(const MotionFeatures& features, std::s
 MOTIONLANG_BODY Motion finish_motion(Motion motion, const GenerateOptions& options) {
   if (options.smooth) motion = smooth_motion(motion);
   const auto legs = known_legs(motion.skeleton);
-  if (options.fix_feet && !legs.empty()) motion = fix_feet(motion, legs);
+  if (legs.empty()) return motion;
+  if (options.fix_floor) motion = stand_on_floor(motion, legs);
+  if (options.fix_feet) motion = fix_feet(motion, legs);
+  if (options.fix_floor) motion = lift_sunken_feet(motion, legs);
   return motion;
 }
 

@@ -7,6 +7,7 @@
 
 #include <motionlang/compose/cut_texts.hpp>
 #include <motionlang/features/feature_rows.hpp>
+#include <motionlang/generate/arm_overlay.hpp>
 #include <motionlang/generate/detail/kept_clip.hpp>
 #include <motionlang/generate/generate_motion.hpp>
 #include <motionlang/kinematics/motion_tools.hpp>
@@ -41,17 +42,24 @@ class GenerateRun {
     how_.steps = o_.steps;
     how_.sampling = model_.sampling;
     if (o_.sampler) how_.sampling->sampler = *o_.sampler;
-    how_.progress = o_.progress;
     if (o_.keep) keep_on_model();
   }
 
   std::vector<Motion> operator()(std::span<const Timeline> timelines) const {
     if (o_.notes != nullptr) *o_.notes = {.layout = model_.layout.name};
-    std::vector<Motion> motions;
-    for (const Tensor<B, 2>& f : features(timelines)) {
+    std::vector<Motion> collages, motions;
+    const Arms arms = arms_of(timelines);
+    Steps first{&o_.progress, 0, arms.texts.empty() ? 1 : 2}, second{&o_.progress, 1, 2};
+    Sampling how{Philox{.seed = o_.seed}, how_, o_.cut_texts};
+    how.options.progress = first;
+    for (const Tensor<B, 2>& f : features(timelines, how)) {
       const std::vector<double> rows(f.span().begin(), f.span().end());
       if (o_.notes != nullptr) o_.notes->features.push_back(rows);
-      Motion motion = motion_of_features(model_.layout.name, rows, model_.layout.size, model_.fps);
+      collages.push_back(motion_of(rows));
+    }
+    how.options.progress = second;
+    overlay(arms, collages, how);
+    for (Motion& motion : collages) {
       if (o_.keep) motion = in_its_place(std::move(motion), clip_, clip_frames_, o_);
       motions.push_back(finish_motion(std::move(motion), o_));
       if (o_.keep && o_.notes != nullptr)
@@ -64,16 +72,61 @@ class GenerateRun {
  private:
   using Features = std::vector<Tensor<B, 2>>;
 
-  /// (frames, features) of each timeline, not normalised.
-  Features features(std::span<const Timeline> timelines) const {
-    if (!o_.reuse.string().empty()) return reused(timelines);
+  /// What a run was sampled with. That of a run that is reused is in its record.
+  struct Sampling {
+    Philox rng{};
+    StmcOptions options{};
+    bool cut = true;
+  };
+
+  Motion motion_of(std::span<const double> rows) const {
+    return motion_of_features(model_.layout.name, rows, model_.layout.size, model_.fps);
+  }
+
+  /// Counts the steps of one of several runs for the caller.
+  struct Steps {
+    const Progress* caller;
+    Index run, runs;
+    bool operator()(Index done, Index total) const { return (*caller)(run * total + done, runs * total), true; }
+  };
+
+  /// The texts of arms in the timelines: of which one each is, and what it is alone.
+  struct Arms {
+    std::vector<std::pair<std::size_t, ArmText>> texts{};
+    std::vector<Timeline> alone{};
+  };
+  Arms arms_of(std::span<const Timeline> timelines) const {
+    Arms out;
+    const bool possible = o_.overlay_arms && !o_.keep && o_.noise.string().empty() && model_.layout.name == "smplrifke";
+    for (std::size_t m = 0; possible && m < timelines.size(); ++m) {
+      for (ArmText& text : arm_texts(timelines[m], frame_at(shortest_part, model_.fps))) {
+        out.alone.push_back(text.alone);
+        out.texts.emplace_back(m, std::move(text));
+      }
+    }
+    return out;
+  }
+  /// Lays over the motions of the timelines what their texts of arms make alone, where the collage lost it.
+  void overlay(const Arms& arms, std::vector<Motion>& motions, const Sampling& how) const {
+    if (arms.texts.empty()) return;
+    const Features features = model_.generate(cut(arms.alone, how.cut), how.rng, how.options);
+    for (std::size_t i = 0; i < arms.texts.size(); ++i) {
+      const auto& [m, text] = arms.texts[i];
+      const Motion alone = motion_of(std::vector<double>(features[i].span().begin(), features[i].span().end()));
+      if (is_arm_lost(motions[m], alone, text)) motions[m] = lay_arm_over(motions[m], alone, text);
+    }
+  }
+
+  /// (frames, features) of each timeline, not normalised. Sets what a run was sampled with if it is reused.
+  Features features(std::span<const Timeline> timelines, Sampling& how) const {
+    if (!o_.reuse.string().empty()) return reused(timelines, how);
     const std::vector<Timeline> texts = cut(timelines, o_.cut_texts);
-    const Philox rng{.seed = o_.seed};
-    if (o_.keep) return around(texts, rng);
-    if (!o_.noise.string().empty()) return model_.generate_from(texts, noise_of_file<B>(o_.noise), how_);
-    if (o_.record.string().empty()) return model_.generate(texts, rng, how_);
+    const Philox& rng = how.rng;
+    if (o_.keep) return around(texts, how);
+    if (!o_.noise.string().empty()) return model_.generate_from(texts, noise_of_file<B>(o_.noise), how.options);
+    if (o_.record.string().empty()) return model_.generate(texts, rng, how.options);
     StmcRecord<B> record;
-    Features out = generate_recorded<B>(model_, texts, rng, how_, record);
+    Features out = generate_recorded<B>(model_, texts, rng, how.options, record);
     save(record, o_.cut_texts);
     return out;
   }
@@ -92,7 +145,7 @@ class GenerateRun {
     clip_rows_.assign(rows.begin(), rows.end());
     clip_frames_ = std::ssize(rows) / model_.layout.size;
   }
-  Features around(std::span<const Timeline> timelines, const Philox& rng) const {
+  Features around(std::span<const Timeline> timelines, const Sampling& how) const {
     std::vector<KeptMotion<B>> kept;
     for (const Timeline& t : timelines) {
       auto& own = kept.emplace_back();
@@ -100,20 +153,21 @@ class GenerateRun {
       for (const IndexRange& range : kept_frames(*o_.keep, clip_frames_, t.end(), model_.fps))
         own.parts.push_back({range, o_.keep->parts});
     }
-    return generate_around<B>(model_, timelines, rng, how_, std::span<const KeptMotion<B>>(kept));
+    return generate_around<B>(model_, timelines, how.rng, how.options, std::span<const KeptMotion<B>>(kept));
   }
 
   /// With what the record of an earlier run says about the part that was not edited.
-  Features reused(std::span<const Timeline> timelines) const {
+  Features reused(std::span<const Timeline> timelines, Sampling& sampling) const {
     const auto file = SafetensorsFile::open(o_.reuse);
     auto record = load_stmc_record<B>(file, model_);
     const bool was_cut = file.metadata().contains("cut_texts") && file.metadata().at("cut_texts") == "1";
-    RegenerateOptions how{.within = {}, .progress = o_.progress};
+    RegenerateOptions how{.within = {}, .progress = sampling.options.progress};
     if (o_.keep_beyond) how.within = frame_at(*o_.keep_beyond, model_.fps);
     StmcReuse reuse;
     Features out = regenerate<B>(model_, record, cut(timelines, was_cut), how, &reuse);
     if (!o_.record.string().empty()) save(record, was_cut);
     if (o_.notes != nullptr) o_.notes->reuse = reuse, o_.notes->seed = record.rng.seed;
+    sampling = {record.rng, record.options, was_cut};
     return out;
   }
   void save(const StmcRecord<B>& record, bool was_cut) const {

@@ -48,6 +48,8 @@ struct GenerateOptions {
   bool cut_texts = true;         // where they lend body parts or regain them, and where they are too long
   bool smooth = true;            // removes jitter, and jerks where texts meet
   bool fix_feet = true;          // keeps standing feet from sliding
+  bool fix_floor = true;         // the floor carries the body: no hovering, no sinking, flights are arcs
+  bool overlay_arms = false;     // an arm that loses its text moves as the text alone moves it; a second pass
   FilePath noise = "";           // file with noise/000 (initial), noise/001, ... instead of the seed
   FilePath record = "";          // file to write, which a later run can reuse
   FilePath reuse = "";  // such a file; seed, steps, sampler, guidance, overlap and cut_texts are those of its run

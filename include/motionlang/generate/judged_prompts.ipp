@@ -2,10 +2,8 @@
 // Bodies of judged_prompts.hpp.
 #pragma once
 
-#include <algorithm>  // min, max
-#include <cmath>      // hypot
+#include <algorithm>  // any_of, count_if, max
 #include <ctime>      // time of the processor
-#include <numbers>    // pi
 
 #include <motionlang/features/smplrifke.hpp>
 #include <motionlang/generate/judged_prompts.hpp>
@@ -13,77 +11,6 @@
 #include <motionlang/metrics/motion_quality.hpp>
 
 MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY PromptMeasures measure_for_prompts(const Motion& m) {
-  PromptMeasures r;
-  JointTransforms<double> world;
-  const Index n = m.frames();
-  double floor = 9, path = 0, turned = 0, before = 0;
-  std::vector<std::vector<Vec3<double>>> frames;
-  for (Index f = 0; f < n; ++f) {
-    m.world(f, world);
-    frames.push_back(world.position);
-    for (const auto& p : world.position) floor = std::min(floor, p.y);
-    const double heading = detail::heading(m.rotations(f)[0]);
-    if (f > 0) {
-      turned += std::remainder(heading - before, 2 * std::numbers::pi);
-      const auto d = m.root_at(f) - m.root_at(f - 1);
-      path += std::hypot(d.x, d.z);
-    }
-    before = heading;
-  }
-  for (Index f = 0; f < n; ++f) {
-    const auto& p = frames[static_cast<std::size_t>(f)];
-    const double left = p[20].y - p[16].y, right = p[21].y - p[17].y;
-    r.left_hand = std::max(r.left_hand, left);
-    r.right_hand = std::max(r.right_hand, right);
-    r.both_hands = std::max(r.both_hands, std::min(left, right));
-    r.lowest_pelvis = std::min(r.lowest_pelvis, p[0].y - floor);
-    r.highest_pelvis = std::max(r.highest_pelvis, p[0].y - floor);
-    r.lowest_head = std::min(r.lowest_head, p[15].y - floor);
-    r.left_foot = std::max(r.left_foot, p[7].y - floor);
-    r.right_foot = std::max(r.right_foot, p[8].y - floor);
-    r.both_feet = std::max(r.both_feet, std::min(p[10].y, p[11].y) - floor);
-    if (f > 0) {
-      const auto& q = frames[static_cast<std::size_t>(f) - 1];
-      r.left_hand_speed = std::max(r.left_hand_speed, m.fps * norm((p[20] - p[0]) - (q[20] - q[0])));
-      r.right_hand_speed = std::max(r.right_hand_speed, m.fps * norm((p[21] - p[0]) - (q[21] - q[0])));
-    }
-  }
-  r.first_head = frames.front()[15].y - floor;
-  r.first_pelvis = frames.front()[0].y - floor;
-  r.last_pelvis = frames.back()[0].y - floor;
-  r.speed = path / std::max(1e-9, static_cast<double>(n - 1) / m.fps);
-  r.turned = turned * 180 / std::numbers::pi;
-  const auto d = rotate(detail::turn(-detail::heading(m.rotations(0)[0])), m.root_at(n - 1) - m.root_at(0));
-  r.forward = d.z;
-  return r;
-}
-
-MOTIONLANG_BODY const std::vector<JudgedPrompt>& judged_prompts() {
-  static const std::vector<JudgedPrompt> list{
-      {"walk forward", 4, "goes > 2 m ahead at 0.5 to 1.9 m/s",
-       [](const PromptMeasures& m) { return m.forward > 2 && m.speed > 0.5 && m.speed < 1.9; }},
-      {"run forward", 3, "faster than 1.8 m/s", [](const PromptMeasures& m) { return m.speed > 1.8; }},
-      {"walk backwards", 3, "goes > 0.6 m back", [](const PromptMeasures& m) { return m.forward < -0.6; }},
-      {"walk slowly", 4, "0.25 to 1.1 m/s", [](const PromptMeasures& m) { return m.speed > 0.25 && m.speed < 1.1; }},
-      {"stand still", 4, "slower than 0.15 m/s, pelvis stays up",
-       [](const PromptMeasures& m) { return m.speed < 0.15 && m.lowest_pelvis > 0.75; }},
-      {"turn left", 3, "turns > 45 degrees left", [](const PromptMeasures& m) { return m.turned > 45; }},
-      {"turn right", 3, "turns > 45 degrees right", [](const PromptMeasures& m) { return m.turned < -45; }},
-      {"raise both arms", 3, "both wrists > 0.15 m above the shoulders at once",
-       [](const PromptMeasures& m) { return m.both_hands > 0.15; }},
-      {"raise the right arm", 3, "only the right wrist > 0.1 m above its shoulder",
-       [](const PromptMeasures& m) { return m.right_hand > 0.1 && m.left_hand < 0.1; }},
-      {"sit down", 3, "pelvis ends > 0.2 m lower",
-       [](const PromptMeasures& m) { return m.first_pelvis - m.last_pelvis > 0.2; }},
-      {"jump forward", 2.5, "both feet > 0.1 m up, > 0.4 m ahead",
-       [](const PromptMeasures& m) { return m.both_feet > 0.1 && m.forward > 0.4; }},
-      {"bend forward", 3, "head comes > 0.25 m lower, pelvis stays above 0.6 m",
-       [](const PromptMeasures& m) { return m.first_head - m.lowest_head > 0.25 && m.lowest_pelvis > 0.6; }},
-  };
-  return list;
-}
 
 namespace detail {
 
@@ -98,27 +25,264 @@ inline double bone_change(const std::vector<double>& features) {
   return bone_length_deviation({positions, smplrifke_joints}, smpl24_skeleton().parents);
 }
 
+/// Texts and verbs as prompts of one text.
+inline std::vector<JudgedPrompt> single_prompts(std::initializer_list<std::pair<const char*, const char*>> list,
+                                                double seconds) {
+  std::vector<JudgedPrompt> out;
+  for (const auto& [text, verb] : list) out.push_back({{{text, verb}}, seconds});
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string JudgedPrompt::name() const {
+  return join_text(texts, " + ", [](const JudgedText& t) { return t.text; });
+}
+MOTIONLANG_BODY std::string JudgedPrompt::rule() const {
+  return join_text(texts, "; ", [](const JudgedText& t) { return find_verb(t.verb).rule; });
+}
+MOTIONLANG_BODY Timeline JudgedPrompt::timeline(double fps) const {
+  Timeline out;
+  for (const JudgedText& t : texts)
+    out.intervals.push_back({t.text, frame_at(t.from * seconds, fps), frame_at(t.to * seconds, fps), t.parts});
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<JudgedPrompt> own_prompts() {
+  auto out = detail::single_prompts({{"walk forward", "walk"},
+                                     {"run forward", "run"},
+                                     {"walk backwards", "walk backwards"},
+                                     {"walk slowly", "walk slowly"},
+                                     {"stand still", "stand"},
+                                     {"turn left", "turn left"},
+                                     {"turn right", "turn right"},
+                                     {"raise both arms", "raise both arms"},
+                                     {"raise the right arm", "raise the right arm"},
+                                     {"sit down", "sit down"},
+                                     {"jump forward", "jump forward"},
+                                     {"bend forward", "bend forward"}},
+                                    3);
+  for (const std::size_t longer : {0u, 3u, 4u}) out[longer].seconds = 4;
+  out[10].seconds = 2.5;
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<JudgedPrompt> newcomers_prompts(double seconds) {
+  return detail::single_prompts({{"walk", "walk"},
+                                 {"walk forward", "walk"},
+                                 {"walk backwards", "walk backwards"},
+                                 {"walk slowly", "walk slowly"},
+                                 {"a person walks in a circle", "walk in a circle"},
+                                 {"walk to the left", "walk to the left"},
+                                 {"strut", "walk anywhere"},
+                                 {"sneak", "sneak"},
+                                 {"march", "march"},
+                                 {"run", "run"},
+                                 {"run fast", "run"},
+                                 {"jog", "jog"},
+                                 {"sprint", "run"},
+                                 {"jump", "jump"},
+                                 {"jump up and down", "jump"},
+                                 {"jump forward", "jump forward"},
+                                 {"hop on one leg", "hop"},
+                                 {"skip", "skip"},
+                                 {"do jumping jacks", "jumping jack"},
+                                 {"stand", "stand"},
+                                 {"idle", "stand"},
+                                 {"turn left", "turn left"},
+                                 {"turn right", "turn right"},
+                                 {"turn around", "turn around"},
+                                 {"spin around", "spin"},
+                                 {"sit", "sit down"},
+                                 {"sit down", "sit down"},
+                                 {"stand up", "stand up"},
+                                 {"squat", "squat"},
+                                 {"crouch down", "crouch"},
+                                 {"kneel down", "kneel"},
+                                 {"lie down", "lie down"},
+                                 {"fall down", "fall"},
+                                 {"crawl", "crawl"},
+                                 {"wave", "wave"},
+                                 {"wave hello", "wave"},
+                                 {"wave with the right hand", "wave right"},
+                                 {"clap", "clap"},
+                                 {"raise your hand", "raise an arm"},
+                                 {"raise both arms", "raise both arms"},
+                                 {"point forward", "point"},
+                                 {"punch", "punch"},
+                                 {"box", "box"},
+                                 {"kick", "kick"},
+                                 {"throw a ball", "throw"},
+                                 {"push something", "push"},
+                                 {"pick something up", "pick up"},
+                                 {"drink from a cup", "hand to the head"},
+                                 {"salute", "hand to the head"},
+                                 {"dance", "dance"},
+                                 {"bow", "bow"},
+                                 {"nod", "nod"},
+                                 {"shake your head", "shake the head"},
+                                 {"look around", "look around"},
+                                 {"stretch", "stretch"},
+                                 {"backflip", "flip"}},
+                                seconds);
+}
+
+namespace detail {
+
+/// Ten base movements with other texts over them from a quarter of the time on.
+inline std::vector<JudgedPrompt> prompts_over_bases(std::initializer_list<JudgedText> over, double seconds) {
+  const std::pair<const char*, const char*> bases[] = {{"walk forward", "walk"},
+                                                       {"run forward", "run"},
+                                                       {"walk backwards", "walk backwards"},
+                                                       {"walk slowly", "walk slowly"},
+                                                       {"stand still", "stand with free arms"},
+                                                       {"turn left", "turn left"},
+                                                       {"turn right", "turn right"},
+                                                       {"sit down", "sit down"},
+                                                       {"jump forward", "jump forward"},
+                                                       {"bend forward", "bend forward"}};
+  std::vector<JudgedPrompt> out;
+  for (JudgedText text : over) {
+    text.from = 0.25, text.to = 0.9;
+    for (const auto& [base, verb] : bases) {
+      const bool bends = text.parts.has(BodyPart::spine) && verb == std::string("bend forward");
+      if (!bends) out.push_back({{{base, verb}, text}, seconds});  // the trunk can do one of them
+    }
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<JudgedPrompt> arm_prompts(double seconds) {
+  using enum BodyPart;
+  return detail::prompts_over_bases(
+      {{"raise the right arm", "raise the right arm", BodyParts{}.with(right_arm)},
+       {"raise the left arm", "raise the left arm", BodyParts{}.with(left_arm)},
+       {"raise both arms", "raise both arms", BodyParts{}.with(left_arm).with(right_arm)}},
+      seconds);
+}
+MOTIONLANG_BODY std::vector<JudgedPrompt> trunk_prompts(double seconds) {
+  return detail::prompts_over_bases({{"look to the left", "look left", BodyParts{}.with(BodyPart::head)},
+                                     {"twist the upper body", "twist", BodyParts{}.with(BodyPart::spine)}},
+                                    seconds);
+}
+
+MOTIONLANG_BODY std::vector<JudgedPrompt> paraphrase_prompts(double seconds) {
+  return detail::single_prompts({{"a person walks straight ahead", "walk"},
+                                 {"someone is walking forward", "walk"},
+                                 {"take steps forward", "walk"},
+                                 {"a man is going for a walk", "walk"},
+                                 {"she walks ahead at a normal pace", "walk"},
+                                 {"a person is running", "run"},
+                                 {"someone runs forward quickly", "run"},
+                                 {"the figure sprints", "run"},
+                                 {"a man jogs", "jog"},
+                                 {"a person walks backward", "walk backwards"},
+                                 {"walking in reverse", "walk backwards"},
+                                 {"step backwards", "walk backwards"},
+                                 {"go back a few steps", "walk backwards"},
+                                 {"someone walks at a slow pace", "walk slowly"},
+                                 {"a person is strolling", "walk slowly"},
+                                 {"walk very slowly", "walk slowly"},
+                                 {"a person is standing", "stand"},
+                                 {"don't move", "stand"},
+                                 {"someone stands without moving", "stand"},
+                                 {"wait", "stand"},
+                                 {"a person turns to the left", "turn left"},
+                                 {"make a left turn", "turn left"},
+                                 {"rotate left", "turn left"},
+                                 {"a person turns to the right", "turn right"},
+                                 {"make a right turn", "turn right"},
+                                 {"rotate right", "turn right"},
+                                 {"someone lifts both arms up", "raise both arms"},
+                                 {"put your hands up", "raise both arms"},
+                                 {"hands up", "raise both arms"},
+                                 {"a person lifts the right arm", "raise the right arm"},
+                                 {"right hand up", "raise the right arm"},
+                                 {"raise your right hand", "raise the right arm"},
+                                 {"a person takes a seat", "sit down"},
+                                 {"someone is sitting down", "sit down"},
+                                 {"sit on a chair", "sit down"},
+                                 {"have a seat", "sit down"},
+                                 {"a person leaps forward", "jump forward"},
+                                 {"someone jumps ahead", "jump forward"},
+                                 {"make a jump to the front", "jump forward"},
+                                 {"long jump", "jump forward"},
+                                 {"a person bends over", "bend forward"},
+                                 {"someone leans forward", "bend forward"},
+                                 {"bend down", "bend forward"},
+                                 {"bend at the waist", "bend forward"}},
+                                seconds);
+}
+
+MOTIONLANG_BODY Verdict verdict(const JudgedPrompt& prompt, const Motion& motion) {
+  const MotionTrace whole = trace_motion(motion);
+  Verdict out;
+  out.hovers = longest_hover(whole) > EyeLimits{}.hover;
+  out.sinks = sunken_seconds(whole) > EyeLimits{}.sunken;
+  const bool rests = std::any_of(prompt.texts.begin(), prompt.texts.end(),
+                                 [](const JudgedText& t) { return find_verb(t.verb).rests; });
+  out.still = !rests && still_share(whole) > EyeLimits{}.still;
+  out.speed = whole.forward.empty() ? 0 : whole.forward.back() / std::max(1e-9, whole.seconds());
+  for (const Flight& f : flights(whole)) out.air = std::max(out.air, f.seconds);
+  out.turned = whole.turned();
+  for (const JudgedText& text : prompt.texts) {
+    const bool all = text.from == 0 && text.to == 1;
+    const auto frame = [&](double share, double earlier) {
+      return static_cast<std::size_t>(
+          std::max(0.0, share * static_cast<double>(whole.frames()) - earlier * whole.fps + 0.5));
+    };
+    out.why_not = all ? why_not_done(find_verb(text.verb), whole)
+                      : find_verb(text.verb).why_not(part_of(whole, frame(text.from, 0.3), frame(text.to, 0)));
+    if (!out.why_not.empty()) break;
+  }
+  return out;
+}
+
+namespace detail {
+
+template <class F>
+double share_of(const std::vector<std::vector<Verdict>>& verdicts, F f) {
+  double count = 0, all = 0;
+  for (const auto& of_prompt : verdicts) {
+    all += static_cast<double>(of_prompt.size());
+    count += static_cast<double>(std::count_if(of_prompt.begin(), of_prompt.end(), f));
+  }
+  return all == 0 ? 0 : count / all;
+}
+
 }  // namespace detail
 
 MOTIONLANG_BODY std::size_t Judgement::done(std::size_t prompt) const {
+  const auto& of_prompt = verdicts[prompt];
   return static_cast<std::size_t>(
-      std::count_if(results[prompt].begin(), results[prompt].end(), judged_prompts()[prompt].done));
+      std::count_if(of_prompt.begin(), of_prompt.end(), [](const Verdict& v) { return v.why_not.empty(); }));
 }
 MOTIONLANG_BODY std::size_t Judgement::done() const {
   std::size_t n = 0;
-  for (std::size_t i = 0; i < results.size(); ++i) n += done(i);
+  for (std::size_t i = 0; i < verdicts.size(); ++i) n += done(i);
   return n;
 }
+MOTIONLANG_BODY double Judgement::hovering() const {
+  return detail::share_of(verdicts, [](const Verdict& v) { return v.hovers; });
+}
+MOTIONLANG_BODY double Judgement::sinking() const {
+  return detail::share_of(verdicts, [](const Verdict& v) { return v.sinks; });
+}
+MOTIONLANG_BODY double Judgement::statues() const {
+  return detail::share_of(verdicts, [](const Verdict& v) { return v.still; });
+}
 
-MOTIONLANG_BODY Judgement judge(const MotionModel& model, const GenerateOptions& options, int seeds) {
+MOTIONLANG_BODY Judgement judge(const MotionModel& model, std::vector<JudgedPrompt> prompts,
+                                const GenerateOptions& options, int seeds, bool keep_motions) {
   if (seeds < 1) raise<option_error>(101, "judge: ", seeds, " seeds");
-  const auto& prompts = judged_prompts();
   Judgement out;
-  out.results.resize(prompts.size());
+  out.verdicts.resize(prompts.size());
   std::vector<Timeline> timelines;
   double length = 0;
   for (const JudgedPrompt& p : prompts) {
-    timelines.push_back(whole_body_timeline(p.text, frame_at(p.seconds, model.fps())));
+    timelines.push_back(p.timeline(model.fps()));
     length += p.seconds;
   }
   GenerateNotes notes;
@@ -129,20 +293,30 @@ MOTIONLANG_BODY Judgement judge(const MotionModel& model, const GenerateOptions&
     auto steps = [&](Index done, Index total) { return options.progress(seed * total + done, seeds * total), true; };
     how.progress = steps;
     const std::clock_t start = std::clock();
-    const auto motions = generate_motions(model, timelines, how);
+    auto motions = generate_motions(model, timelines, how);
     out.seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / (length * seeds);
     for (std::size_t i = 0; i < motions.size(); ++i) {
-      out.results[i].push_back(measure_for_prompts(motions[i]));
+      out.verdicts[i].push_back(verdict(prompts[i], motions[i]));
       out.positions.push_back(motions[i].positions());
       const auto quality = motion_quality(motions[i]);
       out.skate += quality.feet.speed;
       out.jitter += quality.jitter;
       if (notes.layout == "smplrifke") out.bones += detail::bone_change(notes.features[i]);
+      if (keep_motions) out.made.push_back(std::move(motions[i]));
     }
   }
   for (double* sum : {&out.skate, &out.jitter, &out.bones})
     *sum /= static_cast<double>(std::max<std::size_t>(1, out.motions()));
+  out.prompts = std::move(prompts);
   return out;
+}
+
+MOTIONLANG_BODY bool says(const JudgedVerb& verb, const std::string& caption) {
+  return std::any_of(verb.said.begin(), verb.said.end(), [&](const std::string& s) {
+    if (s.size() < 3 || s.front() != '*') return s == caption;
+    const bool open = s.back() == '*';
+    return caption.find(s.substr(1, s.size() - (open ? 2 : 1))) != std::string::npos;
+  });
 }
 
 MOTIONLANG_BODY double mean_distance(const Judgement& a, const Judgement& b, std::size_t shift) {

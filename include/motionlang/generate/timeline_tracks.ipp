@@ -11,7 +11,10 @@ MOTIONLANG_BODY std::vector<Track> timeline_tracks(const Timeline& timeline, dou
   std::vector<Track> tracks;
   for (const Interval& i : timeline.intervals) {
     Track track{i.text, static_cast<double>(i.start) / fps, static_cast<double>(i.end) / fps, {}};
-    for (const BodyPart p : listed_parts(i.parts)) track.parts.push_back(to_string(p));
+    if (i.parts == timeline.body.all())
+      track.parts = {"whole body"};
+    else
+      for (const BodyPart p : listed_parts(i.parts)) track.parts.push_back(to_string(p));
     tracks.push_back(std::move(track));
   }
   return tracks;

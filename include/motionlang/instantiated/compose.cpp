@@ -11,6 +11,7 @@
 #include <motionlang/compose/in_turn.ipp>
 #include <motionlang/compose/long_texts.ipp>
 #include <motionlang/compose/mtt_timelines.ipp>
+#include <motionlang/compose/natural_lengths.ipp>
 #include <motionlang/compose/overlap.ipp>
 #include <motionlang/compose/plan.ipp>
 #include <motionlang/compose/sinc_composition.ipp>

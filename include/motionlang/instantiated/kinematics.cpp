@@ -7,6 +7,7 @@
 #include <motionlang/kinematics/body_root.ipp>
 #include <motionlang/kinematics/edit_motion.ipp>
 #include <motionlang/kinematics/finger_names.ipp>
+#include <motionlang/kinematics/floor_fix.ipp>
 #include <motionlang/kinematics/foot_contact.ipp>
 #include <motionlang/kinematics/foot_lock.ipp>
 #include <motionlang/kinematics/guo_chains.ipp>

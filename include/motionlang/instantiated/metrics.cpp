@@ -6,6 +6,7 @@
 #include <motionlang/metrics/frechet.ipp>
 #include <motionlang/metrics/inspect_motion.ipp>
 #include <motionlang/metrics/motion_quality.ipp>
+#include <motionlang/metrics/motion_trace.ipp>
 #include <motionlang/metrics/mtt.ipp>
 #include <motionlang/metrics/retrieval.ipp>
 #include <motionlang/metrics/sampled_errors.ipp>

@@ -2,7 +2,7 @@
 /// Feet that stay where they stand. Y up, metres. Generated motions slide a little: the path of the root and the legs
 /// are predicted side by side and agree only nearly.
 ///
-///     Motion steady = fix_feet(motion);      // path_from_feet, lock_feet, raise_swings
+///     Motion steady = fix_feet(motion);      // turn_from_feet, path_from_feet, lock_feet, raise_swings
 #pragma once
 
 #include <motionlang/kinematics/foot_contact.hpp>
@@ -28,8 +28,14 @@ struct FootFixOptions {
   double path_speed = 2;    // m/s; path_from_feet takes no foot that slides faster to carry the body
   double path_sigma = 1.5;  // frames; smoothness of the correction of the path
   Index blend = 4;          // frames before and after a contact in which the leg comes and goes
+  double pivot = 15;        // degrees/s; turn_from_feet lets two feet on the floor turn together that fast
   double clearance = 0.03;  // m; toes swing this high above where they stand; in recorded walks mostly 2.7 to 5.5 cm
 };
+
+/// The clip turned so that nobody turns like a turntable: what both feet turn together while they are on the floor,
+/// beyond `pivot`, the body does not turn. Where it looks is decided by the legs. The way turns with it.
+/// Throws config_error 103 if the skeleton has no such legs. A body without two legs stays as it is.
+Motion turn_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
 
 /// The clip with its path over the floor corrected so that the foot that stands (of the low ones the slowest) does not
 /// slide: where somebody goes is decided by the legs. Rotations and heights stay; in the air the path stays, too.
@@ -38,6 +44,8 @@ Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_leg
 
 namespace detail {
 
+/// Throws config_error 103 unless the skeleton has these legs.
+void require_legs(std::string_view function, const Skeleton& skeleton, std::span<const Leg> legs);
 /// Moves the foot of a leg in every frame by its offset.
 void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<double>> offset);
 
@@ -51,10 +59,11 @@ Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, co
 /// stands is not moved. Throws as lock_feet.
 Motion raise_swings(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
 
-/// path_from_feet, lock_feet, raise_swings. Throws what they throw.
+/// turn_from_feet, path_from_feet, lock_feet, raise_swings. Throws what they throw.
 inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                        const FootFixOptions& options = {}) {
-  return raise_swings(lock_feet(path_from_feet(motion, legs, options), legs, options), legs, options);
+  const Motion carried = path_from_feet(turn_from_feet(motion, legs, options), legs, options);
+  return raise_swings(lock_feet(carried, legs, options), legs, options);
 }
 
 MOTIONLANG_NAMESPACE_END

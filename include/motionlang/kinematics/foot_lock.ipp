@@ -10,6 +10,7 @@
 #include <optional>   // frames in the air
 #include <vector>     // one value for each frame
 
+#include <motionlang/geometry/axis_angle.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/gaussian_smooth.hpp>
 #include <motionlang/kinematics/known_skeletons.hpp>
@@ -25,8 +26,7 @@ MOTIONLANG_BODY std::span<const Leg> known_legs(const Skeleton& skeleton) {
 
 namespace detail {
 
-/// Throws config_error 103 unless the skeleton has these legs.
-inline void require_legs(std::string_view function, const Skeleton& skeleton, std::span<const Leg> legs) {
+MOTIONLANG_BODY void require_legs(std::string_view function, const Skeleton& skeleton, std::span<const Leg> legs) {
   for (const Leg& leg : legs) {
     require_limb(function, skeleton, leg.limb);
     if (leg.toe < 0 || leg.toe >= skeleton.size())
@@ -40,6 +40,47 @@ inline std::array<ContactJoint, 2> feet_of(const Leg& leg, const FootFixOptions&
 }
 
 }  // namespace detail
+
+MOTIONLANG_BODY Motion turn_from_feet(const Motion& motion, std::span<const Leg> legs, const FootFixOptions& options) {
+  detail::require_legs("turn_from_feet", motion.skeleton, legs);
+  if (motion.frames() < 2 || legs.size() != 2) return motion;
+  const auto positions = motion.positions();
+  const Index joints = motion.skeleton.size();
+  const auto at = [&](Index f, int joint) { return positions[static_cast<std::size_t>(f * joints + joint)]; };
+  const auto down = [&](Index f) {
+    return std::all_of(legs.begin(), legs.end(), [&](const Leg& leg) {
+      return at(f, leg.limb.end).y - options.floor < options.ankle_height ||
+             at(f, leg.toe).y - options.floor < options.toe_height;
+    });
+  };
+  const double pivot = options.pivot * std::numbers::pi / 180 / motion.fps;
+  std::vector<double> turned(static_cast<std::size_t>(motion.frames()), 0.0);  // to each frame, too much
+  for (Index f = 0; f + 1 < motion.frames(); ++f) {
+    if (!down(f) || !down(f + 1)) continue;
+    std::array<double, 2> turn{};
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Vec3<double> a = at(f, legs[side].toe) - at(f, legs[side].limb.end),
+                         b = at(f + 1, legs[side].toe) - at(f + 1, legs[side].limb.end);
+      turn[side] = std::remainder(std::atan2(b.x, b.z) - std::atan2(a.x, a.z), 2 * std::numbers::pi);
+    }
+    if (turn[0] * turn[1] <= 0) continue;
+    const double both = std::min(std::abs(turn[0]), std::abs(turn[1]));
+    turned[static_cast<std::size_t>(f) + 1] = std::copysign(std::max(0.0, both - pivot), turn[0]);
+  }
+  const auto smooth = gaussian_smooth(std::span<const double>(turned), 1, options.path_sigma);
+  Motion out = motion;
+  double back = 0;
+  for (std::size_t f = 1; f < smooth.size(); ++f) {
+    const Vec3<double> up{0, 1, 0};
+    Vec3<double> step = motion.root[f] - motion.root[f - 1];
+    step = rotate(from_axis_angle(up, back), step);
+    back -= smooth[f];
+    out.root[f] = {out.root[f - 1].x + step.x, motion.root[f].y, out.root[f - 1].z + step.z};
+    Quaternion<double>& root = out.rotations(static_cast<Index>(f))[0];
+    root = normalized(from_axis_angle(up, back) * root);
+  }
+  return out;
+}
 
 MOTIONLANG_BODY Motion path_from_feet(const Motion& motion, std::span<const Leg> legs, const FootFixOptions& options) {
   detail::require_legs("path_from_feet", motion.skeleton, legs);

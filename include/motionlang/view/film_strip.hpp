@@ -14,7 +14,7 @@
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct FilmStripOptions {
-  int poses = 0;          // 0: as many as fit, from 5 to 12
+  int poses = 0;          // 0: as many as the motion needs, one for each quarter of a metre of its joints; 5 to 12
   double width = 1280;    // pixels; the height follows
   std::string title{};    // "": the name of the motion
   double resolution = 2;  // of PNG: pixels for each of these

@@ -53,6 +53,18 @@ struct ObliqueView {
   }
 };
 
+/// How far the joints come, seen from the root, and the root up and down: metres, a mean over the joints.
+inline double way_of_joints(const Motion& motion) {
+  const auto positions = motion.positions();
+  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
+  double way = 0;
+  for (std::size_t i = joints; i < positions.size(); ++i) {
+    const Vec3<double> by = motion.root[i / joints] - motion.root[i / joints - 1];
+    way += norm(positions[i] - positions[i - joints] - Vec3<double>{by.x, 0, by.z});
+  }
+  return way / static_cast<double>(joints);
+}
+
 /// Lays the picture out and draws it on a surface; the y axis points down.
 class FilmStrip {
  public:
@@ -63,7 +75,7 @@ class FilmStrip {
         figure_(make_figure(motion.skeleton)),
         view_(ObliqueView::of(motion)),
         last_(static_cast<double>(motion.frames() - 1) / motion.fps) {
-    const double wished = options.poses > 0 ? options.poses : std::clamp(1.5 * last_ + 1, 5.0, 12.0);
+    const double wished = options.poses > 0 ? options.poses : std::clamp(1 + way_of_joints(motion) / 0.25, 5.0, 12.0);
     poses_ = static_cast<int>(std::min(std::round(wished), static_cast<double>(motion.frames())));
     cell_ = (options.width - 2 * margin) / poses_;
     measure();

@@ -6,6 +6,7 @@
 #include <motionlang/compose/in_turn.hpp>
 #include <motionlang/compose/long_texts.hpp>
 #include <motionlang/compose/mtt_timelines.hpp>
+#include <motionlang/compose/natural_lengths.hpp>
 #include <motionlang/compose/sinc_composition.hpp>
 #include <motionlang/compose/timeline_text.hpp>
 #include <motionlang/datasets/amass_releases.hpp>
@@ -32,6 +33,9 @@ void long_texts(const Stmc<B>& stmc, const Timeline& timeline, const Philox& rng
 }
 void mtt() {
 #include "compose/mtt_timelines.1.inc"
+}
+void lengths() {
+#include "compose/natural_lengths.1.inc"
 }
 void text() {
 #include "compose/timeline_text.1.inc"

@@ -10,6 +10,7 @@
 #include <motionlang/kinematics/blend.hpp>
 #include <motionlang/kinematics/body_motion.hpp>
 #include <motionlang/kinematics/face_landmarks.hpp>
+#include <motionlang/kinematics/floor_fix.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/forward_batch.hpp>
 #include <motionlang/kinematics/motion_from_joints.hpp>
@@ -44,6 +45,9 @@ void own_body(const Body<B>& body, const Motion& on_smpls_joints, const std::vec
 void landmarks(const Body<B>& body, const Tensor<B, 2>& betas, const Tensor<B, 3>& rotations,
                const Tensor<B, 2>& translation) {
 #include "kinematics/face_landmarks.1.inc"
+}
+void floor_(const Motion& motion) {
+#include "kinematics/floor_fix.1.inc"
 }
 void feet(const Motion& motion) {
 #include "kinematics/foot_lock.1.inc"

@@ -5,7 +5,9 @@
 #include <iostream>
 
 #include <motionlang/file/file.hpp>
+#include <motionlang/generate/arm_overlay.hpp>
 #include <motionlang/generate/finish_motion.hpp>
+#include <motionlang/generate/judged_clips.hpp>
 #include <motionlang/generate/judged_prompts.hpp>
 #include <motionlang/generate/latent_motion_model.hpp>
 #include <motionlang/generate/load_trained_motion_model.hpp>
@@ -17,6 +19,9 @@
 #include <motionlang/systems/sinc_baseline.hpp>
 #include <motionlang/view/viewer.hpp>
 
+void overlay(Motion motion, const Motion& alone, const Timeline& timeline) {
+#include "generate/arm_overlay.1.inc"
+}
 void finish(const Stmc<B>& stmc, const std::vector<double>& rows) {
 #include "generate/finish_motion.1.inc"
 }
@@ -25,6 +30,12 @@ void generate() {
 }
 void options_(const Stmc<B>& stmc, const Timeline& timeline) {
 #include "generate/generate_options.1.inc"
+}
+void clips() {
+#include "generate/judged_clips.1.inc"
+}
+void verbs(const Motion& motion) {
+#include "generate/judged_verbs.1.inc"
 }
 void judge_(const std::unique_ptr<MotionModel>& model) {
 #include "generate/judged_prompts.1.inc"

@@ -8,6 +8,7 @@
 #include <motionlang/metrics/guo_evaluator.hpp>
 #include <motionlang/metrics/inspect_motion.hpp>
 #include <motionlang/metrics/matching.hpp>
+#include <motionlang/metrics/motion_trace.hpp>
 #include <motionlang/metrics/mtt.hpp>
 #include <motionlang/metrics/retrieval.hpp>
 #include <motionlang/metrics/rows.hpp>
@@ -38,6 +39,9 @@ void inspect(const Motion& motion) {
 }
 void matching(const std::vector<std::pair<Rows<float>, Rows<float>>>& batches) {
 #include "metrics/matching.1.inc"
+}
+void trace(const Motion& motion) {
+#include "metrics/motion_trace.1.inc"
 }
 void mtt(std::span<const MttMotion<float>> motions, const MttReference<float>& reference,
          std::span<const Vec3<float>> joints, std::vector<float> (&encode)(const Rows<float>&)) {

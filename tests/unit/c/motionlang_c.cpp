@@ -5,9 +5,9 @@
 #include <motionlang/compose/cut_texts.hpp>
 #include <motionlang/formats/bvh.hpp>
 #include <motionlang/formats/motion_file.hpp>
+#include <motionlang/generate/finish_motion.hpp>
 #include <motionlang/kinematics/foot_lock.hpp>
 #include <motionlang/kinematics/retarget.hpp>
-#include <motionlang/kinematics/smooth_motion.hpp>
 #include <motionlang/stmc.hpp>
 
 #include "../../support/rigs.hpp"
@@ -54,13 +54,13 @@ bool told(const char* part) { return std::string(motionlang_message()).find(part
 TEST_CASE("the motion is that of the templates, and so are all its numbers") {
   Made made;
   motionlang_options options = motionlang_default_options();
-  options.seed = 3, options.steps = 5, options.guidance = 2;
+  options.seed = 3, options.steps = 5, options.guidance = 2, options.overlay_arms = 0;
   REQUIRE(motionlang_generate(model(), timeline, &options, &made.motion) == 0);
 
   const auto stmc = ml::load_stmc<ml::EigenBackend<float>>(MOTIONLANG_BUNDLED_MODEL);
   const auto texts = ml::cut_texts(ml::parse_timeline(timeline), stmc.fps);
   const auto features = stmc.generate(texts, ml::Philox{.seed = 3}, {.guidance = 2, .steps = 5});
-  const ml::Motion want = ml::fix_feet(ml::smooth_motion(ml::stmc_motion(features)));
+  const ml::Motion want = ml::finish_motion(ml::stmc_motion(features), {});
 
   CHECK(motionlang_model_fps(model()) == stmc.fps);
   CHECK(motionlang_fps(made.motion) == want.fps);
@@ -101,8 +101,8 @@ TEST_CASE("each step of the finish can be left out") {
   };
   const auto all = positions();
   CHECK(positions() == all);  // same seed
-  for (int32_t motionlang_options::*step :
-       {&motionlang_options::cut_texts, &motionlang_options::smooth, &motionlang_options::fix_feet}) {
+  for (int32_t motionlang_options::*step : {&motionlang_options::cut_texts, &motionlang_options::smooth,
+                                            &motionlang_options::fix_feet, &motionlang_options::fix_floor}) {
     options.*step = 0;
     CHECK(positions() != all);
     options.*step = 1;

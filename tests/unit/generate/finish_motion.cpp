@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <motionlang/geometry/so3.hpp>
-#include <motionlang/kinematics/foot_lock.hpp>
+#include <motionlang/kinematics/floor_fix.hpp>
 #include <motionlang/kinematics/smooth_motion.hpp>
 
 #include "../../support/check_error.hpp"
@@ -12,12 +12,16 @@
 namespace ml = motionlang;
 
 TEST_CASE("a motion is smoothed and put on its feet, in that order, as the options say") {
-  const ml::Motion walk = synthetic::walk({.frames = 30, .turn = 0.5});
+  ml::Motion walk = synthetic::walk({.frames = 30, .turn = 0.5});
   const auto same = [](const ml::Motion& a, const ml::Motion& b) { return a.local == b.local && a.root == b.root; };
-  CHECK(same(ml::finish_motion(walk, {.smooth = false, .fix_feet = false}), walk));
-  CHECK(same(ml::finish_motion(walk, {.fix_feet = false}), ml::smooth_motion(walk)));
-  CHECK(same(ml::finish_motion(walk, {.smooth = false}), ml::fix_feet(walk)));
-  CHECK(same(ml::finish_motion(walk, {}), ml::fix_feet(ml::smooth_motion(walk))));
+  CHECK(same(ml::finish_motion(walk, {.smooth = false, .fix_feet = false, .fix_floor = false}), walk));
+  CHECK(same(ml::finish_motion(walk, {.fix_feet = false, .fix_floor = false}), ml::smooth_motion(walk)));
+  CHECK(same(ml::finish_motion(walk, {.smooth = false, .fix_floor = false}), ml::fix_feet(walk)));
+  CHECK(same(ml::finish_motion(walk, {.fix_floor = false}), ml::fix_feet(ml::smooth_motion(walk))));
+  for (auto& p : walk.root) p.y += 0.1;
+  CHECK(same(ml::finish_motion(walk, {.smooth = false, .fix_feet = false}), ml::fix_floor(walk)));
+  CHECK(same(ml::finish_motion(walk, {}),
+             ml::lift_sunken_feet(ml::fix_feet(ml::stand_on_floor(ml::smooth_motion(walk))))));
   ml::Motion other = walk;  // a skeleton without known legs
   other.skeleton.names[1] = "thigh";
   CHECK(same(ml::finish_motion(other, {.smooth = false}), other));

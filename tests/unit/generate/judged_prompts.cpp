@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <motionlang/kinematics/motion_tools.hpp>
+
 #include "../../support/check_error.hpp"
 #include "fake_models.hpp"
 
@@ -9,39 +11,120 @@ namespace ml = motionlang;
 
 namespace {
 
-bool does(const ml::Motion& motion, const std::string& prompt) {
-  for (const ml::JudgedPrompt& p : ml::judged_prompts()) {
-    if (p.text == prompt) return p.done(ml::measure_for_prompts(motion));
+std::string why(const ml::Motion& motion, const char* verb) {
+  return ml::why_not_done(ml::find_verb(verb), ml::trace_motion(motion));
+}
+
+/// A figure that stands, changed in each frame by f(motion, frame, share of the time).
+template <class F>
+ml::Motion standing(int frames, F f) {
+  const auto stand = synthetic::walk({.frames = 1});
+  ml::Motion m = stand;
+  for (int i = 1; i < frames; ++i) {
+    m.root.push_back(stand.root[0]);
+    m.local.insert(m.local.end(), stand.local.begin(), stand.local.end());
+    f(m, i, static_cast<double>(i) / frames);
   }
-  FAIL("no such prompt: ", prompt);
-  return false;
+  return m;
+}
+/// A figure that raises its right arm `times` times.
+ml::Motion raising(int times, bool both = false) {
+  return standing(60, [&](ml::Motion& m, int i, double t) {
+    const double angle = 2.6 * std::abs(std::sin(3.14159 * (times - 0.5) * t));
+    m.rotations(i)[17] = synthetic::about_z(angle) * m.rotations(i)[17];
+    if (both) m.rotations(i)[16] = synthetic::about_z(-angle) * m.rotations(i)[16];
+  });
 }
 
 }  // namespace
 
-TEST_CASE("a walk does what the prompts of walking say, and no other") {
-  CHECK(ml::judged_prompts().size() == 12);
+TEST_CASE("a walk does what the verb says, and no other") {
   const ml::Motion walk = synthetic::walk({.frames = 80});
-  CHECK(does(walk, "walk forward"));
-  for (const char* other : {"run forward", "walk backwards", "stand still", "turn left", "turn right", "sit down",
-                            "raise both arms", "jump forward", "bend forward"})
-    CHECK_FALSE(does(walk, other));
-  const auto m = ml::measure_for_prompts(walk);
-  CHECK((m.forward > 2 && m.speed > 0.5 && std::abs(m.turned) < 20));
-  CHECK(does(synthetic::walk({.frames = 60, .turn = 0.5}), "turn left"));
-  CHECK(does(synthetic::walk({.frames = 60, .turn = -0.5}), "turn right"));
+  CHECK(why(walk, "walk") == "");
+  for (const char* other : {"run", "walk backwards", "stand", "turn left", "turn right", "sit down", "raise both arms",
+                            "jump forward", "bend forward", "wave", "kick", "lie down", "crawl"})
+    CHECK_MESSAGE(why(walk, other) != "", other);
+  CHECK(why(synthetic::walk({.frames = 60, .turn = 0.5}), "turn left") == "");
+  CHECK(why(synthetic::walk({.frames = 60, .turn = -0.5}), "turn right") == "");
+  CHECK(why(synthetic::walk({.frames = 60, .turn = 2.4}), "turn left").starts_with("turned 4"));
+}
+
+TEST_CASE("an arm that is raised was down before, comes up once, and alone") {
+  CHECK(why(raising(1), "raise the right arm") == "");
+  CHECK(why(raising(3), "raise the right arm").starts_with("starts again"));
+  CHECK(why(raising(1, true), "raise the right arm").starts_with("other arm at"));
+  CHECK(why(raising(1, true), "raise both arms") == "");
+  CHECK(ml::find_verb("raise the right arm")
+            .why_not(ml::trace_motion(ml::crop(raising(1), 45, 60)))
+            .starts_with("arm starts"));
+  CHECK(why(raising(1), "raise the left arm") != "");
+}
+
+TEST_CASE("jumps land, statues do not move, and what looks wrong is never done") {
+  const auto jump = ml::resample(synthetic::jump(), 20);
+  CHECK(why(jump, "jump") == "");
+  CHECK(ml::find_verb("jump").why_not(ml::trace_motion(jump)) == "");
+  CHECK(ml::find_verb("jump").why_not(ml::trace_motion(ml::crop(jump, 0, 15))) == "does not land");
+  CHECK(ml::find_verb("jump forward").why_not(ml::trace_motion(jump)) == "ahead 0.00");
+  const auto still = standing(40, [](ml::Motion&, int, double) {});
+  CHECK(why(still, "stand") == "");
+  CHECK(why(still, "dance").starts_with("stands like a statue"));
+  ml::Motion high = synthetic::walk({.frames = 80});
+  for (auto& p : high.root) p.y += 0.2;
+  CHECK(why(high, "walk") == "hovers 4.00 s");
+  CHECK(why(ml::crop(still, 0, 1), "stand") == "too short");
+  CHECK_ERROR(ml::find_verb("fly"), "[motionlang.config.103] find_verb: 'fly' is no judged verb");
+}
+
+TEST_CASE("prompts name verbs that exist, and become timelines") {
+  CHECK(ml::own_prompts().size() == 12);
+  CHECK(ml::newcomers_prompts(4).size() == 56);
+  CHECK(ml::arm_prompts(4).size() == 30);
+  CHECK(ml::trunk_prompts(4).size() == 19);
+  CHECK(ml::paraphrase_prompts(4).size() >= 40);
+  for (const auto& list : {ml::own_prompts(), ml::newcomers_prompts(4), ml::arm_prompts(4), ml::trunk_prompts(4),
+                           ml::paraphrase_prompts(4)})
+    for (const ml::JudgedPrompt& p : list) CHECK(p.rule() != "");
+  const auto both = ml::arm_prompts(4).at(20);
+  CHECK(both.name() == "walk forward + raise both arms");
+  const auto timeline = both.timeline(20);
+  CHECK(timeline.end() == 80);
+  CHECK(timeline.intervals[1].start == 20);
+  CHECK(timeline.intervals[1].parts.count() == 2);
+}
+
+TEST_CASE("a prompt of two texts is judged by both, the second where it lasts") {
+  ml::JudgedPrompt prompt{{{"stand still", "stand"}, {"raise the right arm", "raise the right arm"}}, 3};
+  prompt.texts[1].to = 0.999;
+  CHECK(ml::verdict(prompt, raising(1)).why_not == "");
+  prompt.texts[1].from = 0.6;
+  CHECK(ml::verdict(prompt, raising(1)).why_not.starts_with("arm starts at"));
+  const auto walked = ml::verdict(prompt, synthetic::walk({.frames = 60}));
+  CHECK(walked.why_not.starts_with("speed"));
+  CHECK(walked.speed > 0.5);
+  CHECK_FALSE((walked.hovers || walked.sinks || walked.still));
+}
+
+TEST_CASE("captions that say a verb") {
+  CHECK(ml::says(ml::find_verb("walk"), "walk forward"));
+  CHECK_FALSE(ml::says(ml::find_verb("walk"), "walk forward and sit down"));
+  CHECK(ml::says(ml::find_verb("punch"), "a person punches with the left hand"));
+  CHECK_FALSE(ml::says(ml::find_verb("dance"), "dance"));  // nothing is listed
 }
 
 TEST_CASE("a model is judged by all prompts with several seeds") {
   const fake::Model model;
-  const ml::Judgement j = ml::judge(model, {}, 3);
+  const ml::Judgement j = ml::judge(model, ml::own_prompts(), {}, 3);
   CHECK(model.calls == 3);
   CHECK(j.motions() == 36);
-  CHECK(j.results.size() == 12);
-  CHECK(j.results[0].size() == 3);
+  CHECK(j.made.empty());
+  CHECK(j.verdicts.size() == 12);
+  CHECK(j.verdicts[0].size() == 3);
   std::size_t done = 0;
   for (std::size_t i = 0; i < 12; ++i) done += j.done(i);
   CHECK(j.done() == done);
+  CHECK((j.hovering() == 0 && j.sinking() == 0));
+  CHECK(ml::judge(model, ml::own_prompts(), {}, 1, true).made.size() == 12);
   CHECK(ml::mean_distance(j, j) == 0);
   CHECK(ml::mean_distance(j, ml::Judgement{}, 36) == 0);
   ml::Judgement moved = j;
@@ -49,5 +132,5 @@ TEST_CASE("a model is judged by all prompts with several seeds") {
     for (auto& p : motion) p.y += 0.25;
   }
   CHECK(std::abs(ml::mean_distance(j, moved) - 0.25) < 1e-12);
-  CHECK_ERROR(ml::judge(model, {}, 0), "[motionlang.config.101] judge: 0 seeds");
+  CHECK_ERROR(ml::judge(model, ml::own_prompts(), {}, 0), "[motionlang.config.101] judge: 0 seeds");
 }

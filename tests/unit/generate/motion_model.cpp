@@ -52,11 +52,13 @@ TEST_CASE("a model that makes motions alone: noise by seed and place, finished, 
   const std::vector<ml::Timeline> two{ml::whole_body_timeline("0.3", 30), ml::whole_body_timeline("0.3", 30)};
   ml::Index calls = 0;
   auto progress = [&](ml::Index done, ml::Index total) { return ++calls == done && total == 2; };
-  const ml::GenerateOptions raw{.seed = 5, .smooth = false, .fix_feet = false, .progress = progress};
+  const ml::GenerateOptions raw{
+      .seed = 5, .smooth = false, .fix_feet = false, .fix_floor = false, .progress = progress};
   const auto made = ml::generate_motions(model, two, raw);
   CHECK(calls == 2);
   CHECK(made[0].root != made[1].root);
-  CHECK(ml::generate_motion(model, two[0], {.seed = 5, .smooth = false, .fix_feet = false}).root == made[0].root);
+  CHECK(ml::generate_motion(model, two[0], {.seed = 5, .smooth = false, .fix_feet = false, .fix_floor = false}).root ==
+        made[0].root);
   const ml::Motion finished = ml::generate_motion(model, two[0], {.seed = 5});
   CHECK(finished.local != made[0].local);
   const ml::Motion expected = ml::finish_motion(made[0], {});

@@ -94,7 +94,7 @@ TEST_CASE("feet of a skeleton that has no such legs are refused, whatever the cl
               "[motionlang.config.103] lock_feet: joints 1, 4, 7 are not a limb of a skeleton of 21");
   const ml::Leg without_toe[] = {{{1, 4, 7}, 24}};
   CHECK_ERROR(ml::fix_feet(synthetic::walk({.frames = 1}), without_toe),
-              "[motionlang.config.103] path_from_feet: toe 24 of a skeleton of 24");
+              "[motionlang.config.103] turn_from_feet: toe 24 of a skeleton of 24");
 }
 
 TEST_CASE("between contacts that are near each other the leg is corrected no more than in them") {
@@ -188,6 +188,28 @@ TEST_CASE("a clip whose feet do not slide hardly changes; one in the air and one
         0.06);  // the heel that comes off the floor slides a little
   const auto one = synthetic::walk({.frames = 1});
   CHECK(synthetic::largest_distance(ml::fix_feet(one), one) == 0);
+}
+
+TEST_CASE("who turns on both feet does not turn; who steps does") {
+  ml::Motion stand = synthetic::walk({.frames = 1});
+  std::fill(stand.local.begin(), stand.local.end(), ml::Quaternion<double>::identity());  // a T-pose
+  stand.root[0] = {0, 0, 0};
+  stand.root[0].y = 0.02 - stand.positions()[10].y;
+  ml::Motion turntable = stand;
+  for (int f = 1; f < 40; ++f) {
+    turntable.root.push_back(stand.root[0]);
+    turntable.local.insert(turntable.local.end(), stand.local.begin(), stand.local.end());
+    turntable.rotations(f)[0] = synthetic::about_y(0.05 * f);
+  }
+  const auto turned = [](const ml::Motion& m) {
+    return ml::distance(m.rotations(0)[0], m.rotations(m.frames() - 1)[0]) * 180 / std::numbers::pi;
+  };
+  CHECK(turned(turntable) > 110);
+  CHECK(turned(ml::turn_from_feet(turntable)) < 40);  // 15 degrees in each of two seconds
+  CHECK(turned(ml::turn_from_feet(turntable, ml::smpl_legs, {.pivot = 1000})) > 110);
+  const auto walk = synthetic::walk({.frames = 60, .turn = 0.6});
+  CHECK(synthetic::largest_distance(ml::turn_from_feet(walk), walk) < 0.05);
+  CHECK(ml::turn_from_feet(walk, std::span(ml::smpl_legs).first(1)).root == walk.root);
 }
 
 TEST_CASE("feet that swing along the floor are raised over it; where they stand and go stays") {
