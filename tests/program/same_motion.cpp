@@ -112,12 +112,12 @@ const std::vector<Choice> choices{
     {{"--steps", "5", "--no-fix-feet"},
      [](ml::GenerateOptions& o) { o.steps = 5, o.fix_feet = false; },
      [](motionlang_options& o) { o.steps = 5, o.fix_feet = 0; }},
-    {{"--steps", "5", "--no-fix-floor"},
-     [](ml::GenerateOptions& o) { o.steps = 5, o.fix_floor = false; },
-     [](motionlang_options& o) { o.steps = 5, o.fix_floor = 0; }},
-    {{"--steps", "5", "--no-overlay-arms"},
-     [](ml::GenerateOptions& o) { o.steps = 5, o.overlay_arms = false; },
-     [](motionlang_options& o) { o.steps = 5, o.overlay_arms = 0; }},
+    {{"--steps", "2", "--no-fix-floor"},
+     [](ml::GenerateOptions& o) { o.steps = 2, o.fix_floor = false; },
+     [](motionlang_options& o) { o.steps = 2, o.fix_floor = 0; }},
+    {{"--steps", "2", "--no-overlay-arms"},
+     [](ml::GenerateOptions& o) { o.steps = 2, o.overlay_arms = false; },
+     [](motionlang_options& o) { o.steps = 2, o.overlay_arms = 0; }},
 };
 
 }  // namespace

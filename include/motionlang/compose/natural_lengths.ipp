@@ -46,17 +46,19 @@ MOTIONLANG_BODY std::optional<NaturalLength> natural_length(std::string_view tex
   if (says({"turn", "turns", "turning"}) && says({"left", "right", "around"}) && !arm)
     return NaturalLength{2.4, "stand still"};
   if (says({"raise", "raises", "raising", "lift", "lifts", "lifting"}) && arm) {
-    const bool both = says({"both", "arms", "hands"});
-    return NaturalLength{2.2, both             ? "hold both arms up"
-                              : says({"left"}) ? "hold the left arm up"
-                                               : "hold the right arm up"};
+    const bool both = says({"both", "arms", "hands"}), left = says({"left"});
+    return NaturalLength{2.2,
+                         both   ? "hold both arms up"
+                         : left ? "hold the left arm up"
+                                : "hold the right arm up",
+                         true};
   }
   if (says({"sit", "sits", "sitting"}) && says({"down"})) return NaturalLength{2.8, "sit quietly"};
   if (says({"stand", "stands", "get", "gets"}) && says({"up"})) return NaturalLength{2.4, "stand still"};
   if (says({"jump", "jumps", "leap", "leaps"}) && !(says({"up"}) && says({"down"})))
     return NaturalLength{2.8, "stand still"};
   if (says({"bend", "bends", "bending", "bow", "bows", "bowing"}) && !says({"knees", "knee", "arm", "arms"}))
-    return NaturalLength{2.2, "stand still"};
+    return NaturalLength{2.2, "stand still", true};
   if (says({"kick", "kicks", "punch", "punches", "throw", "throws"})) return NaturalLength{2.4, "stand still"};
   return {};
 }
@@ -65,11 +67,18 @@ MOTIONLANG_BODY Timeline end_actions(const Timeline& timeline, double fps) {
   if (!(timeline.body == BodyPartition{})) return timeline;
   Timeline out{{}, timeline.body};
   for (const Interval& whole : timeline.intervals) {
-    out.intervals.push_back(whole);
     const auto natural = natural_length(whole.text);
-    if (!natural || whole.end - whole.start < frame_at(natural->seconds + 1, fps)) continue;
-    Interval rest = whole;
-    out.intervals.back().end = rest.start = whole.start + frame_at(natural->seconds, fps);
+    Interval action = whole;
+    if (natural && natural->from_rest && whole.start == 0 && whole.parts == BodyParts::all() &&
+        whole.end >= frame_at(2, fps)) {
+      out.intervals.push_back(whole);
+      out.intervals.back().text = "stand still";
+      out.intervals.back().end = action.start = frame_at(lead_in, fps);
+    }
+    out.intervals.push_back(action);
+    if (!natural || action.end - action.start < frame_at(natural->seconds + 1, fps)) continue;
+    Interval rest = action;
+    out.intervals.back().end = rest.start = action.start + frame_at(natural->seconds, fps);
     rest.text = natural->then;
     out.intervals.push_back(std::move(rest));
   }

@@ -33,6 +33,12 @@ TEST_CASE("texts that last longer than their action become two") {
   CHECK(ended.intervals[2] == timeline.intervals[1]);
   CHECK(ended.intervals[3] == timeline.intervals[2]);  // less than a second too long
   CHECK(ml::cut_texts({{{"sit down", 0, 100, ml::BodyParts::all()}}}, 20).intervals.size() == 2);
+  const auto raised = ml::end_actions({{{"raise both arms", 0, 100, ml::BodyParts::all()}}}, 20);
+  REQUIRE(raised.intervals.size() == 3);
+  CHECK(raised.intervals[0] == ml::Interval{"stand still", 0, 10, ml::BodyParts::all()});
+  CHECK(raised.intervals[1] == ml::Interval{"raise both arms", 10, 54, ml::BodyParts::all()});
+  CHECK(raised.intervals[2] == ml::Interval{"hold both arms up", 54, 100, ml::BodyParts::all()});
+  CHECK(ml::end_actions({{{"bend forward", 0, 30, ml::BodyParts::all()}}}, 20).intervals.size() == 1);  // too short
   ml::Timeline other = timeline;
   other.body = ml::BodyPartition({.names = {"legs", "trunk"}, .path = "legs"});
   CHECK(ml::end_actions(other, 20).intervals == other.intervals);
