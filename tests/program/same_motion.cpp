@@ -115,9 +115,9 @@ const std::vector<Choice> choices{
     {{"--steps", "2", "--no-fix-floor"},
      [](ml::GenerateOptions& o) { o.steps = 2, o.fix_floor = false; },
      [](motionlang_options& o) { o.steps = 2, o.fix_floor = 0; }},
-    {{"--steps", "2", "--no-overlay-arms"},
-     [](ml::GenerateOptions& o) { o.steps = 2, o.overlay_arms = false; },
-     [](motionlang_options& o) { o.steps = 2, o.overlay_arms = 0; }},
+    {{"--steps", "2", "--overlay-arms"},
+     [](ml::GenerateOptions& o) { o.steps = 2, o.overlay_arms = true; },
+     [](motionlang_options& o) { o.steps = 2, o.overlay_arms = 1; }},
 };
 
 }  // namespace

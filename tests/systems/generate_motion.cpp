@@ -94,7 +94,7 @@ TEST_CASE("arms that the collage loses move as their texts make them alone") {
   ml::Index calls = 0, most = 0;
   auto progress = [&](ml::Index done, ml::Index total) { return most = total, ++calls == done; };
   ml::GenerateOptions how = raw;
-  how.progress = progress;
+  how.overlay_arms = true, how.progress = progress;
   CHECK(same(ml::generate_motion(stmc, timeline, how), expected));
   CHECK((calls == 16 && most == 16));  // two runs of 8 steps
   CHECK(laid > 0);

@@ -27,7 +27,7 @@ inline std::vector<std::string> lower_words(std::string_view text) {
   return words;
 }
 
-/// What is done again and again, or not by itself.
+/// Words of actions that go on, or that need another one.
 inline constexpr std::array goes_on{"again",      "and",  "then",  "while",   "times",  "twice",
                                     "repeatedly", "keep", "keeps", "circles", "circle", "continuously",
                                     "several",    "many", "jacks", "rope",    "walk",   "walks",

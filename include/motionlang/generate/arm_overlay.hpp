@@ -29,10 +29,10 @@ std::vector<ArmText> arm_texts(const Timeline& timeline, Index shortest);
 /// joints. Counts frames in which `on` is 1; `start` is the frame of the clip where it begins.
 double arm_extent(const Motion& motion, BodyPart arm, std::span<const std::uint8_t> on, Index start = 0);
 
-/// Of the extent of an arm alone; it is lost where it comes less far in the collage.
+/// A share of the extent of an arm alone. In the collage, an arm that comes less far is lost.
 inline constexpr double lost_arm_share = 0.8;
 
-/// Whether an arm comes less than lost_arm_share as far as alone.
+/// True if an arm comes less than lost_arm_share as far as alone.
 bool is_arm_lost(const Motion& motion, const Motion& alone, const ArmText& text);
 
 /// The motion with the local rotations of the arm from `alone`; they come and go within `blend` frames, as far as the

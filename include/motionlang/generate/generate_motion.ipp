@@ -72,7 +72,7 @@ class GenerateRun {
  private:
   using Features = std::vector<Tensor<B, 2>>;
 
-  /// What a run was sampled with. That of a run that is reused is in its record.
+  /// The sampling of a run. A run that is reused has it in its record.
   struct Sampling {
     Philox rng{};
     StmcOptions options{};

@@ -33,7 +33,7 @@ struct RecordedFigures {
   std::vector<RecordedVerb> verbs{};
 };
 
-/// Whether a motion is one of somebody who stands on the floor: no caption names a thing to stand on or to hang from,
+/// True if a motion is one of somebody who stands on the floor: no caption names a thing to stand on or to hang from,
 /// and the lowest twentieth of its heights over the floor is within 4 cm of it.
 bool stands_on_floor(const CaptionedSegment& segment);
 

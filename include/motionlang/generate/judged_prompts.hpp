@@ -43,7 +43,7 @@ std::vector<JudgedPrompt> trunk_prompts(double seconds);
 /// Other words for what the bundled model was trained for.
 std::vector<JudgedPrompt> paraphrase_prompts(double seconds);
 
-/// What a judge says of one motion.
+/// The judgement of one motion.
 struct Verdict {
   std::string why_not{};  // "" where it does what the prompt says
   bool hovers = false, sinks = false, still = false;
@@ -81,7 +81,7 @@ Judgement judge(const MotionModel& model, std::vector<JudgedPrompt> prompts, con
 /// Mean distance of joints between two judgements, metres; `shift` motions further on in the second.
 double mean_distance(const Judgement& a, const Judgement& b, std::size_t shift = 0);
 
-/// Whether a caption reports a verb, by the texts that the verb lists.
+/// True if a caption reports a verb, by the texts that the verb lists.
 bool says(const JudgedVerb& verb, const std::string& caption);
 
 MOTIONLANG_NAMESPACE_END

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// What counts as doing what a verb says: rules as strict as an eye, by which motions are judged. Thresholds lie where
+/// Rules by which motions are judged, as strict as an eye: when a motion does what a verb says. Thresholds lie where
 /// recorded motions do: see the table that `motionlang judge --clips` prints.
 ///
 ///     const auto reason = find_verb("raise the right arm").why_not(trace_motion(motion));    // "" where it does

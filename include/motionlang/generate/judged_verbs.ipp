@@ -75,7 +75,7 @@ inline std::string steps(const MotionTrace& t, double least) {
 inline std::string upright(const MotionTrace& t) {
   return first_of({above("pelvis", lowest(t.pelvis), 0.7), below("lean", at_end(t, t.lean), 45)});
 }
-/// Of what happens once: at most once, or once more in every eight seconds.
+/// An action that happens once: at most once, or once more in every eight seconds.
 inline std::string not_again(const MotionTrace& t, std::size_t times) {
   return times <= 1 + static_cast<std::size_t>(t.seconds() / 8.01) ? ""
                                                                    : concat_text("starts again: ", times, " times");
@@ -542,7 +542,7 @@ MOTIONLANG_BODY const JudgedVerb& find_verb(std::string_view name) {
   for (const JudgedVerb& v : judged_verbs()) {
     if (v.name == name) return v;
   }
-  raise<config_error>(103, "find_verb: '", name, "' is no judged verb");
+  raise<config_error>(103, "find_verb: '", name, "' is not a judged verb");
 }
 
 MOTIONLANG_BODY std::string why_not_done(const JudgedVerb& verb, const MotionTrace& trace, const EyeLimits& limits) {

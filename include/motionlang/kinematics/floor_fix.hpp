@@ -17,11 +17,11 @@ struct FloorFixOptions {
   double floor = 0;
   double ankle_stands = 0.07, toe_stands = 0.015;  // m; height of these joints of a foot that stands
   double body_rests = 0.05;                        // m; of any other joint on which a body rests
-  double tolerance = 0.04;                         // m; a body that is no further from the floor stays
+  double tolerance = 0.04;                         // m; a body within this distance of the floor stays
   double longest_flight = 1.2;                     // s; a body that is above the floor for longer hovers
   double gravity = 9.81;                           // m/s^2
   double sigma = 0.05;                             // s; smoothness of the correction
-  double foot_sinks = 0.02;                        // m; a foot that is no deeper in the floor stays
+  double foot_sinks = 0.02;                        // m; a foot that is less deep in the floor stays
 };
 
 namespace detail {

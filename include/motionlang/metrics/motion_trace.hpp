@@ -86,8 +86,9 @@ double sunken_seconds(const MotionTrace& trace);        // deeper than 4 cm
 double still_share(const MotionTrace& trace);           // of frames in which no joint is faster than 15 cm/s
 double turned_on_flat_soles(const MotionTrace& trace);  // degrees, of both feet at once
 
-/// What counts as wrong, by what 796 recorded segments on the floor do (`motionlang judge --clips`). 98 % hover less,
-/// none sinks in so long, 94 % stand still less, 99 % turn less on two feet, 91 % of flights are nearer to their arc.
+/// Limits of what counts as wrong. They are what 796 recorded segments on the floor do (`motionlang judge --clips`):
+/// 98 % hover less, none sinks in so long, and 94 % stand still less. 99 % turn less on two feet, and 91 % of flights
+/// are nearer to their arc.
 struct EyeLimits {
   double hover = 0.75, sunken = 0.25, still = 0.7, flat_turn = 55, off_arc = 0.15;
 };

@@ -73,7 +73,7 @@ TEST_CASE("jumps land, statues do not move, and what looks wrong is never done")
   for (auto& p : high.root) p.y += 0.2;
   CHECK(why(high, "walk") == "hovers 4.00 s");
   CHECK(why(ml::crop(still, 0, 1), "stand") == "too short");
-  CHECK_ERROR(ml::find_verb("fly"), "[motionlang.config.103] find_verb: 'fly' is no judged verb");
+  CHECK_ERROR(ml::find_verb("fly"), "[motionlang.config.103] find_verb: 'fly' is not a judged verb");
 }
 
 TEST_CASE("prompts name verbs that exist, and become timelines") {

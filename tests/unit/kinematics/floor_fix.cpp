@@ -83,7 +83,7 @@ TEST_CASE("who is sunk in is raised, and single feet are lifted") {
   CHECK(lowest(ml::lift_sunken_feet(moved_up(walk, -0.05))) > lowest(moved_up(walk, -0.05)) + 0.02);
 }
 
-TEST_CASE("a body without frames, skeletons without legs, options that are no times") {
+TEST_CASE("a body without frames, skeletons without legs, options that are not times") {
   const auto walk = synthetic::walk({.frames = 10});
   CHECK(ml::fix_floor(ml::crop(walk, 0, 0)).frames() == 0);
   const std::array<ml::Leg, 1> none{{{{1, 4, 7}, 99}}};
