@@ -28,10 +28,10 @@ inline std::vector<std::string> lower_words(std::string_view text) {
 }
 
 /// Words of actions that go on, or that need another one.
-inline constexpr std::array goes_on{"again",      "and",  "then",  "while",   "times",  "twice",
-                                    "repeatedly", "keep", "keeps", "circles", "circle", "continuously",
-                                    "several",    "many", "jacks", "rope",    "walk",   "walks",
-                                    "walking",    "run",  "runs",  "running"};
+inline constexpr std::array continuing_words{"again",      "and",  "then",  "while",   "times",  "twice",
+                                             "repeatedly", "keep", "keeps", "circles", "circle", "continuously",
+                                             "several",    "many", "jacks", "rope",    "walk",   "walks",
+                                             "walking",    "run",  "runs",  "running"};
 
 }  // namespace detail
 
@@ -41,7 +41,9 @@ MOTIONLANG_BODY std::optional<NaturalLength> natural_length(std::string_view tex
     return std::any_of(words.begin(), words.end(),
                        [&](const std::string& w) { return std::find(any.begin(), any.end(), w) != any.end(); });
   };
-  if (std::any_of(detail::goes_on.begin(), detail::goes_on.end(), [&](const char* w) { return says({w}); })) return {};
+  if (std::any_of(detail::continuing_words.begin(), detail::continuing_words.end(),
+                  [&](const char* w) { return says({w}); }))
+    return {};
   const bool arm = says({"arm", "arms", "hand", "hands"});
   if (says({"turn", "turns", "turning"}) && says({"left", "right", "around"}) && !arm)
     return NaturalLength{2.4, "stand still"};
