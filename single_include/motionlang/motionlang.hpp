@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// motionlang 0.1.0, generated from include/ by tests/tools/amalgamate.cpp. Changes belong there.
-#pragma once
+/// motionlang 0.2.0, generated from include/ by tests/tools/amalgamate.cpp. Changes belong there.
+#if !defined(MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC) && !defined(MOTIONLANG_TEXT_SEARCH_DETAIL_SCAN_INC)
+#ifndef MOTIONLANG_SINGLE_MOTIONLANG_HPP
+#define MOTIONLANG_SINGLE_MOTIONLANG_HPP
 
 #ifndef MOTIONLANG_HAS_MOTIONLANG_HPP  // <motionlang/motionlang.hpp>
 #define MOTIONLANG_HAS_MOTIONLANG_HPP
@@ -50,9 +52,9 @@
 #endif
 
 #define MOTIONLANG_VERSION_MAJOR 0
-#define MOTIONLANG_VERSION_MINOR 1
+#define MOTIONLANG_VERSION_MINOR 2
 #define MOTIONLANG_VERSION_PATCH 0
-#define MOTIONLANG_VERSION "0.1.0"
+#define MOTIONLANG_VERSION "0.2.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
 /// layouts, and without exceptions, so that object files built with different options do not link silently against each
@@ -97,8 +99,8 @@ inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
-/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10, whose last digit often is
-/// another than the C library's. For published tables of frequencies: thousands of frames later it decides the fourth
+/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10. Its last digit often differs
+/// from that of the C library. Published tables of frequencies need it: after thousands of frames it decides the fourth
 /// digit.
 inline float torch_exp(float x) {
   if (!(x >= -104.0f)) return x < 0 ? 0.0f : x;  // NaN stays
@@ -112,8 +114,8 @@ inline float torch_exp(float x) {
   return std::ldexp(1.0f + std::fma(f * f, p, f), static_cast<int>(n));
 }
 
-/// `a < b ? x : y`. The one branch that also works element by element: both x and y are always computed, so neither may
-/// be NaN where it is not taken if the result is to be differentiated.
+/// `a < b ? x : y`, which also works element by element. Both x and y are always computed. If the result is to be
+/// differentiated, neither may be NaN, even where it is not taken.
 constexpr double where_less(double a, double b, double x, double y) { return a < b ? x : y; }
 constexpr float where_less(float a, float b, float x, float y) { return a < b ? x : y; }
 
@@ -136,7 +138,7 @@ MOTIONLANG_NAMESPACE_END
 /// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless
 /// MOTIONLANG_THROW(exception) is defined, the same in all units: it gets the exception as an object (an error,
 /// std::bad_alloc, cancelled), on whichever thread it happens, and must not return; std::_Exit ends a program from any
-/// thread. What is caught otherwise (a value in a file of weights that cannot be read is passed over) ends it too.
+/// thread. What is caught otherwise (a value in a file of weights that cannot be read is skipped) ends it too.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
@@ -152,8 +154,9 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP  // <motionlang/core/standard_library.hpp>
 #define MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP
-/// What libc++ lacks of C++20, on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14), `from_chars` and
-/// `to_chars` of floating-point values. The same bits and the same characters as with every other standard library.
+/// The parts of C++20 that libc++ lacks, on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14),
+/// `from_chars` and `to_chars` of floating-point values. The same bits and the same characters as with every other
+/// standard library.
 
 #include <bit>       // bit_cast
 #include <charconv>  // from_chars, to_chars
@@ -282,7 +285,7 @@ std::from_chars_result read_decimal(const char* first, const char* last, F& valu
   return {p, std::errc{}};
 }
 
-/// What printf wrote, with a point in place of the locale's, which may have several bytes.
+/// The text that printf wrote, with a point in place of the locale's, which may have several bytes.
 inline std::string with_point(std::string_view printed) {
   std::string out;
   bool inside = false;
@@ -363,7 +366,7 @@ inline std::string fixed_text(const Decimal& d, double x) {
   return out.insert(out.size() - places, ".");
 }
 
-/// What `std::to_chars` writes without a precision: fixed, scientific or, if not told, the shorter of the two.
+/// The text of `std::to_chars` without a precision: fixed, scientific or, by default, the shorter of the two.
 template <class F>
 std::string shortest_text(F x, std::chars_format format = {}) {
   using enum std::chars_format;
@@ -377,7 +380,7 @@ std::string shortest_text(F x, std::chars_format format = {}) {
   const bool shorter = format != fixed && with_exponent.size() < without.size();
   return sign + (format == scientific || shorter ? with_exponent : without);
 }
-/// What it writes with a number of decimal places: fixed or scientific.
+/// The text of `std::to_chars` with a number of decimal places: fixed or scientific.
 template <class F>
 std::string text_with_places(F x, std::chars_format format, int places) {
   using enum std::chars_format;
@@ -487,7 +490,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What `decode_utf8` returns for bytes that are not UTF-8.
+/// The result of `decode_utf8` for bytes that are not UTF-8.
 inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
 
 /// The code point that starts at text[at]; moves `at` behind it. Bytes that are not UTF-8 (stray or missing
@@ -511,7 +514,7 @@ constexpr char32_t decode_utf8(std::string_view text, std::size_t& at) {
   return c;
 }
 
-/// Whether the whole text is UTF-8.
+/// True if the whole text is UTF-8.
 constexpr bool is_utf8(std::string_view text) {
   for (std::size_t at = 0; at < text.size();) {
     if (decode_utf8(text, at) == invalid_code_point) return false;
@@ -519,7 +522,7 @@ constexpr bool is_utf8(std::string_view text) {
   return true;
 }
 
-/// The longest beginning of a text that has at most so many bytes and ends between two characters.
+/// The longest beginning of a text that has at most this many bytes and ends between two characters.
 constexpr std::string_view utf8_head(std::string_view text, std::size_t bytes) {
   if (text.size() <= bytes) return text;
   for (std::size_t start = bytes - (bytes < 3 ? bytes : 3); start < bytes; ++start) {
@@ -1051,8 +1054,8 @@ concept ScalarLike = std::copyable<S> && requires(const S& a, const S& b) {
 /// backend only computes. Everything else (softmax, attention, ...) has a default in these primitives; a backend may
 /// add its own version under the same name (see tensor/fused.hpp).
 ///
-/// tensor    can be made without anything, copied and moved. One that is made so is no tensor yet: its shape is (0) and
-///           to_span gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
+/// tensor    can be default-constructed, copied and moved. A default-constructed tensor has the shape (0), and to_span
+///           gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
 ///           an operation of the backend sees it. A list of no values has the shape (0) too; `bool defined() const`,
 ///           if the tensor has it, tells one from the other
 /// Minimum   data      full, from_span, to_span, shape
@@ -1316,11 +1319,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_LIFETIME_HPP  // <motionlang/core/lifetime.hpp>
 #define MOTIONLANG_HAS_CORE_LIFETIME_HPP
-/// Help against memory that is used after its end: a mark for compilers, and marks of free memory for the address
+/// Help against memory that is used after it was freed: a mark for compilers, and marks of free memory for the address
 /// sanitizer.
 
-/// Behind the declaration of a member function or of a parameter: the result refers to it. Clang warns where it is a
-/// temporary, or a variable whose function returns the result. GCC has no such mark.
+/// Marks a member function or a parameter to which the result refers. Clang warns if it is a temporary, or a local
+/// variable of a function that returns the result. GCC has no such mark.
 #if defined(__has_cpp_attribute)
 #if __has_cpp_attribute(clang::lifetimebound)
 #define MOTIONLANG_LIFETIMEBOUND [[clang::lifetimebound]]
@@ -1333,7 +1336,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// Whether this unit is compiled for the address sanitizer (-fsanitize=address).
+/// True if this unit is compiled for the address sanitizer (-fsanitize=address).
 #if defined(__SANITIZE_ADDRESS__)
 inline constexpr bool address_sanitizer = true;
 #elif defined(__has_feature)
@@ -1346,8 +1349,8 @@ inline constexpr bool address_sanitizer = false;
 inline constexpr bool address_sanitizer = false;
 #endif
 
-/// Memory that nobody may use until allow_access: the sanitizer reports whoever does. Nothing happens where the bodies
-/// of the library are compiled without the sanitizer.
+/// Forbids the use of memory until allow_access: the sanitizer reports every use. Without the sanitizer these calls do
+/// nothing.
 void forbid_access(const void* memory, std::size_t bytes);
 void allow_access(const void* memory, std::size_t bytes);
 
@@ -1404,7 +1407,7 @@ class BufferPool {
  public:
   static BufferPool& local() { return thread_object<BufferPool>(); }
 
-  /// A buffer of at least so many bytes, and its way back, for the calling thread.
+  /// A buffer of at least this many bytes, and its way back, for the calling thread.
   static detail::Buffer* take(std::size_t bytes) {
     const int bucket = bucket_of(bytes);
     return gone_ ? make(bucket, bytes, 0) : local().reuse(bucket, bytes);
@@ -1595,7 +1598,7 @@ constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (
 
 }  // namespace detail
 
-/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in
+/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, mostly in
 /// large pages.
 void* take_memory(std::size_t bytes, std::size_t used);
 
@@ -1703,7 +1706,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_CONTEXT_HPP  // <motionlang/core/context.hpp>
 #define MOTIONLANG_HAS_CORE_CONTEXT_HPP
-/// What a call of a model may be given besides its inputs. Nothing by default: then no dropout runs.
+/// Settings of a model call besides its inputs. By default they are empty, and no dropout runs.
 
 #include <optional>  // no generator, no dropout
 
@@ -1918,7 +1921,7 @@ MOTIONLANG_NAMESPACE_END
 ///     visit(model, [](const std::string& path, auto& tensor) { use(path, tensor); });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
-/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here, and be empty where
+/// may contain dots ("tx_embedding.0") where the official key has a level that is not a module here, and be empty where
 /// the fields of a member have no level of their own (the statistics of a BatchNorm). Two members of one name are a
 /// compile error, unless both are optional. A member with nothing to save is an option: a number, an enumeration, a
 /// text, or a type that says so (is_option, tensor/module.hpp).
@@ -1957,7 +1960,7 @@ inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
 
-/// Whether a list has a member of this name. One of two optional members may be there, under the same name.
+/// True if a list has a member of this name. One of two optional members may be there, under the same name.
 template <bool optional, class M, class T, class Rest>
 constexpr bool has_name(const FieldList<Field<M, T>, Rest>& list, std::string_view name);
 template <bool optional>
@@ -1975,7 +1978,7 @@ constexpr std::string_view repeated_name(const FieldList<Field<M, T>, Rest>& lis
   const std::string_view name = list.first.name;
   return !name.empty() && has_name<is_optional<T>>(list.rest, name) ? name : repeated_name(list.rest);
 }
-/// Whether the compiler can look at the names of a module.
+/// True if the compiler can look at the names of a module.
 template <class M>
 concept ConstantFields = requires {
   typename std::bool_constant<(static_cast<void>(M::fields()), true)>;
@@ -2076,7 +2079,7 @@ namespace detail {
 template <class M>
 inline constexpr char type_place = 0;
 
-/// Whether one module is inside another, and its path from there.
+/// True if one module is inside another, and its path from there.
 template <Module M>
 bool find_module(const M& around, const void* module, const void* type, std::string& path);
 template <class T>
@@ -2185,7 +2188,7 @@ MOTIONLANG_NAMESPACE_END
 /// MOTIONLANG_KERNELS (portable, avx2, avx512, avx512_bf16, amx) in the environment chooses instead of the processor.
 
 #if defined(__x86_64__)
-// What a compiler may use in code for these sets (GCC and clang: target attribute), and what processor_has asks for.
+// Features for the target attribute of GCC and Clang in code for these sets; processor_has asks for them.
 #define MOTIONLANG_AVX2 "avx2,fma"
 #define MOTIONLANG_AVX512 "avx512f,avx512vl,avx512dq,avx512bw," MOTIONLANG_AVX2
 #endif
@@ -2194,7 +2197,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Each has those before it; the last two differ from avx512 in products of bfloat16 only.
+/// Each set includes those before it. The last two differ from avx512 only in products of bfloat16.
 enum class Isa { portable, avx2, avx512, avx512_bf16, amx, best };
 
 #if defined(__x86_64__)
@@ -2203,14 +2206,14 @@ bool has_amx_bf16();
 
 bool processor_has(Isa isa);
 
-/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for an unknown name and for one that
+/// The set that MOTIONLANG_KERNELS names, or the best one. Throws config_error 103 for an unknown name and for one that
 /// this processor lacks.
 Isa wanted_isa();
 
-// Clang inlines less into such functions than GCC, and what is not inlined stays narrow.
+// Clang inlines less into such functions than GCC, and code that is not inlined uses narrow registers.
 #if defined(__x86_64__) && !defined(__clang__)
 #define MOTIONLANG_WIDER_COPIES
-/// avx512, avx2 or portable: the sets that differ for code with vectors only.
+/// avx512, avx2 or portable: the sets that differ for code without products of bfloat16.
 Isa widest_vectors();
 template <class F>
 __attribute__((target(MOTIONLANG_AVX2), flatten)) void with_avx2(const F& f) {
@@ -2775,18 +2778,33 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_CORE_OPTION_ERROR_HPP  // <motionlang/core/option_error.hpp>
+#define MOTIONLANG_HAS_CORE_OPTION_ERROR_HPP
+/// Options that a caller cannot have meant.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Options that a model or a file does not take, or that contradict each other; a result that would take the place of
+/// what it is made from: a config_error that is the caller's, not the file's.
+struct option_error : config_error {
+  using config_error::config_error;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
 #define MOTIONLANG_HAS_CORE_PARALLEL_HPP
-/// Threads: a small pool of them and `parallel_for`, how many are used, and what threads of a program may share.
+/// A small pool of threads and `parallel_for`, their number, and the objects that threads of a program may share.
 ///
 /// How many   processor_count() threads calculate (core/processors.hpp: what the process is given, in a container too),
 ///            at most 256. set_thread_count(n) changes that for the whole process. The results are the same bits
 /// From several threads of a program at once
-///   may be shared    everything that is const: models, tensors, skeletons, indices, text encoders. Copying a handle of
-///                    the same tensor, and using it, too. One call calculates in the pool at a time, others wait for it
-///   may not          what is written: a tensor that is assigned to, a generator that draws, an AdamW that steps, a
-///                    KeptMotion that is filled. Give each thread its own, or a lock. A Context counts its masks: one
-///                    for each call
+///   may be shared    everything that is const: models, tensors, skeletons, indices, text encoders. Threads may
+///                    copy and use handles of the same tensor. The pool serves one call at a time; other calls wait
+///   may not          objects that change: a tensor that is assigned to, a generator that draws, an AdamW that steps, a
+///                    KeptMotion that is filled. Give each thread its own, or a lock. A Context counts its masks, so
+///                    each call needs its own
 ///   Autodiff         variables may be shared; operations behind a loss belong to the thread that calls `backward`
 ///   at rest          set_thread_count and set_product_precision (backend/precision.hpp): while no work is running
 ///
@@ -2830,10 +2848,10 @@ namespace detail {
 inline constexpr Index worth_a_thread = 16384;  // numbers
 }
 
-/// Calls f(first, last) for pieces of 0 ... count-1, in one piece what is not worth two threads (`cost` numbers per
-/// element). Of elements of many numbers, such as rows, every thread has as many: in the next region it finds what it
-/// wrote in its cache. Pieces of single numbers begin at the same places for any number of threads: vectors and what is
-/// left beside them are the same.
+/// Calls f(first, last) for pieces of 0 ... count-1. Work that is too small for two threads is one piece (`cost` values
+/// per element). For large elements, such as rows, every thread gets the same share in each region, which is then still
+/// in its cache. Pieces of single values begin at the same places for any number of threads, so full vectors and
+/// remainders are the same.
 template <class F>
 void parallel_ranges(Index count, Index cost, const F& f) {
   const Index grain = std::max<Index>(1, detail::worth_a_thread / std::max<Index>(1, cost));
@@ -2844,8 +2862,9 @@ void parallel_ranges(Index count, Index cost, const F& f) {
   parallel_for(equal, [&](Index i) { f(count * i / equal, count * (i + 1) / equal); });
 }
 
-/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the
-/// rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
+/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix with this many rows, for functions that go
+/// through the rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number
+/// of threads.
 template <class F>
 void parallel_columns(Index rows, Index width, const F& f) {
   const Index pieces = rows * width < detail::worth_a_thread ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
@@ -2867,16 +2886,16 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_PROCESSORS_HPP  // <motionlang/core/processors.hpp>
 #define MOTIONLANG_HAS_CORE_PROCESSORS_HPP
-/// How many threads pay for this process: the processors that it may run on, and no more than the processor time that
-/// its control group is given (containers, batch systems). More would spend the group's time with waiting for each
-/// other, and then all are stopped.
+/// The number of useful threads: the processors on which this process may run, limited by the processor time of its
+/// control group (containers, batch systems). More threads would use up the group's time by waiting for each other, and
+/// the system would then stop all of them.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` says which group this process
-/// belongs to, the folders of `root` what it is given. What cannot be read is no limit.
+/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` names the group of
+/// this process, and the folders of `root` hold its limits. A file that cannot be read sets no limit.
 struct ControlGroups {
   std::string root = "/sys/fs/cgroup", processes = "/proc/self/cgroup";
 
@@ -2886,13 +2905,13 @@ struct ControlGroups {
  private:
   template <class F>
   static void for_lines(const std::string& path, const F& f);
-  /// "quota period", both in microseconds, in one file or in two. A quota of "max" or -1 is none.
+  /// "quota period", both in microseconds, in one file or in two. A quota of "max" or -1 is unlimited.
   static int limit(const std::string& quota_file, const std::string& period_file, int all);
 };
 
 }  // namespace detail
 
-/// At least 1.
+/// The number of useful threads, at least 1.
 int processor_count();
 
 MOTIONLANG_NAMESPACE_END
@@ -2941,7 +2960,7 @@ MOTIONLANG_BODY int ControlGroups::processors(int all) const {
 
 MOTIONLANG_BODY int ControlGroups::limit(const std::string& quota_file, const std::string& period_file, int all) {
   double quota = 0, period = 0;
-  // NOLINTBEGIN(cert-err34-c): what is no number stays 0, which is no limit
+  // NOLINTBEGIN(cert-err34-c): what is not a number stays 0, which is not a limit
   for_lines(quota_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf %lf", &quota, &period); });
   if (!period_file.empty())
     for_lines(period_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf", &period); });
@@ -3055,7 +3074,7 @@ class ThreadPool {
     for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
   }
 
-  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of
+  /// The work of a thread. It is a function whose address std::thread takes: the code of a lambda would be a part of
   /// std::thread's, which a program and a shared library, each with its own copy of this pool and of `inside_`, have in
   /// common.
   static void start(ThreadPool* pool, int number, unsigned seen) {
@@ -3181,7 +3200,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_PROGRESS_HPP  // <motionlang/core/progress.hpp>
 #define MOTIONLANG_HAS_CORE_PROGRESS_HPP
-/// How long work tells its caller where it is, and how the caller stops it.
+/// Reports the progress of long work to the caller, who may stop it.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -3230,7 +3249,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 class PythonRandom {
  public:
-  /// Of a negative seed the absolute value counts.
+  /// For a negative seed, the absolute value counts.
   template <std::integral I>
   explicit PythonRandom(I seed)
       : PythonRandom(seed < 0 ? std::uint64_t{0} - static_cast<std::uint64_t>(seed)
@@ -3478,7 +3497,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// While it lives, products of this thread count as parts of one of so many rows (0: each as what it is), unless
+/// While it lives, products of this thread count as parts of one of this many rows (0: each as what it is), unless
 /// another lives already. In bf16x3 the instructions depend on the number of rows, and with them the last digit: where
 /// that must not depend on how rows are shared by threads, or on what else is in a batch, say so by this. As `many`, a
 /// product of a few rows takes up to four times as long. Threads that help need one of
@@ -3538,6 +3557,91 @@ void sort(List& list, Less less) {
 
 }  // namespace detail
 MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_CORE_TEXT_ENCODING_HPP  // <motionlang/core/text_encoding.hpp>
+#define MOTIONLANG_HAS_CORE_TEXT_ENCODING_HPP
+/// Texts in other encodings than UTF-8, which some programs write, as UTF-8.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A text in UTF-16 or UTF-32 as UTF-8, known by its byte order mark or by the zero bytes of its first two letters;
+/// nothing if it is neither. Units without a character become U+FFFD.
+std::optional<std::string> from_wide_text(std::string_view bytes);
+
+/// A text of which each byte is one character, U+0000 to U+00FF (ISO 8859-1), as UTF-8.
+std::string from_latin1(std::string_view bytes);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_CORE_TEXT_ENCODING_IPP  // <motionlang/core/text_encoding.ipp>
+#define MOTIONLANG_HAS_CORE_TEXT_ENCODING_IPP
+// Bodies of text_encoding.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// How the units of a text are stored.
+struct WideText {
+  std::size_t width = 0;  // bytes of a unit; 0: the text has single bytes
+  bool big_endian = false;
+  std::size_t mark = 0;  // bytes of the byte order mark
+};
+
+inline WideText wide_text_of(std::string_view bytes) {
+  using namespace std::string_view_literals;
+  if (bytes.starts_with("\xFF\xFE\0\0"sv)) return {4, false, 4};
+  if (bytes.starts_with("\0\0\xFE\xFF"sv)) return {4, true, 4};
+  if (bytes.starts_with("\xFF\xFE"sv)) return {2, false, 2};
+  if (bytes.starts_with("\xFE\xFF"sv)) return {2, true, 2};
+  if (bytes.size() < 4) return {};
+  const auto zero = [&](std::size_t i) { return bytes[i] == '\0'; };
+  if (!zero(0) && zero(1) && !zero(2) && zero(3)) return {2, false, 0};
+  if (zero(0) && !zero(1) && zero(2) && !zero(3)) return {2, true, 0};
+  return {};
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::optional<std::string> from_wide_text(std::string_view bytes) {
+  const detail::WideText form = detail::wide_text_of(bytes);
+  if (form.width == 0) return std::nullopt;
+  bytes.remove_prefix(form.mark);
+  const auto unit = [&](std::size_t at) {
+    char32_t value = 0;
+    for (std::size_t i = 0; i < form.width; ++i) {
+      const std::size_t from = form.big_endian ? i : form.width - 1 - i;
+      value = value << 8 | static_cast<unsigned char>(bytes[at + from]);
+    }
+    return value;
+  };
+  constexpr char32_t unknown = 0xFFFD;
+  std::string out;
+  for (std::size_t at = 0; at < bytes.size(); at += form.width) {
+    if (bytes.size() - at < form.width) {
+      append_utf8(out, unknown);
+      break;
+    }
+    char32_t c = unit(at);
+    const bool high = form.width == 2 && c >= 0xD800 && c < 0xDC00 && bytes.size() - at >= 4;
+    if (const char32_t low = high ? unit(at + 2) : 0; low >= 0xDC00 && low < 0xE000) {
+      c = 0x10000 + ((c - 0xD800) << 10) + (low - 0xDC00);
+      at += 2;
+    }
+    append_utf8(out, c > 0x10FFFF || (c >= 0xD800 && c < 0xE000) ? unknown : c);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY std::string from_latin1(std::string_view bytes) {
+  std::string out;
+  for (const char c : bytes) append_utf8(out, static_cast<unsigned char>(c));
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_CORE_TEXT_LINES_HPP  // <motionlang/core/text_lines.hpp>
@@ -3739,7 +3843,7 @@ class Tensor {
   Shape shape() const { return B::shape(data_); }
   Index size(int axis) const { return shape()[normalize_axis(axis, Rank, "Tensor::size")]; }
   Index count() const { return shape().count(); }
-  /// Whether there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
+  /// True if there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
   bool defined() const {
     if constexpr (Rank == 1 && requires(const typename B::tensor& t) { t.defined(); }) return data_.defined();
     return shape().rank() == Rank;
@@ -4748,7 +4852,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What `backward` returns: the gradient of every variable, on the inner backend.
+/// The result of `backward`: the gradient of every variable, on the inner backend.
 template <AutodiffBackend A>
 class Gradients {
  public:
@@ -4879,7 +4983,7 @@ MOTIONLANG_BODY IdSequences IdSequences::from(const std::vector<std::vector<Inde
 
 MOTIONLANG_BODY IdSequences IdSequences::from_padded(std::span<const Index> padded, Index width, Index pad) {
   if (width < 1 || std::ssize(padded) % width != 0)
-    raise<shape_error>(205, "IdSequences: ", padded.size(), " ids are no rows of ", width);
+    raise<shape_error>(205, "IdSequences: ", padded.size(), " ids are not rows of ", width);
   std::vector<std::vector<Index>> lists;
   for (std::size_t i = 0; i < padded.size(); ++i) {
     if (i % static_cast<std::size_t>(width) == 0) lists.emplace_back();
@@ -4905,7 +5009,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TENSOR_MODULE_HPP  // <motionlang/tensor/module.hpp>
 #define MOTIONLANG_HAS_TENSOR_MODULE_HPP
-/// What every module can do because it lists its fields: visit tensors, count parameters, move to another backend.
+/// Operations of every module that lists its fields: visit tensors, count parameters, move to another backend.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -4918,9 +5022,9 @@ inline constexpr bool is_trainable = [] {
     return true;
 }();
 
-/// Whether a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and what says so
+/// True if a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and what says so
 /// itself (`static constexpr bool is_option = true`, or a specialisation of this variable): sizes, computed tables.
-/// Other types need fields() of their own. Without them their tensors would be passed over, hence a compile error.
+/// Other types need fields() of their own. Without them their tensors would be skipped, hence a compile error.
 template <class T>
 inline constexpr bool is_option = [] {
   if constexpr (requires { T::is_option; })
@@ -4945,8 +5049,8 @@ struct ModuleTensor {
 
 namespace detail {
 
-/// What the tensors below a type have in common: their backend (void: there are none), and which ranks they have, a bit
-/// for each.
+/// The common properties of the tensors below a type: their backend (void: there are none), and which ranks they have,
+/// a bit for each.
 template <class T>
 struct TensorsBelow {
   static_assert(is_option<T>,
@@ -5048,7 +5152,7 @@ void with_rank(const ModuleTensor<B>& t, F& f) {
 template <Module M>
 using module_backend = typename detail::TensorsBelow<M>::backend;
 
-/// All tensors of a module in the order of its fields; other fields (sizes, options) are passed over.
+/// All tensors of a module in the order of its fields; other fields (sizes, options) are skipped.
 template <Module M>
 std::vector<ModuleTensor<module_backend<M>>> tensors_of(M& module) {
   detail::TensorLister<module_backend<M>> lister;
@@ -5595,6 +5699,31 @@ static_assert(Rotation<AxisAngle<double>>);
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_GEOMETRY_BOX_HPP  // <motionlang/geometry/box.hpp>
+#define MOTIONLANG_HAS_GEOMETRY_BOX_HPP
+/// The box around positions.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Its sides are along the axes.
+struct Box {
+  Vec3<double> low, high;
+};
+
+/// The box of all positions. Throws config_error 101 without one.
+inline Box box_of(std::span<const Vec3<double>> positions) {
+  if (positions.empty()) raise<config_error>(101, "box_of: no position");
+  Box box{positions.front(), positions.front()};
+  for (const auto& p : positions) {
+    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
+    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
+  }
+  return box;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_GEOMETRY_DEGREE_HPP  // <motionlang/geometry/degree.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_DEGREE_HPP
 /// Angles in degrees: 30 * degree is in radians, a / degree in degrees.
@@ -5902,7 +6031,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_SO3_HPP  // <motionlang/geometry/so3.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_SO3_HPP
-/// What every rotation can do, whatever its representation: the API deduced from `to_matrix`.
+/// Operations of every rotation, whatever its representation: the API deduced from `to_matrix`.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -6607,7 +6736,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP  // <motionlang/backend/dense_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP
-/// What all backends over Dense storage share: making tensors, moving numbers without calculating, and how a reduction
+/// Operations that all backends over Dense storage share: making tensors, moving values, and how a reduction
 /// is shared by threads.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DENSE_HPP  // <motionlang/backend/dense.hpp>
@@ -6632,7 +6761,7 @@ class Dense {
 
   Dense(const Dense&) = default;
   Dense& operator=(const Dense&) = default;
-  /// What was moved from is again nothing.
+  /// A tensor that was moved from holds nothing.
   Dense(Dense&& o) noexcept
       : buffer_(std::move(o.buffer_)), shape_(std::exchange(o.shape_, nothing)), offset_(std::exchange(o.offset_, 0)) {}
   Dense& operator=(Dense&& o) noexcept {
@@ -6660,7 +6789,7 @@ class Dense {
   /// For writing: only right after construction or when `unique()`.
   S* data() MOTIONLANG_LIFETIMEBOUND { return static_cast<S*>(buffer_.data()) + offset_; }
   std::span<const S> span() const MOTIONLANG_LIFETIMEBOUND { return {data(), static_cast<std::size_t>(count())}; }
-  /// Whether there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
+  /// True if there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
   bool defined() const { return static_cast<bool>(buffer_); }
 
   /// Nobody else can see the numbers, so an operation may overwrite them.
@@ -7371,8 +7500,8 @@ struct Placement {
   Vec3<double> operator()(const Vec3<double>& p) const { return rotate(rotation(), p) + shift; }
 };
 
-/// What brings the root in frame `from` of one clip over the place and heading of the root in frame `to` of another.
-/// Heights stay. The frames exist.
+/// The transform that moves the root in frame `from` of one clip over the place and heading of the root in frame `to`
+/// of another. Heights stay. The frames exist.
 Placement placement_between(const Motion& clip, Index from, const Motion& other, Index to);
 
 /// The whole clip moved.
@@ -7467,7 +7596,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// `second` after `first`, with `frames` frames in which both play and one gives way to the other. The second clip is
+/// `second` after `first`, with `frames` frames over which the first blends into the second. The second clip is
 /// turned and moved over the floor so that in the middle of these frames both roots stand over one place and have one
 /// heading; heights are only blended. The result has frames(first) + frames(second) - frames frames.
 /// Throws config_error 102 if skeletons or frame rates differ, 101 unless 1 <= frames <= those of each clip.
@@ -7596,7 +7725,7 @@ inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partne
 ///
 /// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
 /// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last
-/// digit counts as one frame. Returns 0 for skeletons whose zero pose is no T-pose: call it before retargeting.
+/// digit counts as one frame. Returns 0 for skeletons whose zero pose is not a T-pose: call it before retargeting.
 Index detect_t_pose_lead_in(const Motion& motion);
 
 /// The clip without those frames.
@@ -7625,7 +7754,7 @@ namespace detail {
 Side side_of_name(std::string_view name);
 
 bool has_side_word(std::string_view name);
-/// What the joint on the other side may be called. A letter may be a coincidence ("lowerback"): look the names up.
+/// Possible names of the joint on the other side. A letter may be a coincidence ("lowerback"): look the names up.
 std::vector<std::string> other_side(const std::string& name);
 
 }  // namespace detail
@@ -7643,7 +7772,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What parts the words of a name.
+/// The characters that separate the words of a name.
 inline bool is_separator(char c) { return c == '_' || c == '.' || c == '-' || c == ' '; }
 
 /// Where a letter stands alone inside of a name (J_Bip_L_Hand, "Bip01 L Thigh"), or npos.
@@ -7998,7 +8127,7 @@ class SkinWeights {
 
 /// Numbers of a joint's transform, row by row: [R | t].
 inline constexpr Index skin_transform_size = 12;
-/// Bytes of the transforms of so many poses, filled up to whole registers of any width.
+/// Bytes of the transforms of this many poses, filled up to whole registers of any width.
 template <Scalar S>
 constexpr std::size_t skin_transform_bytes(Index poses, Index joints) {
   constexpr Index most = 64 / sizeof(S);
@@ -8194,7 +8323,7 @@ struct BodyModel {
     return out;
   }
 
-  /// What `prepare` does: blend shapes are laid out and packed in blocks of vertices. Nothing on an Autodiff backend.
+  /// The work of `prepare`: blend shapes are laid out and packed in blocks of vertices. Nothing on an Autodiff backend.
   void pack_surface() {
     if constexpr (!AutodiffBackend<B>) {
       Surface made = empty_surface();
@@ -8643,16 +8772,21 @@ struct MappedJoint {
   /// its parent.
   std::string second{};
   double share = 0;
+
+  /// True if a skeleton may lack the source: hands, toes and collars.
+  bool optional() const {
+    return target.ends_with("_hand") || target.ends_with("_foot") || target.ends_with("_collar");
+  }
 };
 
 /// A kind of skeleton. Hands, toes and collars may be missing; all other joints of the table must be there.
 struct SkeletonTable {
   std::string name;
   std::vector<MappedJoint> joints;
-  /// Whether limbs are turned so that the source's bones take the directions of the target's; false where the zero pose
+  /// True if limbs are turned so that the source's bones take the directions of the target's; false where the zero pose
   /// (with `turn`) is known to be the T-pose although its bones are not straight.
   bool straighten = true;
-  /// Whether the soles are level in the zero pose although the legs stand apart, as in the pose to which a character's
+  /// True if the soles are level in the zero pose although the legs stand apart, as in the pose to which a character's
   /// skin is bound. Otherwise feet lean to the side with their shins.
   bool level_soles = false;
 
@@ -8707,8 +8841,7 @@ MOTIONLANG_BODY const MappedJoint* SkeletonTable::find(std::string_view target) 
 
 MOTIONLANG_BODY std::string SkeletonTable::missing(const Skeleton& source) const {
   for (const MappedJoint& j : joints) {
-    const bool optional = j.target.ends_with("_hand") || j.target.ends_with("_foot") || j.target.ends_with("_collar");
-    if (!optional && find_joint(source, j.source) < 0) return j.source;
+    if (!j.optional() && find_joint(source, j.source) < 0) return j.source;
     if (!j.second.empty() && find_joint(source, j.second) < 0) return j.second;
   }
   return {};
@@ -8729,7 +8862,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 inline constexpr std::string_view own_table_hint =
-    "a file can name the joints and their axes: read_skeleton_table, --joints FILE of the program";
+    "a file can name the joints and their axes: read_skeleton_table, option `joints`";
 
 }  // namespace detail
 
@@ -8763,7 +8896,7 @@ struct LimbBone {
   std::string_view joint, end;
 };
 
-/// Whether a text names two different axes, as "+x+y" does.
+/// True if a text names two different axes, as "+x+y" does.
 bool is_axes(std::string_view axes);
 /// World rotation of a joint in a T-pose, from "+x+y": its local axes that point left and up.
 Quaternion<double> axes_rotation(const MappedJoint& joint);
@@ -8778,7 +8911,7 @@ class StandingSkeleton {
 
   StandingSkeleton(Skeleton s, SkeletonTable t);
 
-  /// What says that it does not stand, facing forward: the head is not over the pelvis, the hips are not side by side,
+  /// The reason why it does not stand and face forward: the head is not over the pelvis, the hips are not side by side,
   /// or toes point back as left and right are exchanged. "" if it stands, or has no such joints.
   std::string lies() const;
 
@@ -9085,6 +9218,13 @@ inline constexpr KnownTable known_tables[] = {
       {"left_collar", "L_Collar"}, {"left_shoulder", "L_Shoulder"}, {"left_elbow", "L_Elbow"}, {"left_wrist", "L_Wrist"}, {"left_hand", "L_Hand"},
       {"right_collar", "R_Collar"}, {"right_shoulder", "R_Shoulder"}, {"right_elbow", "R_Elbow"}, {"right_wrist", "R_Wrist"}, {"right_hand", "R_Hand"}},
      true, true},
+    // Noitom's suits (Axis Neuron): a T-pose without rotations, four joints in the spine, no toes.
+    {"Noitom",
+     {{"pelvis", "Hips"}, {"spine1", "Spine"}, {"spine2", "Spine1", "+x+y", {}, "Spine2", 0.5}, {"spine3", "Spine3"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
+      {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
+      {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"}, {"left_hand", "LeftHandMiddle1"},
+      {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightHandMiddle1"}}},
     // Rigs of game characters: as GLB files hold them, rest rotations are taken out, so that all axes are "+x+y".
     {"Mixamo",
      {{"pelvis", "Hips"}, {"spine1", "Spine"}, {"spine2", "Spine1"}, {"spine3", "Spine2"}, {"neck", "Neck"}, {"head", "Head"},
@@ -9109,6 +9249,22 @@ inline constexpr KnownTable known_tables[] = {
       {"right_hip", "RightHip"}, {"right_knee", "RightKnee"}, {"right_ankle", "RightAnkle"}, {"right_foot", "RightToe"},
       {"left_collar", "LeftCollar"}, {"left_shoulder", "LeftShoulder"}, {"left_elbow", "LeftElbow"}, {"left_wrist", "LeftWrist"},
       {"right_collar", "RightCollar"}, {"right_shoulder", "RightShoulder"}, {"right_elbow", "RightElbow"}, {"right_wrist", "RightWrist"}}},
+    // Rokoko's suits, with the names of Studio's own skeleton ("Newton").
+    {"Rokoko",
+     {{"pelvis", "Hips"}, {"spine1", "Spine1"}, {"spine2", "Spine2", "+x+y", {}, "Spine3", 0.5}, {"spine3", "Spine4"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "LeftThigh"}, {"left_knee", "LeftShin"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToe"},
+      {"right_hip", "RightThigh"}, {"right_knee", "RightShin"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToe"},
+      {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"}, {"left_hand", "LeftFinger3Proximal"},
+      {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightFinger3Proximal"}}},
+    // SOMA, the skeleton of Kimodo and BONES-SEED: LeftLeg is the thigh. Bones lie along x without rotations; axes and turns
+    // are those of its T-pose.
+    {"SOMA",
+     {{"pelvis", "Hips", "+z+x"}, {"spine1", "Spine1", "+z+x"}, {"spine2", "Spine2", "+z+x", {-6, 0, 0}}, {"spine3", "Chest", "+z+x"},
+      {"neck", "Neck1", "+z+x", {17, 0, 0}}, {"head", "Head", "+z+x", {-7, 0, 0}},
+      {"left_hip", "LeftLeg", "+z-x", {1, 0, 0}}, {"left_knee", "LeftShin", "+z-x", {5, 0, 0}}, {"left_ankle", "LeftFoot", "+z-y", {21, 0, 0}}, {"left_foot", "LeftToeBase", "+z-y", {16, 0, 0}},
+      {"right_hip", "RightLeg", "+z+x", {1, 0, 0}}, {"right_knee", "RightShin", "+z+x", {5, 0, 0}}, {"right_ankle", "RightFoot", "+z+y", {21, 0, 0}}, {"right_foot", "RightToeBase", "+z+y", {16, 0, 0}},
+      {"left_collar", "LeftShoulder", "+x-z", {0, 20, 0}}, {"left_shoulder", "LeftArm", "+x-z"}, {"left_elbow", "LeftForeArm", "+x-z"}, {"left_wrist", "LeftHand", "+x-z", {10, 0, 0}}, {"left_hand", "LeftHandMiddle1", "+x-z", {10, 0, 0}},
+      {"right_collar", "RightShoulder", "+x+z", {0, -20, 0}}, {"right_shoulder", "RightArm", "+x+z"}, {"right_elbow", "RightForeArm", "+x+z"}, {"right_wrist", "RightHand", "+x+z", {10, 0, 0}}, {"right_hand", "RightHandMiddle1", "+x+z", {10, 0, 0}}}},
     {"KayKit",
      {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "chest", "+x+y", {}, "head", 0.5}, {"head", "head"},
       {"left_hip", "upperleg.l"}, {"left_knee", "lowerleg.l"}, {"left_ankle", "foot.l"}, {"left_foot", "toes.l"},
@@ -9138,7 +9294,8 @@ inline constexpr KnownTable known_tables[] = {
       {"left_collar", "clavicle_l"}, {"left_shoulder", "upperarm_l"}, {"left_elbow", "lowerarm_l"}, {"left_wrist", "hand_l"}, {"left_hand", "middle_01_l"},
       {"right_collar", "clavicle_r"}, {"right_shoulder", "upperarm_r"}, {"right_elbow", "lowerarm_r"}, {"right_wrist", "hand_r"}, {"right_hand", "middle_01_r"}},
      true, true},
-    // The humanoid bones of VRM. Files name their joints as they like and say which bone each is; VRoid's names are below.
+    // The humanoid bones of VRM, of which chest and neck may be missing. Files name their joints as they like and say
+    // which bone each is; VRoid's names are below.
     {"VRM",
      {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "chest"}, {"spine3", "upperChest"}, {"neck", "neck"}, {"head", "head"},
       {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
@@ -9148,6 +9305,27 @@ inline constexpr KnownTable known_tables[] = {
      true, true},
     {"VRM without upper chest",
      {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "neck"}, {"head", "head"},
+      {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
+      {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
+      {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
+      {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
+     true, true},
+    {"VRM without chest",
+     {{"pelvis", "hips"}, {"spine1", "hips", "+x+y", {}, "spine", 0.5}, {"spine2", "spine"}, {"spine3", "spine"}, {"neck", "neck"}, {"head", "head"},
+      {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
+      {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
+      {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
+      {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
+     true, true},
+    {"VRM without neck",
+     {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "chest", "+x+y", {}, "head", 0.5}, {"head", "head"},
+      {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
+      {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
+      {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
+      {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
+     true, true},
+    {"VRM without chest and neck",
+     {{"pelvis", "hips"}, {"spine1", "hips", "+x+y", {}, "spine", 0.5}, {"spine2", "spine"}, {"spine3", "spine"}, {"neck", "spine", "+x+y", {}, "head", 0.5}, {"head", "head"},
       {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
       {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
       {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
@@ -9449,7 +9627,7 @@ struct PartWord {
   std::vector<std::string> parts;
 };
 
-/// What a BodyPartition is made of.
+/// The parts from which a BodyPartition is made.
 struct BodyPartNames {
   std::vector<std::string> names;       // in the order of their numbers
   std::string path;                     // the part that carries the others over the floor
@@ -9607,6 +9785,128 @@ MOTIONLANG_BODY std::string to_string(const BodyPartition& body) {
   return join_text(body.names(), ", ", [&](const std::string& name) {
     return name == body.name(body.path()) ? name + " (with the path)" : name;
   });
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_BODY_ROOT_HPP  // <motionlang/kinematics/body_root.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_BODY_ROOT_HPP
+/// Where a body begins in a skeleton that has more than a body. Files put control bones, cameras and props above or
+/// beside the hips; the hips walk, so that they must be the root of a motion's skeleton.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The lowest joint with all those at or below it that the table needs: the pelvis, unless trunk and legs hang on
+/// another joint. -1 if the skeleton lacks one of them.
+int body_root(const Skeleton& skeleton, const SkeletonTable& table);
+/// The same by the built-in table that fits; 0, the root of the skeleton, if none fits.
+int body_root(const Skeleton& skeleton);
+
+/// How a joint moves against the joint before it, in a whole file.
+struct JointMovement {
+  double way = 0;      // across which its position goes, in the unit of the offsets
+  bool turns = false;  // whether its rotation changes
+};
+/// Where a body begins if names tell nothing: from the root down, the only child that moves, or the one that moves and
+/// has most of the joints below it. Below a joint that moves itself, and beside joints that turn, as legs do beside a
+/// spine, it has to move farther than its longest chain of bones is long: a bone that stretches is not a root.
+/// movements  of each joint
+int moving_root(const Skeleton& skeleton, std::span<const JointMovement> movements);
+
+/// A joint and all joints below it, ascending.
+std::vector<int> joints_from(const Skeleton& skeleton, int joint);
+/// The skeleton of these joints. Its root keeps its place at rest: its offset is the joint's rest position.
+Skeleton skeleton_from(const Skeleton& skeleton, int joint);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_BODY_ROOT_IPP  // <motionlang/kinematics/body_root.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_BODY_ROOT_IPP
+// Bodies of body_root.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY int body_root(const Skeleton& skeleton, const SkeletonTable& table) {
+  if (!table.missing(skeleton).empty()) return -1;
+  int root = -1;
+  const auto add = [&](int joint) {  // parents have lower numbers: the higher one goes up until both are the same
+    if (root < 0) root = joint;
+    for (int other = joint; other != root;)
+      (other > root ? other : root) = skeleton.parent(other > root ? other : root);
+  };
+  for (const MappedJoint& m : table.joints) {
+    if (!m.optional()) add(find_joint(skeleton, m.source));
+    if (!m.second.empty()) add(find_joint(skeleton, m.second));
+  }
+  return root;
+}
+
+MOTIONLANG_BODY int body_root(const Skeleton& skeleton) {
+  const SkeletonTable* table = find_skeleton_table(skeleton);
+  return table == nullptr ? 0 : body_root(skeleton, *table);
+}
+
+MOTIONLANG_BODY int moving_root(const Skeleton& skeleton, std::span<const JointMovement> movements) {
+  const auto joints = static_cast<std::size_t>(skeleton.size());
+  std::vector<int> count(joints, 1);        // joints below, with the joint itself
+  std::vector<double> reach(joints, 0);     // length of the longest chain of bones below
+  std::vector<bool> lively(joints, false);  // whether it or one below it moves or turns
+  std::vector<std::vector<int>> children(joints);
+  for (int j = skeleton.size() - 1; j >= 0; --j) {
+    const auto here = static_cast<std::size_t>(j);
+    if (movements[here].way > 0 || movements[here].turns) lively[here] = true;
+    if (j == 0) break;
+    const auto p = static_cast<std::size_t>(skeleton.parent(j));
+    count[p] += count[here];
+    reach[p] = std::max(reach[p], reach[here] + norm(skeleton.offset(j)));
+    if (lively[here]) lively[p] = true;
+    children[p].push_back(j);
+  }
+  const auto next = [&](int root) {
+    int best = -1, most = 0;
+    bool may_be_root = movements[static_cast<std::size_t>(root)].way > 0;
+    for (const int c : children[static_cast<std::size_t>(root)]) {
+      const auto child = static_cast<std::size_t>(c);
+      if (movements[child].way > 0 && count[child] > most) best = c, most = count[child];
+    }
+    for (const int c : children[static_cast<std::size_t>(root)])
+      may_be_root = may_be_root || (c != best && lively[static_cast<std::size_t>(c)]);
+    if (best < 0 || children[static_cast<std::size_t>(root)].size() == 1) return best;
+    const auto chosen = static_cast<std::size_t>(best);
+    const bool is_most = 2 * most > count[static_cast<std::size_t>(root)] - 1;
+    return is_most && movements[chosen].way > (may_be_root ? 1 : 0.1) * reach[chosen] ? best : -1;
+  };
+  int root = 0;
+  for (int n = next(root); n >= 0; n = next(root)) root = n;
+  return root;
+}
+
+MOTIONLANG_BODY std::vector<int> joints_from(const Skeleton& skeleton, int joint) {
+  std::vector<int> out{joint};
+  std::vector<bool> below(static_cast<std::size_t>(skeleton.size()), false);
+  below[static_cast<std::size_t>(joint)] = true;
+  for (int j = joint + 1; j < skeleton.size(); ++j) {
+    if (!below[static_cast<std::size_t>(skeleton.parent(j))]) continue;
+    below[static_cast<std::size_t>(j)] = true;
+    out.push_back(j);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY Skeleton skeleton_from(const Skeleton& skeleton, int joint) {
+  Skeleton out;
+  std::vector<int> number(static_cast<std::size_t>(skeleton.size()), -1);
+  for (const int j : joints_from(skeleton, joint)) {
+    const auto at = static_cast<std::size_t>(j);
+    number[at] = out.size();
+    out.names.push_back(skeleton.names[at]);
+    out.parents.push_back(j == joint ? -1 : number[static_cast<std::size_t>(skeleton.parents[at])]);
+    out.offsets.push_back(j == joint ? skeleton.rest_positions()[at] : skeleton.offsets[at]);
+    if (!skeleton.ends.empty()) out.ends.push_back(skeleton.ends[at]);
+  }
+  return out;
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -9783,7 +10083,7 @@ template <class T>
 std::size_t chain_frames(std::string_view function, const ChainSkeleton& skeleton, std::span<const T> values) {
   const std::size_t frames = values.size() / std::max<std::size_t>(skeleton.size(), 1);
   if (values.size() != frames * skeleton.size()) {
-    raise<shape_error>(205, function, ": ", values.size(), " values are no frames of ", skeleton.size(), " joints");
+    raise<shape_error>(205, function, ": ", values.size(), " values are not frames of ", skeleton.size(), " joints");
   }
   return frames;
 }
@@ -10006,7 +10306,7 @@ namespace detail {
 class StandingSkeleton;
 }
 
-/// What a map did with the joints of both skeletons.
+/// How a map matched the joints of both skeletons.
 struct RetargetReport {
   std::string table, target_table;                          // the kinds of source and target
   std::vector<std::pair<std::string, std::string>> mapped;  // joint of the target, joint (or "a + b") of the source
@@ -10055,7 +10355,7 @@ class SkeletonMap {
   /// A joint of the target seen from its root.
   Vec3<double> from_root(int joint, const std::vector<Quaternion<double>>& world) const;
 
-  /// Of joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
+  /// For joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
   int namesake(const std::string& name) const;
   void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
 
@@ -10105,7 +10405,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. From
 /// "LeftHandIndex1" (Mixamo), "index_01_l" (Unreal), "DEF-f_index.01.L" (Rigify), "lIndex1" (Daz), "leftIndexProximal"
-/// (VRM) and their like. "" for another joint, and for tips and metacarpals.
+/// (VRM, whose thumbs begin with leftThumbMetacarpal) and their like. "" for another joint, and for tips and other
+/// metacarpals.
 std::string finger_of(std::string_view joint);
 
 MOTIONLANG_NAMESPACE_END
@@ -10124,6 +10425,8 @@ MOTIONLANG_BODY std::string finger_of(std::string_view joint) {
   for (char& c : name) c = detail::lower(c);
   const auto has = [&](std::string_view part) { return name.find(part) != name.npos; };
   if (has(opposite)) return "";
+  if (joint == concat_text(own, "ThumbMetacarpal")) return concat_text(own, "_thumb1");
+  if (joint == concat_text(own, "ThumbProximal")) return concat_text(own, "_thumb2");
   for (const char* other : {"leaf", "end", "tip", "nub", "meta", "twist"}) {
     if (has(other)) return "";
   }
@@ -10207,7 +10510,7 @@ MOTIONLANG_BODY SkeletonMap::SkeletonMap(const Skeleton& source, const SkeletonT
     if (!lies.empty())
       raise<config_error>(103, "SkeletonMap: a skeleton of ", s->skeleton.size(), " joints (root '",
                           s->skeleton.name(0), "') does not stand as ", s->table.name, ": ", lies, "; ",
-                          detail::own_table_hint);
+                          detail::own_table_hint, "; option `up` turns another axis up");
   }
   connect(from, to);
   measure(from, to);
@@ -10417,7 +10720,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What is done to a clip's time, first of all.
+/// Edits of a clip's time, which come first.
 struct TimeEdits {
   double from = 0, to = 0;  // seconds; to = 0: to the end
   double speed = 1;         // how much faster
@@ -10425,17 +10728,17 @@ struct TimeEdits {
 };
 /// The frames [first, last) of a clip from a time to a time, seconds, each rounded; to = 0: to the end.
 std::pair<Index, Index> frames_between(const Motion& motion, double from, double to);
-/// Throws config_error 101 if nothing of the clip is between `from` and `to`, and what change_speed and resample throw.
+/// Throws option_error 101 if nothing of the clip is between `from` and `to`, and what change_speed and resample throw.
 Motion edit_time(Motion motion, const TimeEdits& edits);
 
 /// In this order.
 struct MotionEdits {
   bool smpl = false;      // on SMPL's 24 joints
   bool mirror = false;    // left becomes right
-  bool smooth = false;    // without trembling
+  bool smooth = false;    // removes jitter
   bool fix_feet = false;  // on the floor, and feet that stand do not slide; on SMPL's 24 joints
   bool in_place = false;  // the root stays over the origin
-  double loop = 0;        // so many seconds at the end are blended into the start; 0: no loop
+  double loop = 0;        // this many seconds at the end are blended into the start; 0: no loop
 };
 /// report  is set if the joints were others than SMPL's and became these. Throws what the single edits throw.
 Motion edit_motion(Motion motion, const MotionEdits& edits, RetargetReport* report = nullptr);
@@ -10451,7 +10754,7 @@ MOTIONLANG_NAMESPACE_END
 /// Feet that stay where they stand. Y up, metres. Generated motions slide a little: the path of the root and the legs
 /// are predicted side by side and agree only nearly.
 ///
-///     Motion steady = fix_feet(motion);      // path_from_feet, lock_feet, raise_swings
+///     Motion steady = fix_feet(motion);      // turn_from_feet, path_from_feet, lock_feet, raise_swings
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP  // <motionlang/kinematics/foot_contact.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP
@@ -10464,7 +10767,7 @@ struct ContactJoint {
   int joint = 0;
   double height = 0.05;  // metres above the floor
 };
-/// Of SMPL (and HumanML3D). When a foot stands, its ankle is about 7 cm and its toe joint 1 to 2 cm high.
+/// The feet of SMPL and HumanML3D. When a foot stands, its ankle is about 7 cm and its toe joint 1 to 2 cm high.
 inline constexpr double smpl_ankle_contact = 0.10, smpl_toe_contact = 0.05;
 /// Ankles and toes of SMPL (and HumanML3D).
 inline constexpr ContactJoint smpl_contact_joints[] = {
@@ -10576,7 +10879,7 @@ MOTIONLANG_BODY void require_limb(std::string_view function, const Skeleton& ske
   };
   if (!hangs_on(limb.end, limb.middle) || !hangs_on(limb.middle, limb.upper)) {
     raise<config_error>(103, function, ": joints ", limb.upper, ", ", limb.middle, ", ", limb.end,
-                        " are no limb of a skeleton of ", skeleton.size());
+                        " are not a limb of a skeleton of ", skeleton.size());
   }
 }
 
@@ -10641,8 +10944,14 @@ struct FootFixOptions {
   double path_speed = 2;    // m/s; path_from_feet takes no foot that slides faster to carry the body
   double path_sigma = 1.5;  // frames; smoothness of the correction of the path
   Index blend = 4;          // frames before and after a contact in which the leg comes and goes
+  double pivot = 15;        // degrees/s; turn_from_feet lets two feet on the floor turn together that fast
   double clearance = 0.03;  // m; toes swing this high above where they stand; in recorded walks mostly 2.7 to 5.5 cm
 };
+
+/// The clip turned so that nobody turns like a turntable: what both feet turn together while they are on the floor,
+/// beyond `pivot`, the body does not turn. Where it looks is decided by the legs. The way turns with it.
+/// Throws config_error 103 if the skeleton has no such legs. A body without two legs stays as it is.
+Motion turn_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
 
 /// The clip with its path over the floor corrected so that the foot that stands (of the low ones the slowest) does not
 /// slide: where somebody goes is decided by the legs. Rotations and heights stay; in the air the path stays, too.
@@ -10651,6 +10960,8 @@ Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_leg
 
 namespace detail {
 
+/// Throws config_error 103 unless the skeleton has these legs.
+void require_legs(std::string_view function, const Skeleton& skeleton, std::span<const Leg> legs);
 /// Moves the foot of a leg in every frame by its offset.
 void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<double>> offset);
 
@@ -10664,10 +10975,11 @@ Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, co
 /// stands is not moved. Throws as lock_feet.
 Motion raise_swings(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
 
-/// path_from_feet, lock_feet, raise_swings. Throws what they throw.
+/// turn_from_feet, path_from_feet, lock_feet, raise_swings. Throws what they throw.
 inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                        const FootFixOptions& options = {}) {
-  return raise_swings(lock_feet(path_from_feet(motion, legs, options), legs, options), legs, options);
+  const Motion carried = path_from_feet(turn_from_feet(motion, legs, options), legs, options);
+  return raise_swings(lock_feet(carried, legs, options), legs, options);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -10687,8 +10999,7 @@ MOTIONLANG_BODY std::span<const Leg> known_legs(const Skeleton& skeleton) {
 
 namespace detail {
 
-/// Throws config_error 103 unless the skeleton has these legs.
-inline void require_legs(std::string_view function, const Skeleton& skeleton, std::span<const Leg> legs) {
+MOTIONLANG_BODY void require_legs(std::string_view function, const Skeleton& skeleton, std::span<const Leg> legs) {
   for (const Leg& leg : legs) {
     require_limb(function, skeleton, leg.limb);
     if (leg.toe < 0 || leg.toe >= skeleton.size())
@@ -10702,6 +11013,47 @@ inline std::array<ContactJoint, 2> feet_of(const Leg& leg, const FootFixOptions&
 }
 
 }  // namespace detail
+
+MOTIONLANG_BODY Motion turn_from_feet(const Motion& motion, std::span<const Leg> legs, const FootFixOptions& options) {
+  detail::require_legs("turn_from_feet", motion.skeleton, legs);
+  if (motion.frames() < 2 || legs.size() != 2) return motion;
+  const auto positions = motion.positions();
+  const Index joints = motion.skeleton.size();
+  const auto at = [&](Index f, int joint) { return positions[static_cast<std::size_t>(f * joints + joint)]; };
+  const auto down = [&](Index f) {
+    return std::all_of(legs.begin(), legs.end(), [&](const Leg& leg) {
+      return at(f, leg.limb.end).y - options.floor < options.ankle_height ||
+             at(f, leg.toe).y - options.floor < options.toe_height;
+    });
+  };
+  const double pivot = options.pivot * std::numbers::pi / 180 / motion.fps;
+  std::vector<double> turned(static_cast<std::size_t>(motion.frames()), 0.0);  // to each frame, too much
+  for (Index f = 0; f + 1 < motion.frames(); ++f) {
+    if (!down(f) || !down(f + 1)) continue;
+    std::array<double, 2> turn{};
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Vec3<double> a = at(f, legs[side].toe) - at(f, legs[side].limb.end),
+                         b = at(f + 1, legs[side].toe) - at(f + 1, legs[side].limb.end);
+      turn[side] = std::remainder(std::atan2(b.x, b.z) - std::atan2(a.x, a.z), 2 * std::numbers::pi);
+    }
+    if (turn[0] * turn[1] <= 0) continue;
+    const double both = std::min(std::abs(turn[0]), std::abs(turn[1]));
+    turned[static_cast<std::size_t>(f) + 1] = std::copysign(std::max(0.0, both - pivot), turn[0]);
+  }
+  const auto smooth = gaussian_smooth(std::span<const double>(turned), 1, options.path_sigma);
+  Motion out = motion;
+  double back = 0;
+  for (std::size_t f = 1; f < smooth.size(); ++f) {
+    const Vec3<double> up{0, 1, 0};
+    Vec3<double> step = motion.root[f] - motion.root[f - 1];
+    step = rotate(from_axis_angle(up, back), step);
+    back -= smooth[f];
+    out.root[f] = {out.root[f - 1].x + step.x, motion.root[f].y, out.root[f - 1].z + step.z};
+    Quaternion<double>& root = out.rotations(static_cast<Index>(f))[0];
+    root = normalized(from_axis_angle(up, back) * root);
+  }
+  return out;
+}
 
 MOTIONLANG_BODY Motion path_from_feet(const Motion& motion, std::span<const Leg> legs, const FootFixOptions& options) {
   detail::require_legs("path_from_feet", motion.skeleton, legs);
@@ -10780,7 +11132,7 @@ MOTIONLANG_BODY void move_foot(Motion& motion, const Leg& leg, std::span<const V
 
 /// (frames): by how much a foot has to be raised so that its toe swings `clearance` above the lower of the heights
 /// where it left the floor and where it comes back. One bump sin^2 for each swing, no higher than that or a tenth of
-/// its way: a foot that only trembles is left alone.
+/// its way: a foot that only jitters is left alone.
 inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<const Vec3<double>> positions,
                                              const Leg& leg, const FootFixOptions& options) {
   const Index frames = motion.frames(), joints = motion.skeleton.size();
@@ -10877,7 +11229,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP  // <motionlang/kinematics/smooth_motion.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP
-/// A clip without its trembling. Slow movement, peaks and the ends of the clip stay where they are.
+/// Removes jitter from a clip. Slow movement, peaks and the ends of the clip stay where they are.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -10977,7 +11329,7 @@ MOTIONLANG_BODY Motion edit_time(Motion m, const TimeEdits& edits) {
   if (edits.from > 0 || edits.to > 0) {
     const auto [first, last] = frames_between(m, edits.from, edits.to);
     if (first >= last)
-      raise<config_error>(101, "'", m.name, "': nothing of its ", m.seconds(), " s is between ", edits.from, " and ",
+      raise<option_error>(101, "'", m.name, "': nothing of its ", m.seconds(), " s is between ", edits.from, " and ",
                           edits.to > 0 ? edits.to : m.seconds(), " s");
     m = crop(m, first, last);
   }
@@ -11036,7 +11388,7 @@ Index contour_row(const Matrix3<S>& r, Index contours) {
 /// vertices (N, V, 3) of the posed body, rotations (N, J, 9) that posed it -> (N, landmarks + points of a contour, 3);
 /// only the landmarks of bodies without contours. neck: its joint. Differentiable by the vertices.
 /// Throws  shape_error 204 unless both have N poses and the rotations are those of the body, config_error 101 for a
-///         neck that is no joint
+///         neck that is not a joint
 template <Backend B>
 Tensor<B, 3> face_landmarks(const Body<B>& body, const Tensor<B, 3>& vertices, const Tensor<B, 3>& rotations,
                             Index neck = 12) {
@@ -11070,6 +11422,198 @@ Tensor<B, 3> face_landmarks(const Body<B>& body, const Tensor<B, 3>& vertices, c
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FLOOR_FIX_HPP  // <motionlang/kinematics/floor_fix.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_FLOOR_FIX_HPP
+/// Bodies that the floor carries. Generated bodies hover, sink in, and stay in the air longer than gravity allows.
+/// Metres, Y up.
+///
+///     Motion grounded = fix_floor(motion);      // stand_on_floor, lift_sunken_feet
+///
+/// Nothing is known of stairs, ladders and seats: what stands on one for long comes down to the floor.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct FloorFixOptions {
+  double floor = 0;
+  double ankle_stands = 0.07, toe_stands = 0.015;  // m; height of these joints of a foot that stands
+  double body_rests = 0.05;                        // m; of any other joint on which a body rests
+  double tolerance = 0.04;                         // m; a body within this distance of the floor stays
+  double longest_flight = 1.2;                     // s; a body that is above the floor for longer hovers
+  double gravity = 9.81;                           // m/s^2
+  double sigma = 0.05;                             // s; smoothness of the correction
+  double foot_sinks = 0.02;                        // m; a foot that is less deep in the floor stays
+};
+
+namespace detail {
+
+/// How far a foot is above the height at which it stands, on its toe or its ankle, whichever is nearer to the floor.
+inline double foot_over_floor(std::span<const Vec3<double>> pose, const Leg& leg, const FloorFixOptions& options) {
+  const auto at = [&](int joint) { return pose[static_cast<std::size_t>(joint)].y - options.floor; };
+  return std::min(at(leg.limb.end) - options.ankle_stands, at(leg.toe) - options.toe_stands);
+}
+
+}  // namespace detail
+
+/// (frames): how far the lowest part of the body is above the floor, by the heights at which it stands or rests.
+/// Negative: it is sunk in. Throws config_error 103 if the skeleton has no such legs.
+std::vector<double> heights_over_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                                       const FloorFixOptions& options = {});
+
+/// The clip with its root moved up and down so that the floor carries it: h_f of heights_over_floor becomes 0 where the
+/// body stands. Rotations and the way over the floor stay.
+///     hovering   what is left of h if flights of at most longest_flight are taken away (a morphological opening)
+///     flights    no higher than a thrown body of the same peak:   h_f <= H - g/2 (t_f - t_peak)^2, or 0
+///     sunken     raised by as much as they are below the floor
+/// A correction starts at `tolerance`, and is full from twice that on.
+/// Throws config_error 103 if the skeleton has no such legs, 101 unless longest_flight and sigma are positive.
+Motion stand_on_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FloorFixOptions& options = {});
+
+/// The clip with legs bent so that no foot is deeper in the floor than foot_sinks. Throws as lock_feet.
+Motion lift_sunken_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                        const FloorFixOptions& options = {});
+
+/// stand_on_floor, lift_sunken_feet. Throws what they throw.
+inline Motion fix_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                        const FloorFixOptions& options = {}) {
+  return lift_sunken_feet(stand_on_floor(motion, legs, options), legs, options);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FLOOR_FIX_IPP  // <motionlang/kinematics/floor_fix.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_FLOOR_FIX_IPP
+// Bodies of floor_fix.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The joints of one frame among (frames, joints).
+inline std::span<const Vec3<double>> pose_of(std::span<const Vec3<double>> positions, Index joints, Index frame) {
+  return positions.subspan(static_cast<std::size_t>(frame * joints), static_cast<std::size_t>(joints));
+}
+
+/// 0 up to the tolerance, x from twice that on, and steadily between.
+inline double beyond(double x, double tolerance) { return x >= 2 * tolerance ? x : std::max(0.0, 2 * (x - tolerance)); }
+
+/// The smallest (of larger: largest) value within `reach` frames of each.
+inline std::vector<double> extremes(std::span<const double> values, Index reach, bool larger) {
+  const Index n = std::ssize(values);
+  std::vector<double> out;
+  for (Index f = 0; f < n; ++f) {
+    double best = values[static_cast<std::size_t>(f)];
+    for (Index k = std::max<Index>(0, f - reach); k <= std::min(n - 1, f + reach); ++k) {
+      const double v = values[static_cast<std::size_t>(k)];
+      best = larger ? std::max(best, v) : std::min(best, v);
+    }
+    out.push_back(best);
+  }
+  return out;
+}
+
+/// By how much each frame of a flight is above the arc of a thrown body with the same peak. The peak is in the middle
+/// of the frames that are nearly as high.
+/// heights  above the floor, no hovering among them
+inline std::vector<double> above_arcs(std::span<const double> heights, double fps, const FloorFixOptions& options) {
+  const Index n = std::ssize(heights);
+  std::vector<double> above(heights.size(), 0.0);
+  const auto h = [&](Index f) { return heights[static_cast<std::size_t>(f)]; };
+  for (Index first = 0, last = 0; first < n; first = last + 1) {
+    for (last = first; last < n && h(last) > options.tolerance; ++last) {}
+    if (first == last) continue;
+    double peak = 0;
+    for (Index f = first; f < last; ++f) peak = std::max(peak, h(f));
+    Index from = last, to = first;
+    for (Index f = first; f < last; ++f) {
+      if (h(f) >= 0.9 * peak) from = std::min(from, f), to = std::max(to, f);
+    }
+    const double middle = 0.5 * static_cast<double>(from + to);
+    for (Index f = first; f < last; ++f) {
+      const double t = (static_cast<double>(f) - middle) / fps;
+      above[static_cast<std::size_t>(f)] = h(f) - std::clamp(peak - 0.5 * options.gravity * t * t, 0.0, h(f));
+    }
+  }
+  return above;
+}
+
+/// Never below the values, and smooth where they begin and end.
+inline std::vector<double> smooth_above(std::span<const double> values, double sigma) {
+  const auto wide = extremes(values, 1, true);
+  return gaussian_smooth(std::span<const double>(wide), 1, sigma);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<double> heights_over_floor(const Motion& motion, std::span<const Leg> legs,
+                                                       const FloorFixOptions& options) {
+  detail::require_legs("heights_over_floor", motion.skeleton, legs);
+  const auto positions = motion.positions();
+  const Index joints = motion.skeleton.size();
+  std::vector<bool> of_foot(static_cast<std::size_t>(joints));
+  for (const Leg& leg : legs) {
+    for (const int joint : {leg.limb.end, leg.toe}) of_foot[static_cast<std::size_t>(joint)] = true;
+  }
+  std::vector<double> heights;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const auto pose = detail::pose_of(positions, joints, f);
+    double lowest = pose.front().y - options.floor - options.body_rests;
+    for (std::size_t j = 0; j < pose.size(); ++j) {
+      if (!of_foot[j]) lowest = std::min(lowest, pose[j].y - options.floor - options.body_rests);
+    }
+    for (const Leg& leg : legs) lowest = std::min(lowest, detail::foot_over_floor(pose, leg, options));
+    heights.push_back(lowest);
+  }
+  return heights;
+}
+
+MOTIONLANG_BODY Motion stand_on_floor(const Motion& motion, std::span<const Leg> legs, const FloorFixOptions& options) {
+  if (!(options.longest_flight > 0 && options.sigma > 0))
+    raise<config_error>(101, "stand_on_floor: flights of ", options.longest_flight, " s, sigma ", options.sigma, " s");
+  const auto heights = heights_over_floor(motion, legs, options);
+  if (heights.empty()) return motion;
+  const double sigma = options.sigma * motion.fps;  // frames
+  const auto reach = static_cast<Index>(
+      std::min(0.5 * options.longest_flight * motion.fps + 0.5, static_cast<double>(motion.frames())));
+  const auto hovering = detail::extremes(detail::extremes(heights, reach, false), reach, true);
+  std::vector<double> down, up, left;
+  for (std::size_t f = 0; f < heights.size(); ++f) down.push_back(detail::beyond(hovering[f], options.tolerance));
+  down = gaussian_smooth(std::span<const double>(down), 1, 2 * sigma);
+  for (std::size_t f = 0; f < heights.size(); ++f) {
+    left.push_back(heights[f] - down[f]);
+    up.push_back(detail::beyond(-left[f], options.tolerance));
+  }
+  auto arcs = detail::above_arcs(left, motion.fps, options);
+  for (double& a : arcs) a = detail::beyond(a, options.tolerance);
+  arcs = gaussian_smooth(std::span<const double>(arcs), 1, sigma);
+  up = detail::smooth_above(up, 2 * sigma);
+  Motion out = motion;
+  for (std::size_t f = 0; f < heights.size(); ++f) out.root[f].y += up[f] - down[f] - arcs[f];
+  return out;
+}
+
+MOTIONLANG_BODY Motion lift_sunken_feet(const Motion& motion, std::span<const Leg> legs,
+                                        const FloorFixOptions& options) {
+  detail::require_legs("lift_sunken_feet", motion.skeleton, legs);
+  if (motion.frames() == 0) return motion;
+  const auto positions = motion.positions();
+  Motion out = motion;
+  for (const Leg& leg : legs) {
+    std::vector<double> sunk;
+    for (Index f = 0; f < motion.frames(); ++f)
+      sunk.push_back(
+          detail::beyond(-detail::foot_over_floor(detail::pose_of(positions, motion.skeleton.size(), f), leg, options),
+                         options.foot_sinks));
+    std::vector<Vec3<double>> lift;
+    for (const double y : detail::smooth_above(sunk, options.sigma * motion.fps)) lift.push_back({0, y, 0});
+    detail::move_foot(out, leg, lift);
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FORWARD_BATCH_HPP  // <motionlang/kinematics/forward_batch.hpp>
@@ -11215,6 +11759,73 @@ Tensor<B, 4> forward_kinematics(const Skeleton& skeleton, const LanePoses<B>& po
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_JOIN_MOTIONS_HPP  // <motionlang/kinematics/join_motions.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_JOIN_MOTIONS_HPP
+/// Motions one after the other: each is turned and moved over the floor to go on where the one before it ends.
+///
+///     const Motion both = join_motions(read_motion("walk.bvh"), read_motion("sit.bvh"), 0.3);
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The second motion after the first, on its skeleton and at its rate (match_motion), blended into it (blend_into).
+/// blend   seconds in which both play; at least one frame
+/// Throws  option_error 101 for a motion that is shorter than the blend, and what match_motion throws
+Motion join_motions(const Motion& first, Motion second, double blend);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_JOIN_MOTIONS_IPP  // <motionlang/kinematics/join_motions.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_JOIN_MOTIONS_IPP
+// Bodies of join_motions.hpp.
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MATCH_MOTION_HPP  // <motionlang/kinematics/match_motion.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_MATCH_MOTION_HPP
+/// A clip made like another one, so that both can be joined or composed.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The motion on the skeleton and at the rate of another one. If it comes from another skeleton, it stands on the floor
+/// of the other motion. Throws what retarget and resample throw.
+Motion match_motion(Motion motion, const Motion& other);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_MATCH_MOTION_IPP  // <motionlang/kinematics/match_motion.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_MATCH_MOTION_IPP
+// Bodies of match_motion.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Motion match_motion(Motion motion, const Motion& other) {
+  if (motion.skeleton != other.skeleton) {
+    motion = retarget(motion, other.skeleton);  // on y = 0
+    Motion standing = other;
+    const double up = place_on_floor(standing);
+    for (auto& root : motion.root) root.y -= up;
+  }
+  return motion.fps == other.fps ? motion : resample(motion, other.fps);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY Motion join_motions(const Motion& first, Motion second, double blend) {
+  second = match_motion(std::move(second), first);
+  const double frames = std::max(1.0, std::round(blend * first.fps));
+  const Motion& shorter = first.frames() < second.frames() ? first : second;
+  if (frames > static_cast<double>(shorter.frames()))
+    raise<option_error>(101, "join: '", shorter.name, "' has ", counted(shorter.frames(), "frame"), " at ", shorter.fps,
+                        " per second, `blend` ", blend, " takes ", frames);
+  return blend_into(first, second, static_cast<Index>(frames));
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_KINEMATICS_LOOPS_HPP  // <motionlang/kinematics/loops.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_LOOPS_HPP
 /// Cycles in a clip (steps, waving, breathing) and clips made longer by going round them.
@@ -11331,38 +11942,6 @@ MOTIONLANG_BODY Motion go_round(const Motion& motion, const Loop& loop, Index fr
     }
   }
   return out;
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_MATCH_MOTION_HPP  // <motionlang/kinematics/match_motion.hpp>
-#define MOTIONLANG_HAS_KINEMATICS_MATCH_MOTION_HPP
-/// A clip made like another one, so that both can be joined or composed.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// The motion on the skeleton and at the rate of another one. If it comes from another skeleton, it stands on the floor
-/// of the other motion. Throws what retarget and resample throw.
-Motion match_motion(Motion motion, const Motion& other);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_KINEMATICS_MATCH_MOTION_IPP  // <motionlang/kinematics/match_motion.ipp>
-#define MOTIONLANG_HAS_KINEMATICS_MATCH_MOTION_IPP
-// Bodies of match_motion.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY Motion match_motion(Motion motion, const Motion& other) {
-  if (motion.skeleton != other.skeleton) {
-    motion = retarget(motion, other.skeleton);  // on y = 0
-    Motion standing = other;
-    const double up = place_on_floor(standing);
-    for (auto& root : motion.root) root.y -= up;
-  }
-  return motion.fps == other.fps ? motion : resample(motion, other.fps);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -11545,7 +12124,7 @@ MOTIONLANG_BODY Motion motion_from_joints(const Skeleton& skeleton, std::span<co
     raise<config_error>(101, "motion_from_joints: ", count, " joints for a skeleton of ", skeleton.size());
   const auto n = static_cast<std::size_t>(count), frames = joints.size() / n;
   if (joints.size() != frames * n)
-    raise<shape_error>(205, "motion_from_joints: ", joints.size(), " positions are no frames of ", count, " joints");
+    raise<shape_error>(205, "motion_from_joints: ", joints.size(), " positions are not frames of ", count, " joints");
   for (std::size_t i = 0; i < joints.size(); ++i) {
     if (!std::isfinite(joints[i].x + joints[i].y + joints[i].z))
       raise<numeric_error>(301, "motion_from_joints: joint ", i % n, " in frame ", i / n, " is not finite");
@@ -11683,7 +12262,7 @@ SincParts sinc_parts(Part... parts) {
 }
 inline bool has(const SincParts& parts, SincPart part) { return parts[static_cast<std::size_t>(part)]; }
 
-/// Throws nothing: an unknown name is no part.
+/// Throws nothing: an unknown name is not part.
 constexpr std::optional<SincPart> parse_sinc_part(std::string_view name) {
   for (std::size_t p = 0; p < sinc_part_count; ++p) {
     if (name == sinc_part_names[p]) return static_cast<SincPart>(p);
@@ -11767,7 +12346,7 @@ struct UniformJoints {
 
 /// joints   (frames, joints)
 /// lengths  (joints), of the target's bones
-/// The result stands at its own height; no floor is looked for. Of no frames: nothing, scale 0.
+/// The result keeps its own height, without a search for the floor. Without frames it is empty, with scale 0.
 /// Throws   shape_error 204, 205, config_error 106, numeric_error 301 for a bone that is not finite, 302 for one of
 ///          length 0
 template <Scalar S>
@@ -11797,6 +12376,192 @@ UniformJoints<S> uniform_skeleton(const ChainSkeleton& skeleton, std::span<const
 }
 
 MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_UP_AXIS_HPP  // <motionlang/kinematics/up_axis.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_UP_AXIS_HPP
+/// Which axis of a file points up, where it is not Y: programs that have Z up, and cameras, whose Y points down.
+///
+///     if (const auto stands = find_up_axis(motion)) motion = turned_upright(motion, stands->axis);
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The axis that points up. `y_down`: the other end of Y does, as in the coordinates of a camera.
+enum class UpAxis { found, y, z, x, y_down, z_down, x_down };
+
+/// "+Y", "-Z".
+std::string_view to_string(UpAxis axis);
+/// The axis as a vector of length 1, (0, 1, 0) for `found`.
+Vec3<double> up_direction(UpAxis axis);
+/// The rotation that turns the axis to +Y, about x where that is possible.
+Quaternion<double> upright_rotation(UpAxis axis);
+
+/// The motion with another axis turned to +Y. If the rest pose stands along that axis, too, it is turned along;
+/// otherwise, and where no table tells how it stands, the root alone is turned. Positions are the same in both cases.
+Motion turned_upright(const Motion& motion, const Quaternion<double>& upright);
+inline Motion turned_upright(const Motion& motion, UpAxis axis) {
+  return turned_upright(motion, upright_rotation(axis));
+}
+
+/// The axis along which a body stands.
+struct StandingAxis {
+  UpAxis axis;
+  double share;  // mean part of the trunk's direction along it; 1: exactly
+};
+
+/// The axis other than +Y along which trunk and legs are, in the mean over the frames. The rest pose has to stand along
+/// it, too, or feet on the floor; else the body lies. Upside down, arms that hang to the feet tell a camera's
+/// coordinates from a handstand. Nothing for a body that stands along +Y or none of them, and where no table of joints
+/// fits.
+std::optional<StandingAxis> find_up_axis(const Motion& motion);
+
+namespace detail {
+
+/// From the ankles to the head in the rest pose; length 1.
+Vec3<double> standing_direction(const Skeleton& skeleton, const BodyJoints& body);
+
+/// A body as joints over frames.
+struct BodyTrack {
+  std::span<const Vec3<double>> positions;  // (frames, columns), the joints of `body` among them
+  Index columns = 0;
+  BodyJoints body{};
+  Vec3<double> at_rest{};  // standing_direction
+};
+struct UprightLimits {
+  double upright = 0.8;   // mean direction of trunk and legs along an axis; 1: exactly
+  double standing = 0.3;  // that feet may be off 0 along an axis that the rest pose does not stand along
+};
+std::optional<StandingAxis> find_up_axis(const BodyTrack& track, const UprightLimits& limits);
+
+}  // namespace detail
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_UP_AXIS_IPP  // <motionlang/kinematics/up_axis.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_UP_AXIS_IPP
+// Bodies of up_axis.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::string_view to_string(UpAxis axis) {
+  constexpr std::string_view names[] = {"+Y", "+Y", "+Z", "+X", "-Y", "-Z", "-X"};
+  return names[static_cast<std::size_t>(axis)];
+}
+
+MOTIONLANG_BODY Vec3<double> up_direction(UpAxis axis) {
+  constexpr Vec3<double> directions[] = {{0, 1, 0},  {0, 1, 0},  {0, 0, 1}, {1, 0, 0},
+                                         {0, -1, 0}, {0, 0, -1}, {-1, 0, 0}};
+  return directions[static_cast<std::size_t>(axis)];
+}
+
+MOTIONLANG_BODY Quaternion<double> upright_rotation(UpAxis axis) {
+  constexpr double quarter = std::numbers::pi / 2;
+  const auto about_x = [](double angle) { return from_axis_angle(Vec3<double>{1, 0, 0}, angle); };
+  switch (axis) {
+    case UpAxis::z:
+      return about_x(-quarter);
+    case UpAxis::z_down:
+      return about_x(quarter);
+    case UpAxis::y_down:
+      return about_x(2 * quarter);
+    case UpAxis::x:
+      return from_axis_angle(Vec3<double>{0, 0, 1}, quarter);
+    case UpAxis::x_down:
+      return from_axis_angle(Vec3<double>{0, 0, 1}, -quarter);
+    default:
+      return Quaternion<double>::identity();
+  }
+}
+
+namespace detail {
+
+MOTIONLANG_BODY Vec3<double> standing_direction(const Skeleton& skeleton, const BodyJoints& body) {
+  const auto rest = skeleton.rest_positions();
+  auto place = [&](int joint) { return rest[static_cast<std::size_t>(joint)]; };
+  return normalized(place(body.head) - 0.5 * (place(body.ankle.left) + place(body.ankle.right)));
+}
+
+MOTIONLANG_BODY std::optional<StandingAxis> find_up_axis(const BodyTrack& track, const UprightLimits& limits) {
+  using Vec = Vec3<double>;
+  const BodyJoints& body = track.body;
+  const Index frames = track.columns == 0 ? 0 : std::ssize(track.positions) / track.columns;
+  if (frames == 0) return std::nullopt;
+  const auto at = [&](Index frame, int joint) {
+    return track.positions[static_cast<std::size_t>(frame * track.columns + joint)];
+  };
+  const auto middle = [&](Index frame, const BodyJoints::Pair& p) {
+    return 0.5 * (at(frame, p.left) + at(frame, p.right));
+  };
+  Vec trunk{}, legs{}, arms{};
+  for (Index f = 0; f < frames; ++f) {
+    const Vec hips = middle(f, body.hip), shoulders = middle(f, body.shoulder);
+    trunk = trunk + normalized(shoulders - hips);
+    legs = legs + normalized(hips - middle(f, body.ankle));
+    if (body.wrist.known()) arms = arms + (shoulders - middle(f, body.wrist));
+  }
+  const auto off_floor = [&](const Vec& up) {  // of the soles: 5 % of the frames have a foot lower than this
+    constexpr double toe_height = 0.02, ankle_height = 0.08;  // m above the sole
+    std::vector<double> lowest;
+    for (Index f = 0; f < frames; ++f) {
+      double low = std::min(dot(up, at(f, body.ankle.left)), dot(up, at(f, body.ankle.right)));
+      if (body.toe.known()) low = std::min({low, dot(up, at(f, body.toe.left)), dot(up, at(f, body.toe.right))});
+      lowest.push_back(low);
+    }
+    return std::abs(quantile(std::move(lowest), 0.05) - (body.toe.known() ? toe_height : ankle_height));
+  };
+  const double share = 1 / static_cast<double>(frames);
+  for (const UpAxis axis : {UpAxis::z, UpAxis::z_down, UpAxis::x, UpAxis::x_down, UpAxis::y_down}) {
+    const Vec up = up_direction(axis);
+    const double along = share * dot(trunk, up);
+    if (along < limits.upright || share * dot(legs, up) < limits.upright) continue;
+    const bool at_rest = dot(track.at_rest, up) >= limits.upright;
+    const bool hanging_arms = axis == UpAxis::y_down && dot(arms, up) > 0;
+    if (at_rest || hanging_arms || off_floor(up) <= limits.standing) return StandingAxis{axis, along};
+  }
+  return std::nullopt;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::optional<StandingAxis> find_up_axis(const Motion& motion) {
+  constexpr Index most = 300;  // frames that are looked at
+  const auto body = find_body_joints(motion.skeleton);
+  if (!body || motion.frames() == 0) return std::nullopt;
+  std::vector<Vec3<double>> positions;
+  JointTransforms<double> world;
+  for (Index f = 0; f < motion.frames(); f += 1 + motion.frames() / most) {
+    motion.world(f, world);
+    positions.insert(positions.end(), world.position.begin(), world.position.end());
+  }
+  const auto place = [&](int joint) { return positions[static_cast<std::size_t>(joint)]; };
+  const double leg =
+      norm(place(body->hip.left) - place(body->knee.left)) + norm(place(body->knee.left) - place(body->ankle.left));
+  return detail::find_up_axis(
+      {positions, motion.skeleton.size(), *body, detail::standing_direction(motion.skeleton, *body)},
+      {.standing = 0.35 * leg});
+}
+
+MOTIONLANG_BODY Motion turned_upright(const Motion& motion, const Quaternion<double>& upright) {
+  Motion out = motion;
+  const auto body = find_body_joints(out.skeleton);
+  const bool turn_rest = body && rotate(upright, detail::standing_direction(out.skeleton, *body)).y > 0.7;
+  for (Vec3<double>& r : out.root) r = rotate(upright, r);
+  for (auto* bones : {&out.skeleton.offsets, &out.skeleton.ends}) {
+    for (Vec3<double>& o : *bones) o = turn_rest ? rotate(upright, o) : o;
+  }
+  for (Index f = 0; f < out.frames(); ++f) {
+    const auto pose = out.rotations(f);
+    if (turn_rest) {
+      for (auto& q : pose) q = upright * q * inverse(upright);
+    } else {
+      pose[0] = upright * pose[0];
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_NN_BATCH_NORM_HPP  // <motionlang/nn/batch_norm.hpp>
@@ -11951,7 +12716,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What a BatchNorm has seen in training. Saved and loaded, but not trained.
+/// Running statistics of a BatchNorm from training. They are saved and loaded, but not trained.
 template <Backend B>
 struct RunningStatistics {
   static constexpr bool trainable = false;
@@ -12019,8 +12784,8 @@ struct BatchNorm {
   }
 };
 
-/// Statistics of use for a constant norm, of training for one that may change: so one function runs a network both
-/// ways.
+/// Uses running statistics for a constant norm, and those of the rows for a norm that may change. So one function runs
+/// a network both ways.
 template <Backend B>
 Tensor<B, 2> batch_norm(const BatchNorm<B>& norm, const Tensor<B, 2>& x) {
   return norm(x);
@@ -12289,7 +13054,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP  // <motionlang/nn/text_features.hpp>
 #define MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP
-/// What a text encoder gives and a denoiser takes: some token vectors for every text.
+/// The output of a text encoder and input of a denoiser: token vectors for every text.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -12356,7 +13121,7 @@ Tensor<B, 2> last_row(const Sequences<B>& x) {
   return pick_rows(x, at);
 }
 
-/// What becomes of the tokens of a text: all stay; their mean; the first one ([CLS]); the end token, which is the last
+/// How the tokens of a text are pooled: all stay; their mean; the first one ([CLS]); the end token, which is the last
 /// one where the network does not say.
 enum class Pooling { none, mean, first, end };
 
@@ -12375,7 +13140,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What both directions know after each row. Rows are those of the input.
+/// The states of both directions after each row. Rows are those of the input.
 template <Backend B>
 struct BiGruStates {
   Sequences<B> forward, backward;
@@ -12850,7 +13615,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct DecodingOptions {
   Index begin = 0, end = 1, pad = 2;
   Index max_steps = 50;
-  Index top_k = 0;         // only the so many most probable symbols are drawn; 0: all
+  Index top_k = 0;         // draws only from this many most probable symbols; 0: all
   bool redraw_pad = true;  // decode_one never draws the padding either
 };
 
@@ -12938,7 +13703,7 @@ struct Decoded {
   std::vector<std::vector<Index>> ids;
   std::vector<Index> lengths;
 
-  /// What counts, without the marks.
+  /// The symbols that count, without the marks.
   IdSequences written() const;
 };
 
@@ -13149,7 +13914,8 @@ struct Embedding {
   }
 };
 
-/// A row for each label with 1 in its column, (labels, classes). Throws shape_error 203 for a label that is no class.
+/// A row for each label with 1 in its column, (labels, classes).
+/// Throws shape_error 203 for a label that is not a class.
 template <Backend B>
 Tensor<B, 2> one_hot(std::span<const Index> labels, Index classes) {
   std::vector<typename B::scalar> rows(labels.size() * static_cast<std::size_t>(classes));
@@ -13601,7 +14367,7 @@ struct Seq2SeqGru {
     using M = Seq2SeqGru;
     return motionlang::fields("text_encoder", &M::text_encoder, "motion_decoder_step", &M::motion_decoder_step);
   }
-  /// What is written goes by the vectors of the tokens that are read; the files hold them twice.
+  /// Input and output share the vectors of the tokens; the files hold them twice.
   std::string copy_of(const std::string& path) const {
     return path == "motion_decoder_step.trg_word_prj.weight" ? "motion_decoder_step.input_emb.weight" : "";
   }
@@ -13614,7 +14380,7 @@ struct Seq2SeqGru {
   using State = typename AttentiveGruDecoder<B>::State;
   using Step = typename AttentiveGruDecoder<B>::Result;
 
-  /// words: vectors without parts of speech. `longest`: as if the longest text had so many words; 0: as it is.
+  /// words: vectors without parts of speech. `longest`: as if the longest text had this many words; 0: as it is.
   State start(const Sequences<B>& words, Index longest = 0) const {
     const auto read = text_encoder(words);
     return motion_decoder_step.start(to_padded(read.equally_far(), 0, longest), read.ends());
@@ -13646,8 +14412,8 @@ struct Seq2SeqGru {
     return gather(concat(std::span<const Tensor<B, 2>>(steps), 0), pick);
   }
 
-  /// What decode_batch asks. The state goes along with the steps, so that beginnings have to grow by one token at a
-  /// time.
+  /// The function that decode_batch calls. The state goes along with the steps, so that beginnings have to grow by one
+  /// token at a time.
   auto next(State& state) const {
     return [this, &state](const IdSequences& written) {
       std::vector<Index> last;
@@ -13758,10 +14524,10 @@ SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> or
 /// All sequences, the longest first: shares become more equal.
 PoolVector<Index> longest_first(const Offsets& offsets);
 
-/// The first sequences that have at most so many rows together; at least one. There must be one.
+/// The first sequences that have at most this many rows together; at least one. There must be one.
 std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows);
 
-/// Calls put(group) for the sequences that each thread has, in groups of at most so many rows. All threads at once.
+/// Calls put(group) for the sequences that each thread has, in groups of at most this many rows. All threads at once.
 template <class F>
 void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads,
                 Index rows, const F& put) {
@@ -13981,9 +14747,9 @@ struct TransformerEncoder {
       return some.rows;
     }));
   }
-  /// Of sequences that end alike: sequence j has the rows of heads[j], then those of tails[i], where uses.begin(i) <= j
-  /// < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail is computed once.
-  /// No dropout. Throws shape_error 204 for other numbers of heads or tails.
+  /// Encodes sequences that share endings: sequence j has the rows of heads[j], then those of tails[i], where
+  /// uses.begin(i) <= j < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail
+  /// is computed once. No dropout. Throws shape_error 204 for other numbers of heads or tails.
   Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
     const ModuleScope scope(*this);
     const Offsets repeated = repeat_lengths(tails.offsets, uses);
@@ -14454,9 +15220,9 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 /// Cross-attention to one row of memory per sequence: softmax over one key is 1, so every query reads the value of that
-/// row. It is computed once for each sequence; weights of queries and keys play no role and get gradient 0. What
-/// dropout leaves is one weight for each query and head: queries of one sequence that keep the same heads read the
-/// same, and each such reading is computed once.
+/// row. It is computed once for each sequence; weights of queries and keys have no effect and get gradient 0. Dropout
+/// keeps or drops one weight for each query and head. Queries of one sequence that keep the same heads read the same
+/// value, which is computed once.
 template <Backend B>
 Tensor<B, 2> attend_one_row(const MultiheadAttention<B>& attention, const Tensor<B, 2>& memory, const Offsets& offsets,
                             const Context& context) {
@@ -14637,7 +15403,8 @@ Sequences<B> first_rows(const Sequences<B>& x, Index n) {
   return {gather(x.rows, pick), Offsets::equal(x.count(), n)};
 }
 
-/// What enters the first layer: the tokens of each sequence, its frames, and positions that count from the first token.
+/// The input of the first layer: the tokens of each sequence, its frames, and positions that count from the first
+/// token.
 template <Backend B>
 Sequences<B> token_sequence(const Sequences<B>& tokens, const Sequences<B>& frames, const Tensor<B, 2>& positions) {
   return add_positions(concat_tokens(tokens, frames), positions);
@@ -14702,7 +15469,7 @@ Sequences<B> position_queries(const Tensor<B, 2>& positions, const Offsets& offs
   return {gather(positions, rows), offsets};
 }
 
-/// What a decoder makes of queries that are the same for all sequences of one length, read out by `final_layer`.
+/// The output of a decoder for queries that are the same for all sequences of one length, read out by `final_layer`.
 ///     queries(lengths)   the queries of sequences of these lengths
 /// Without dropout the first layer's attention to itself is the same for them too, and is computed once for each
 /// length.
@@ -14817,7 +15584,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// How many codes are in use, as it were:  exp(-sum_k p_k log(p_k + 1e-10)),   p_k: share of code k
 double code_perplexity(std::span<const Index> codes, Index codebook);
 
-/// What becomes of vectors z.
+/// The result of quantising vectors z.
 template <Backend B>
 struct Quantized {
   std::vector<Index> codes;  // k_i = arg min_k |z_i - e_k|, of equals the first
@@ -14919,8 +15686,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 ///     l_i = -sum_j t_ij log softmax(s_i)_j,   t_ij = 1 - e where j = y_i, e / (classes - 1) elsewhere
 /// computed relative to the largest s_ij of each row: nothing overflows. e: label smoothing as TM2T has it
 /// (Szegedy et al., 2016, section 7, give e / classes to every class).
-/// logits s (rows, classes), one label y per row -> (rows). Throws shape_error 203 for a label that is no class, 204 if
-/// the counts differ, config_error 101 unless 0 <= e < 1.
+/// logits s (rows, classes), one label y per row -> (rows). Throws shape_error 203 for a label that is not a class, 204
+/// if the counts differ, config_error 101 unless 0 <= e < 1.
 template <Backend B>
 Tensor<B, 1> cross_entropies(const Tensor<B, 2>& logits, std::span<const Index> labels, double smoothing = 0) {
   const Index rows = logits.size(0), classes = logits.size(1);
@@ -15144,7 +15911,7 @@ std::vector<S> smplrifke_from_poses(std::span<const S> poses, std::span<const S>
 /// features  (frames, 205)
 /// The path starts at x = y = 0 with the heading `first_angle`; the velocity and turn of the last frame are not used,
 /// nor is what heading the first rotation contains.
-/// Throws    shape_error 205 if the size is no multiple of 205
+/// Throws    shape_error 205 if the size is not a multiple of 205
 template <Scalar S>
 SmplRifkeMotion<S> smplrifke_inverse(std::span<const S> features, const SmplRifkeOptions& options = {}) {
   if (features.size() % smplrifke_size != 0) {
@@ -15459,7 +16226,7 @@ struct LossTerms {
   void add(std::string name, double weight, Tensor<B, 0> value) {
     terms.push_back({std::move(name), weight, std::move(value)});
   }
-  /// The terms of another loss, with something behind their names.
+  /// Adds the terms of another loss, with a suffix behind their names.
   void append(LossTerms other, const std::string& suffix = "") {
     for (Term& t : other.terms) add(t.name + suffix, t.weight, std::move(t.value));
   }
@@ -15469,7 +16236,7 @@ struct LossTerms {
     for (const Term& t : terms) sum = sum + t.value * t.weight;
     return sum;
   }
-  /// The terms whose names begin so, without their weights.
+  /// The terms whose names begin with a prefix, without their weights.
   Tensor<B, 0> sum_of(std::string_view beginning) const {
     Tensor<B, 0> sum(0.0);
     for (const Term& t : terms) {
@@ -15593,7 +16360,7 @@ Tensor<B, 0> smooth_l1(const Tensor<B, R>& a, const Tensor<B, R>& b) {
 }
 
 namespace detail {
-/// Numbers of a batch that is padded to so many frames, or to the longest sequence.
+/// Numbers of a batch that is padded to this many frames, or to the longest sequence.
 template <Backend B>
 double padded_count(const Sequences<B>& a, Index frames) {
   return static_cast<double>(a.count() * std::max(frames, a.offsets.longest()) * a.width());
@@ -15676,7 +16443,7 @@ struct AdamWConfig {
   double beta1 = 0.9, beta2 = 0.999;
   double eps = 1e-8;
   double weight_decay = 0.01;
-  bool allow_constants = false;  // parameters that are no variables stay as they are; else they are an error
+  bool allow_constants = false;  // parameters that are not variables stay as they are; else they are an error
 };
 
 namespace detail {
@@ -15715,7 +16482,7 @@ inline double clip_scale(double norm, double max_norm) { return std::min(1.0, ma
 ///     p = p (1 - lr wd);   m = b1 m + (1 - b1) g;   v = b2 v + (1 - b2) g^2
 ///     p = p - lr / (1 - b1^k) m / (sqrt(v / (1 - b2^k)) + eps)
 /// All parameters decay, biases and norms too. Parameters that the loss does not reach stay as they are. With
-/// weight_decay = 0 this is Adam. Tensors of modules with `trainable = false` are no parameters.
+/// weight_decay = 0 this is Adam. Tensors of modules with `trainable = false` are not parameters.
 template <AutodiffBackend A>
 class AdamW {
  public:
@@ -15729,8 +16496,8 @@ class AdamW {
   AdamWConfig config;
 
   /// One update; gradients are multiplied by `scale` first (clip_scale). The model keeps its variables. Throws
-  /// config_error 102 for a parameter that is no variable (unless config.allow_constants) and for two parameters of one
-  /// path, before anything has changed, shape_error 204 if restored moments are those of another model.
+  /// config_error 102 for a parameter that is not a variable (unless config.allow_constants) and for two parameters of
+  /// one path, before anything has changed, shape_error 204 if restored moments are those of another model.
   template <Module M>
   void step(M& model, const Gradients<A>& gradients, double scale = 1) {
     const auto tensors = tensors_of(model);
@@ -15967,7 +16734,7 @@ struct IndexRange {
   bool operator==(const IndexRange&) const = default;
 };
 
-/// What numbers of a feature vector mean. A table of these covers the vector without gap or overlap.
+/// The meaning of some values of a feature vector. A table of these covers the vector without gap or overlap.
 struct FeatureRange {
   IndexRange numbers;
   std::string_view meaning;  // with `joints`: of each of them
@@ -16022,7 +16789,7 @@ struct FeatureLayout {
 FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint, Index rotations = 22,
                                const BodyPartition& body = {});
 
-/// What the numbers of `smplrifke_layout` mean. World: Z up.
+/// The meaning of the values of `smplrifke_layout`. World: Z up.
 inline constexpr std::array<FeatureRange, 6> smplrifke_ranges{{
     {{0, 1}, "height of the pelvis above the lowest joint of the clip", "m"},
     {{1, 3}, "velocity of the pelvis to the next frame, seen from the body: x, y", "m/frame"},
@@ -16082,7 +16849,7 @@ constexpr std::array<FeatureRange, 7> guoh3dfeats_ranges_of(const Guoh3dSlots& s
 
 }  // namespace detail
 
-/// What the numbers of `guoh3dfeats_layout` mean: of HumanML3D, and of KIT with MMM's joints. World: Y up.
+/// The meaning of the values of `guoh3dfeats_layout`: of HumanML3D, and of KIT with MMM's joints. World: Y up.
 inline constexpr auto guoh3dfeats_ranges = detail::guoh3dfeats_ranges_of(
     {22}, "m", "m/frame", "left ankle, left foot, right ankle, right foot: 1 if it stands, else 0");
 inline constexpr auto kit_ranges =
@@ -16093,7 +16860,7 @@ inline constexpr auto kit_ranges =
 FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
                            const BodyPartition& body = {});
 
-/// What the numbers of `rifke_layout` mean: of TMR, Z up, and of TEMOS on KIT, Y up.
+/// The meaning of the values of `rifke_layout`: of TMR, Z up, and of TEMOS on KIT, Y up.
 inline constexpr std::array<FeatureRange, 4> rifke_ranges{{
     {{0, 1}, "height of the root", "m"},
     {{1, 64}, "position from the ground below the root, seen from the body: x, y, z", "m", {1, 22}},
@@ -16251,7 +17018,7 @@ struct ActorFeatureOptions {
   bool translation = true;  // one more row: the root's way since frame 0, filled up with zeros
   bool global = true;       // false: without joint 0
 
-  /// Rows of a frame of so many joints.
+  /// Rows of a frame of this many joints.
   Index rows(Index joints) const { return joints - (global ? 0 : 1) + (translation ? 1 : 0); }
 };
 /// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
@@ -16262,7 +17029,7 @@ inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
 FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
                            const ActorFeatureOptions& options = {}, const BodyPartition& body = {});
 
-/// What the numbers of `actor_layout` mean. World: that of a camera, in which figures stand on their heads.
+/// The meaning of the values of `actor_layout`. World: that of a camera, in which figures stand on their heads.
 inline constexpr std::array<FeatureRange, 4> actor_ranges{{
     {{0, 6}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
     {{6, 144}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 24}},
@@ -16270,7 +17037,7 @@ inline constexpr std::array<FeatureRange, 4> actor_ranges{{
     {{147, 150}, "0: the root's row is as long as the others", "1"},
 }};
 
-/// What ACTOR's networks read, frame by frame.
+/// The input of ACTOR's networks, frame by frame.
 /// poses    (frames, joints): rotation vectors or matrices
 /// root     (frames), the pelvis; read if `translation` is on
 /// result   (frames, rows numbers): a row for each joint, then the root's
@@ -16322,7 +17089,7 @@ ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, con
   const auto numbers = static_cast<std::size_t>(size(options.rotations));
   const auto width = static_cast<std::size_t>(options.rows(joints)) * numbers;
   if (width == 0 || features.size() % width != 0)
-    raise<shape_error>(205, "actor_inverse: ", features.size(), " values are no frames of ", width);
+    raise<shape_error>(205, "actor_inverse: ", features.size(), " values are not frames of ", width);
   ActorMotion<S> out;
   for (std::size_t at = 0; at < features.size(); at += width) {
     std::size_t from = at;
@@ -16555,7 +17322,7 @@ MOTIONLANG_NAMESPACE_END
 ///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot),
 ///                          positions alone
 ///     smplvelp            135   12.5  TEMOS on SMPL         with the exact heading, so that it is there and back
-///     smplvelp-published  135   12.5  TEMOS on SMPL         with the turn of its repository, which is no heading: see
+///     smplvelp-published  135   12.5  TEMOS on SMPL         with the published turn, which is not a heading: see
 ///                         SmplVelpOptions
 ///     smplrifke           205   20    STMC
 ///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a
@@ -16583,8 +17350,8 @@ struct SmplVelpOptions {
   /// Turns the clip about Z by what `exact_yaw` says of the first frame (and a quarter, `offset`).
   bool canonicalize = true;
   bool offset = true;
-  /// false, as published: the z of the first rotation vector, which is no heading, so that a second pass turns again.
-  /// true: the heading, and clips that differ by a turn about Z become the same.
+  /// false, as published: the z of the first rotation vector. It is not a heading, so a second pass turns again.
+  /// true: the heading. Clips that differ by a turn about Z become the same.
   bool exact_yaw = false;
 };
 
@@ -16605,7 +17372,7 @@ inline FeatureLayout smplvelp_layout(
   });
 }
 
-/// What the numbers of `smplvelp_layout` mean. World: Z up, turned as SmplVelpOptions say.
+/// The meaning of the values of `smplvelp_layout`. World: Z up, turned as SmplVelpOptions say.
 inline constexpr std::array<FeatureRange, 4> smplvelp_ranges{{
     {{0, 1}, "height of the translation in the world", "m"},
     {{1, 3}, "velocity of the translation since the frame before, in the world: x, y", "m/frame"},
@@ -16651,7 +17418,7 @@ SmplVelpMotion<S> smplvelp_inverse(std::span<const S> features, Index joints = 2
                                    PoseRepresentation representation = PoseRepresentation::rot6d) {
   const Index numbers = size(representation), width = 3 + numbers * joints;
   if (joints < 1 || std::ssize(features) % width != 0) {
-    raise<shape_error>(205, "smplvelp_inverse: ", features.size(), " values are no rows of ", width);
+    raise<shape_error>(205, "smplvelp_inverse: ", features.size(), " values are not rows of ", width);
   }
   SmplVelpMotion<S> out;
   Vec3<S> position{};
@@ -16848,7 +17615,7 @@ std::size_t guoh3d_rows(std::string_view function, std::span<const S> features, 
   const Index width = Guoh3dSlots{joints}.size();
   if (joints < 1) raise<config_error>(101, function, ": ", joints, " joints");
   if (std::ssize(features) % width != 0) {
-    raise<shape_error>(205, function, ": ", features.size(), " values are no rows of ", width, " (", joints,
+    raise<shape_error>(205, function, ": ", features.size(), " values are not rows of ", width, " (", joints,
                        " joints)");
   }
   return features.size() / static_cast<std::size_t>(width);
@@ -17235,7 +18002,7 @@ LevelVector<S> turned(const LevelVector<S>& v, S sine, S cosine) {
 }
 inline std::size_t rifke_frames(std::string_view function, std::size_t values, Index per_frame) {
   if (per_frame < 2 || static_cast<Index>(values) % per_frame != 0) {
-    raise<shape_error>(205, function, ": ", values, " values are no frames of ", per_frame);
+    raise<shape_error>(205, function, ": ", values, " values are not frames of ", per_frame);
   }
   return values / static_cast<std::size_t>(per_frame);
 }
@@ -17554,9 +18321,9 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Whether a motion has exactly the joints of these features, SMPL's or MMM's: rows are then made of it as it is.
+/// True if a motion has exactly the joints of these features, SMPL's or MMM's: rows are then made of it as it is.
 bool has_joints_of(const MotionFeatures& features, const Motion& motion);
-/// Whether a motion has the joints of any of the known features, in their order: a reader of a joint array, which has
+/// True if a motion has the joints of any of the known features, in their order: a reader of a joint array, which has
 /// no names, takes it for what it is.
 bool has_joints_of_arrays(const Motion& motion);
 /// The motion as it is if it has the joints of these features, otherwise on SMPL's. Throws what on_smpl throws.
@@ -17629,7 +18396,7 @@ std::vector<double> upsample_linearly(std::span<const S> values, Index width, do
   const auto factor = static_cast<Index>(new_fps / old_fps);
   if (factor < 1) raise<config_error>(101, "upsample_linearly: from ", old_fps, " down to ", new_fps);
   if (width < 1 || std::ssize(values) % width != 0) {
-    raise<shape_error>(205, "upsample_linearly: ", values.size(), " values are no rows of ", width);
+    raise<shape_error>(205, "upsample_linearly: ", values.size(), " values are not rows of ", width);
   }
   const auto n = static_cast<std::size_t>(width);
   std::vector<double> out;
@@ -17932,7 +18699,7 @@ class FeatureStatistics {
   const std::vector<double>& mean() const { return mean_; }
   /// Unbiased (divided by n - 1). Throws numeric_error 302 below two frames.
   std::vector<double> standard_deviation() const { return deviation(2); }
-  /// Of these frames themselves (divided by n). Throws numeric_error 302 of no frame.
+  /// The deviation of these frames themselves (divided by n). Throws numeric_error 302 without a frame.
   std::vector<double> population_deviation() const { return deviation(1); }
 
  private:
@@ -18022,7 +18789,7 @@ struct ActorGruEncoder {
         var(width, width, rng),
         concatenate_time(time) {}
 
-  /// Throws shape_error 203 for a label that is no class or a motion without frames.
+  /// Throws shape_error 203 for a label that is not a class or a motion without frames.
   LatentGaussian<B> operator()(const Sequences<B>& x, std::span<const Index> labels) const {
     const ModuleScope scope(*this);
     const Index classes = feats_embedding.in() - x.width() - (concatenate_time ? 1 : 0);
@@ -18250,8 +19017,8 @@ struct ActorDecoder {
     seqTransDecoder = copied_layers<TransformerDecoder<B>>(c, rng);
   }
 
-  /// What the frames of each motion attend to. z (motions, width). Throws shape_error 203 for a label that is no class,
-  /// 204 unless each motion has one.
+  /// The rows to which the frames of each motion attend. z (motions, width).
+  /// Throws shape_error 203 for a label that is not a class, 204 unless each motion has one.
   Sequences<B> memory(const Tensor<B, 2>& z, std::span<const Index> labels) const {
     if (std::ssize(labels) != z.size(0))
       raise<shape_error>(204, "ActorDecoder: ", labels.size(), " labels for ", z.size(0), " motions");
@@ -18315,7 +19082,8 @@ struct ActorEncoder {
         positions(max_len, c.d_model),
         dropout_p(c.dropout) {}
 
-  /// What enters the first layer. Throws shape_error 203 for a label that is no class, 204 unless each motion has one.
+  /// The input of the first layer.
+  /// Throws shape_error 203 for a label that is not a class, 204 unless each motion has one.
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> labels) const {
     auto token = [&](const Tensor<B, 2>& of_class) {
       return Sequences<B>(gather(of_class, labels), Offsets::equal(std::ssize(labels), 1));
@@ -18375,7 +19143,7 @@ struct ActorAverageEncoder {
   }
 
  private:
-  /// Embedded frames of zeros at the positions behind the end of each sequence, up to so many.
+  /// Embedded frames of zeros at the positions behind the end of each sequence, up to this many.
   Sequences<B> padding_of(const Offsets& offsets, Index longest) const {
     detail::require_positions("ActorAverageEncoder", positions.rows(), longest);
     PoolVector<Index> at, lengths;
@@ -18458,12 +19226,12 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VAE_ACTOR_LATENTS_HPP  // <motionlang/vae/actor_latents.hpp>
 #define MOTIONLANG_HAS_VAE_ACTOR_LATENTS_HPP
-/// The latents of generated motions, which may share their noise: what differs between two motions is then the action
-/// alone, or the noise alone.
+/// The latents of generated motions. Motions may share their noise, so that they differ only in the action, or only in
+/// the noise.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Which latents share their noise. interpolate: one vector, scaled from -1 to 1 over the samples.
+/// How latents share their noise. interpolate: one vector, scaled from -1 to 1 over the samples.
 enum class NoiseSharing { random, same, interpolate };
 struct ActorSampling {
   Index samples = 1;  // of each action
@@ -18471,7 +19239,7 @@ struct ActorSampling {
   NoiseSharing across_actions = NoiseSharing::random;  // random or same
   double fact = 1;                                     // scales all noise
 
-  /// Rows of noise that `samples` of so many actions need.
+  /// Rows of noise that `samples` of this many actions need.
   Index noise_rows(Index actions) const {
     return (across_samples == NoiseSharing::random ? samples : 1) *
            (across_actions == NoiseSharing::random ? actions : 1);
@@ -18516,8 +19284,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct ActorLossWeights {
   double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
 };
-/// What rcxyz and velxyz compare: `actor_points` of the motions, and of those that the model wrote. Published models
-/// take vertices without the translation.
+/// The points that rcxyz and velxyz compare: `actor_points` of the motions, and of those that the model wrote.
+/// Published models take vertices without the translation.
 template <Backend B>
 struct ActorLossPoints {
   Sequences<B> wanted, written;
@@ -18689,7 +19457,7 @@ struct MotionTokenizer {
     const auto z = encode(x);
     return {quantizer.codes(z.rows), z.offsets};
   }
-  /// Codes to normalised features. Throws shape_error 203 for an id that is no code.
+  /// Codes to normalised features. Throws shape_error 203 for an id that is not a code.
   Sequences<B> motions(const IdSequences& tokens) const {
     return vq_decoder({quantizer.embedding(tokens.ids), tokens.offsets});
   }
@@ -18729,7 +19497,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VAE_PARTED_TEXT_ENCODER_HPP  // <motionlang/vae/parted_text_encoder.hpp>
 #define MOTIONLANG_HAS_VAE_PARTED_TEXT_ENCODER_HPP
-/// What the text encoders of TEACH and SINC share: a sequence of several parts, told apart by a learned token.
+/// The common part of the text encoders of TEACH and SINC: a sequence of several parts, told apart by a learned token.
 ///
 ///     [mu token, logvar token, part, separation token, part, ...] -> encoder -> mu, logvar
 
@@ -18802,7 +19570,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What one modality of a batch became.
+/// The results for one modality of a batch.
 template <Backend B>
 struct LatentBranch {
   LatentGaussian<B> distribution;
@@ -19055,7 +19823,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What becomes of several labels: one sentence (text/joined_labels.hpp; the released models); one sequence of separate
+/// How several labels are encoded: one sentence (text/joined_labels.hpp; the released models); one sequence of separate
 /// texts ("SINC-STE"); a latent for each label, all of them memory of the decoder.
 enum class SincMode { single, separate_texts, separate_latents };
 
@@ -19105,13 +19873,13 @@ struct SincTextEncoder {
   SincTextEncoder(Index text_dim, const TransformerConfig& c, Index max_len, Rng auto& rng)
       : text(text_dim, c, max_len, rng) {}
 
-  /// What enters the first layer, for each text on its own.
+  /// The input of the first layer, for each text on its own.
   Sequences<B> alone(const Sequences<B>& states, bool positions, const Context& context = {}) const {
     const auto words = text.projected(states);
     const auto tokens = repeat_sequence(text.beginning(), states.count());
     return concat_tokens(tokens, positions ? text.placed(words, context) : words);
   }
-  /// What enters the first layer, for the texts of each motion together.
+  /// The input of the first layer, for the texts of each motion together.
   /// legacy_mask  As published, where the mask is shifted by one behind the first text: of each further text that is
   ///              shorter than the batch is padded to, the last token is hidden and the last place of its padding seen
   ///              (`texts.end`: the state of the language model there, distilbert.padding_states(batch, last place)); a
@@ -19175,7 +19943,7 @@ struct TeachTextKeys {
   static constexpr const char* separation_token = "seperation_token";  // published so
 };
 
-/// What came before an action.
+/// The motion before an action.
 template <Backend B>
 struct TeachPast {
   std::optional<Sequences<B>>
@@ -19369,7 +20137,7 @@ struct TemosEncoder {
   Sequences<B> embed(const Sequences<B>& x) const {
     return projection(Keys::relu ? x.with(activate(x.rows, Activation::relu)) : x);
   }
-  /// What enters the first layer.
+  /// The input of the first layer.
   Sequences<B> sequence(const Sequences<B>& x) const {
     return token_sequence(repeat_sequence(tokens(), x.count()), embed(x), positions.rows());
   }
@@ -19495,7 +20263,7 @@ struct TmrEncoder {
         positions(max_len, c.d_model),
         dropout_p(c.dropout) {}
 
-  /// What enters the first layer.
+  /// The input of the first layer.
   Sequences<B> sequence(const Sequences<B>& x) const {
     return token_sequence(repeat_sequence(tokens, x.count()), projection(x), positions.rows());
   }
@@ -19518,7 +20286,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP  // <motionlang/diffusion/denoiser.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP
-/// What a denoising network must be, for samplers and for STMC.
+/// The concept of a denoising network, for samplers and for STMC.
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_GAUSSIAN_HPP  // <motionlang/diffusion/gaussian.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_GAUSSIAN_HPP
@@ -19641,7 +20409,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What a network says about x_t.
+/// The quantity that a network predicts from x_t.
 enum class Prediction { x0, eps, score, x_prev };
 
 /// How much noise an ancestral step adds.
@@ -19941,7 +20709,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What of the other sequences of its batch a result depends on: a batch of such a denoiser cannot be divided.
+/// How a sequence's result depends on the rest of its batch. A batch with such dependencies cannot be split.
 ///     longest_text   the length of the longest text (MDM-SMPL with texts of several lengths)
 ///     all            everything (the released GRU of MDM)
 enum class BatchMates { none, longest_text, all };
@@ -19980,7 +20748,7 @@ concept EncodesText = Denoiser<D, B> &&
   { d(x, t, d.encode(text)) } -> std::same_as<Sequences<B>>;
 };
 
-/// What a denoiser makes of frames with several texts each: of sequence i of x with the texts uses.begin(i) ...
+/// Denoises frames with several texts each: sequence i of x with the texts uses.begin(i) ...
 /// uses.end(i) - 1, such as a text and none, for guidance. t: a step for each text. Throws shape_error 204 for other
 /// numbers of sequences, texts or steps. A denoiser that computes once what the texts of a sequence have in common
 /// takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
@@ -20010,7 +20778,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 enum class MdmArch { trans_enc, trans_dec, gru };
 enum class MdmCondition { text, action, none };
-/// What stands in front of the frames in trans_dec: nothing, the time embedding with the text's (all checkpoints of
+/// The rows before the frames in trans_dec: nothing, the time embedding with the text's (all checkpoints of
 /// 2022-2023), or the time embedding alone (DistilBERT models).
 enum class MdmClassToken { none, time_plus_text, time_only };
 
@@ -20255,7 +21023,7 @@ struct MdmSmplDenoiser {
   };
   EncodedText encode(const TextFeatures<B>& text) const { return {text_tokens(text), text.padded_tokens}; }
 
-  /// What enters the first layer.
+  /// The input of the first layer.
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text) const {
     check_counts(x.count(), t, text);
     const auto tokens = concat_tokens(head_tokens(t, text), x.with(skel_embedding(x.rows)));
@@ -20296,13 +21064,13 @@ struct MdmSmplDenoiser {
     raise<shape_error>(204, "MdmSmplDenoiser: ", n, " sequences, ", text.tokens.count(), " texts, ", t.size(),
                        " steps");
   }
-  /// What stands in front of the frames, without positions.
+  /// The rows before the frames, without positions.
   Sequences<B> head_tokens(std::span<const Index> t, const EncodedText& text) const {
     const Sequences<B> time(time_tokens(t), Offsets::equal(text.tokens.count(), 1));
     if (!registers) return concat_tokens(time, text.tokens);
     return concat_tokens(time, text.tokens, repeat_sequence(*registers, text.tokens.count()));
   }
-  /// What follows a text stands where it would behind the longest text of the batch, and its padding.
+  /// Rows after a text have the positions that they have behind the longest text of the batch and its padding.
   static PoolVector<PositionGap> gaps(const EncodedText& text) {
     const Offsets& texts = text.tokens.offsets;
     PoolVector<PositionGap> out;
@@ -20491,7 +21259,7 @@ struct MotionDiffuseDenoiser {
     return {.prediction = Prediction::eps, .crop_frames = config.num_frames, .uses_lengths = !config.no_eff};
   }
 
-  /// What depends on the text alone: the same at every step.
+  /// The part that depends on the text alone; it is the same at every step.
   struct EncodedText {
     Tensor<B, 2> xf_proj;  // (sequences, 4 latent)
     Sequences<B> xf_out;   // text rows, text width
@@ -20667,7 +21435,7 @@ struct StepOptions {
   bool clip = false;  // x0 to [-1, 1]
 };
 
-/// The process with so many of its steps, evenly kept; all of them for 0. Throws config_error 105.
+/// The process with this many of its steps, evenly kept; all of them for 0. Throws config_error 105.
 GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps);
 
 /// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a
@@ -20904,7 +21672,7 @@ struct MdmActions {
 
   /// A motion of the denoiser's `crop_frames` for each action. The noise of a motion depends on the generator and on
   /// its place.
-  /// Throws  shape_error 203 for an action that is no class; config_error 102 for a denoiser of texts; `cancelled`
+  /// Throws  shape_error 203 for an action that is not a class; config_error 102 for a denoiser of texts; `cancelled`
   Sequences<B> generate(std::span<const Index> actions, const Philox& rng, const MdmActionOptions& options = {}) const {
     using S = typename B::scalar;
     const MdmConfig& c = denoiser.config;
@@ -21098,7 +21866,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What WordPiece looks pieces up in.
+/// The table in which WordPiece looks up pieces.
 struct WordPieceIds {
   std::unordered_map<std::string, Index> ids;
   std::size_t longest = 0;  // of all pieces
@@ -21294,8 +22062,8 @@ TokenBatch tokenize(const T& tokenizer, std::span<const std::string> texts) {
   return out;
 }
 
-/// A string that becomes its id before words are looked for. Whether it takes the white space beside it along is no
-/// question here, since all our tokenizers drop white space.
+/// A string that becomes its id before words are looked for. White space beside it does not matter, since all our
+/// tokenizers drop white space.
 struct AddedToken {
   std::string content;
   Index id = 0;
@@ -21622,7 +22390,7 @@ struct BertNetwork {
     }))};
   }
 
-  /// What a padded batch has at place `place` behind the end of each text, (texts, width): a piece of padding, which
+  /// The row of a padded batch at `place` behind the end of each text, (texts, width): a piece of padding, which
   /// attends to the text and is not attended to. Published SINC models with separate texts see it. Throws config_error
   /// 101 if there is no such position.
   Tensor<B, 2> padding_states(const TokenBatch& batch, Index place) const requires(!Keys::relative_scores) {
@@ -21716,7 +22484,7 @@ struct BertTokenizerOptions {
   Index longest = 512;             // ids of a text with its frame, as many as the network has positions
   bool truncate = false;           // a longer text is cut, else refused
 
-  /// Of all-mpnet-base-v2.
+  /// The options of all-mpnet-base-v2.
   static BertTokenizerOptions mpnet();
 };
 
@@ -21728,7 +22496,7 @@ class BertTokenizer {
   /// vocabulary   the piece of every id
   /// added        instead of options.special, as a tokenizer.json lists them
   /// Throws       config_error 107, naming `source`: a piece is duplicated, is empty or not UTF-8, or begin, end or
-  ///              unknown is no piece; 101 if options.longest leaves no room for a text
+  ///              unknown is not a piece; 101 if options.longest leaves no room for a text
   explicit BertTokenizer(std::vector<std::string> vocabulary, BertTokenizerOptions options = {},
                          std::string_view source = "BertTokenizer", std::optional<std::vector<AddedToken>> added = {});
 
@@ -21740,7 +22508,7 @@ class BertTokenizer {
   /// Throws config_error 103 if the vocabulary has no piece for padding.
   Index pad_id() const;
 
-  /// Other frames than the options make. Throws config_error 107 for ids that are no pieces, 101 as the constructor.
+  /// Other frames than the options make. Throws config_error 107 for ids that are not pieces, 101 as the constructor.
   void set_frames(std::vector<FramePart> single, std::vector<FramePart> pair, std::string_view source);
 
   /// The framed ids of a text. Throws config_error 101 if they are more than options().longest and may not be cut.
@@ -21758,7 +22526,7 @@ class BertTokenizer {
   std::string normalized(std::string_view text) const;
 
  private:
-  /// Of a character that is white space or belongs to Other: whether it separates words. The others vanish.
+  /// For a character that is white space or belongs to Other: true if it separates words. The others vanish.
   static bool is_blank(char32_t c, unsigned k);
   static bool is_cjk(char32_t c);
   /// ASCII symbols count as punctuation.
@@ -21796,8 +22564,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_UNICODE_HPP  // <motionlang/text/unicode.hpp>
 #define MOTIONLANG_HAS_TEXT_UNICODE_HPP
-/// What tokenizers need of Unicode: classes of characters, words, lower case, canonical decomposition and composition
-/// (NFD, NFC). No locale, no collation, no other normal forms.
+/// The part of Unicode that tokenizers need: classes of characters, words, lower case, canonical decomposition and
+/// composition (NFD, NFC). No locale, no collation, no other normal forms.
 ///
 /// Source  Unicode Standard 15.0, sections 3.11, 3.12 (normal forms, Hangul) and 3.13 (final sigma); the tables are
 ///         generated by tests/tools/make_unicode_tables.py
@@ -23268,7 +24036,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What happens to a text before its words are looked for.
+/// How a text is cleaned before it is split into words.
 enum class ClipCleaning {
   original,     // OpenAI's: repair_text, HTML entities twice, white space, lower case with final sigma
   hugging_face  // NFC, white space, lower case without context, as its tokenizer.json says
@@ -23297,8 +24065,8 @@ class ClipTokenizer {
   explicit ClipTokenizer(const BytePairMerges& merges, const ClipTokenizerOptions& options = {},
                          std::string_view source = "ClipTokenizer");
   /// Any ids. `added` instead of begin and end, as a tokenizer.json lists them: they are looked for before the words
-  /// are. Throws config_error 107, naming `source`, if begin or end is no piece, a piece is duplicated or a merge needs
-  /// a piece that there is not; 101 if options.longest leaves no room for the frame
+  /// are. Throws config_error 107, naming `source`, if begin or end is not a piece, a piece is duplicated or a merge
+  /// needs an unknown piece; 101 if options.longest leaves no room for the frame
   ClipTokenizer(std::vector<std::string> pieces, const BytePairMerges& merges, ClipTokenizerOptions options = {},
                 std::string_view source = "ClipTokenizer", const std::vector<AddedToken>& added = {});
 
@@ -23310,7 +24078,7 @@ class ClipTokenizer {
   /// OpenAI fills up with 0, Hugging Face with the end.
   Index pad_id() const { return options_.cleaning == ClipCleaning::original ? 0 : end_; }
 
-  /// Other frames than begin, text, end. Throws config_error 107 for ids that are no pieces, 101 as the constructor.
+  /// Other frames than begin, text, end. Throws config_error 107 for ids that are not pieces, 101 as the constructor.
   void set_frames(std::vector<FramePart> single, std::vector<FramePart> pair, std::string_view source);
 
   /// The framed ids of a text, at most options().longest: a text that is longer loses its last words, or throws
@@ -23331,13 +24099,13 @@ class ClipTokenizer {
  private:
   static std::vector<std::string> openai_pieces(const BytePairMerges& merges, const ClipTokenizerOptions& options);
 
-  /// What a word may begin with, in the order in which it is tried. Without case, as the original compares, the long s
+  /// The beginnings of a word, in the order in which it is tried. Without case, as the original compares, the long s
   /// is an s.
   std::size_t literal_at(std::string_view text) const;
   std::size_t folded_prefix(std::string_view text, std::string_view literal) const;
 
   /// Words: the literals, runs of letters, single numbers, runs of what is neither nor white space. U+0345 is lost in
-  /// the original: it is no letter, but without case it is the iota, which is one, so that neither kind of run takes
+  /// the original: it is not a letter, but without case it is the iota, which is one, so that neither kind of run takes
   /// it.
   void append_words(std::vector<Index>& ids, std::string_view text, detail::WordCache* cache) const;
   void append_word(std::vector<Index>& ids, std::string_view word, detail::WordCache* cache) const;
@@ -23403,7 +24171,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_TEXT_REPAIR_HPP  // <motionlang/text/text_repair.hpp>
 #define MOTIONLANG_HAS_TEXT_TEXT_REPAIR_HPP
-/// What the CLIP tokenizer does to a text before it looks for words: the deterministic steps of ftfy's repair, and HTML
+/// Cleaning of texts for the CLIP tokenizer: the deterministic steps of ftfy's repair, and HTML
 /// entities.
 ///
 /// Source   openai/CLIP clip/simple_tokenizer.py basic_clean; ftfy 6.3.1 (Speer 2019); Python's html.unescape, HTML5's
@@ -23851,7 +24619,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What Windows-1252 shows for the bytes 0x80 ... 0x9F; five of them are undefined and stay.
+/// The characters of Windows-1252 for the bytes 0x80 ... 0x9F; five of them are undefined and stay.
 constexpr char32_t from_windows_1252(char32_t c) {
   constexpr char16_t shown[] = {0x20AC, 0x81,   0x201A, 0x192,  0x201E, 0x2026, 0x2020, 0x2021, 0x2C6,  0x2030, 0x160,
                                 0x2039, 0x152,  0x8D,   0x17D,  0x8F,   0x90,   0x2018, 0x2019, 0x201C, 0x201D, 0x2022,
@@ -24146,7 +24914,7 @@ class BytePairs {
       const auto& [left, right] = merges[rank];
       const Index a = id_of(left), b = id_of(right), both = id_of(left + right);
       for (const auto& [piece, id] : {std::pair(left, a), std::pair(right, b), std::pair(left + right, both)}) {
-        if (id < 0) raise<config_error>(107, source, ": merge ", rank, ": '", piece, "' is no piece");
+        if (id < 0) raise<config_error>(107, source, ": merge ", rank, ": '", piece, "' is not a piece");
       }
       if (!merges_.emplace(key(a, b), Merge{rank, both}).second)
         raise<config_error>(107, source, ": merge ", rank, ": '", left, "' and '", right, "' are duplicated");
@@ -24499,8 +25267,8 @@ class GloVe {
   /// other ("walks and/or runs"). Throws config_error 107 for a word with no tag or several beside one with a tag of
   /// the table.
   std::vector<TaggedWord> tokens(std::string_view text) const;
-  /// An approximation to what was done with spaCy: hyphens are deleted, words are lowered, those with digits are passed
-  /// over; -s, -es, -ed and -ing are taken away where the word is unknown and the rest is known. Tags come from the
+  /// An approximation to what was done with spaCy: hyphens are deleted, words are lower-cased, those with digits are
+  /// skipped; -s, -es, -ed and -ing are taken away where the word is unknown and the rest is known. Tags come from the
   /// lists of `motion_tag` only.
   std::vector<TaggedWord> caption_tokens(std::string_view text) const;
 
@@ -24936,7 +25704,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_HPP  // <motionlang/text/mirror_caption.hpp>
 #define MOTIONLANG_HAS_TEXT_MIRROR_CAPTION_HPP
-/// What a mirrored motion is called: left and right exchanged in its caption.
+/// The caption of a mirrored motion: left and right are exchanged.
 ///
 ///     left <-> right, with the endings -s, -ward(s), -most, -hand(ed)
 ///     clockwise <-> counterclockwise, anticlockwise -> clockwise; also in parts: "counter-clockwise", "clock-wise"
@@ -25062,8 +25830,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 struct TextOptions {
   Pooling pooling = Pooling::none;
   bool normalize = false;  // pooled vectors get the length 1
-  Index width = 0;    // fill all texts up to so many ids, as MotionDiffuse wants (77); 0: no padding, as the mean wants
-  Index padding = 0;  // the id to fill up with
+  Index width = 0;         // pads all texts to this many ids, as for MotionDiffuse (77); 0: no padding, as for the mean
+  Index padding = 0;       // the id to fill up with
 };
 
 /// The network takes a TokenBatch and gives TextFeatures<B>. Two things are optional: `until_end(batch)`, what suffices
@@ -25387,7 +26155,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_BODY_PART_ANSWERS_HPP  // <motionlang/compose/body_part_answers.hpp>
 #define MOTIONLANG_HAS_COMPOSE_BODY_PART_ANSWERS_HPP
-/// What a language model answered when it was asked which body parts an action moves, as the parts of SINC; and a table
+/// Answers of a language model to the question which body parts an action moves, as the parts of SINC; and a table
 /// of such answers. Read from a file by datasets/body_part_table.hpp; without a table, body_part_lexicon.hpp guesses.
 ///
 ///     parse_body_part_answer("Answer: right leg\nleft leg\nbuttocks")   // global, left leg, right leg
@@ -25458,7 +26226,7 @@ MOTIONLANG_BODY SincParts parse_body_part_answer(std::string_view answer) {
                                    : name == "right shoulder"            ? "right arm"
                                                                          : name;
     const auto part = parse_sinc_part(known);
-    if (!part) raise<config_error>(103, "parse_body_part_answer: '", name, "' is no body part, in '", answer, "'");
+    if (!part) raise<config_error>(103, "parse_body_part_answer: '", name, "' is not a body part, in '", answer, "'");
     parts.set(static_cast<std::size_t>(*part));
   }
   if (parts.none()) raise<config_error>(103, "parse_body_part_answer: no body part in '", answer, "'");
@@ -25521,7 +26289,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What a word stem says about the body. `arm` is one arm, whose side the rest of the text tells.
+/// The meaning of a word stem for the body. `arm` is one arm, whose side the rest of the text tells.
 struct WordMeaning {
   std::string_view stem;
   bool arm = false, arms = false, legs = false, head = false, spine = false;
@@ -25768,18 +26536,18 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_PLAN_OPTIONS_HPP  // <motionlang/compose/plan_options.hpp>
 #define MOTIONLANG_HAS_COMPOSE_PLAN_OPTIONS_HPP
-/// What a caller can choose when timelines are planned.
+/// Options for planning timelines.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What to do where no text is active: let the model move freely, or throw timeline_error 505.
+/// The rule for frames without a text: let the model move freely, or throw timeline_error 505.
 enum class Gaps { fill, refuse };
-/// What to do at a cut at which no part changes its owner, because a text is hidden behind others: throw timeline_error
+/// The rule for a cut at which no part changes its owner, because other texts hide a text: throw timeline_error
 /// 506, or leave the transition out (the result is the same without it).
 enum class HiddenTexts { refuse, ignore };
 
-/// Frames that go through the denoiser together unless told otherwise: more than 12 s on five tracks have, with and
-/// without their texts. The published network holds some 90 MB for them.
+/// The default number of frames that go through the denoiser together. It is more than 12 s on five tracks have, with
+/// and without their texts. The published network holds about 90 MB for them.
 inline constexpr Index usual_rows_at_once = 4096;
 
 struct PlanOptions {
@@ -25824,7 +26592,7 @@ struct FirstWins {
 
 namespace detail {
 
-/// Of the texts with the path (of all, if there are none) the one with the most parts; of equals the first after a
+/// Among texts with the path (or all, if none has it), the one with the most parts; on a tie, the first after a
 /// shuffle.
 /// Shuffling one text draws nothing.
 template <class T, Shuffler G>
@@ -25940,7 +26708,7 @@ void check_crops(const TimelinePlan& plan, Index longest);
 /// A plan with its pieces, which have no owners yet. Throws timeline_error 503 ... 505, 507, config_error 101.
 TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options);
 
-/// What follows from the owners of the pieces. Throws timeline_error 506, 508.
+/// Derives the plan from the owners of the pieces. Throws timeline_error 506, 508.
 void finish_plan(TimelinePlan& plan, const PlanOptions& options);
 
 }  // namespace detail
@@ -26242,7 +27010,7 @@ class Stitcher {
   std::vector<Part> parts_;
 };
 
-/// Hard cuts softened afterwards (the SINC+lerp baseline): in every window of the plan the part is interpolated
+/// Softens hard cuts (the SINC+lerp baseline): in every window of the plan the part is interpolated
 /// linearly between the values at the window's first and last frame.
 ///     w v_first + (1 - w) v_last,   w = linspace(1, 0, window)
 /// All windows read the hard-cut motion; where they overlap the later one wins. Source: STMC src/stmc.py.
@@ -26334,7 +27102,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What one step computed, for those who want to see it. Rows are those of the crops, in batch order.
+/// The results of one step, for those who want to see them. Rows are those of the crops, in batch order.
 template <Backend B>
 struct CollageStep {
   Tensor<B, 2> crops, cond, null, guided, x0;
@@ -26424,7 +27192,7 @@ class Collage {
     return rows;
   }
 
-  /// Whether a sequence has the same result in any batch of these texts.
+  /// True if a sequence has the same result in any batch of these texts.
   bool can_divide() const {
     const BatchMates mates = denoiser_->traits().mates;
     const Offsets& texts = texts_.tokens.offsets;
@@ -26471,7 +27239,7 @@ class Collage {
     build_batch();
   }
 
-  /// What the network makes of all jobs, one after the other.
+  /// The outputs of the network for all jobs, one after the other.
   Tensor<B, 2> denoised(const Tensor<B, 2>& x, Index t) const {
     const detail::RowsTogether in_any_batch(detail::RowsTogether::many);
     const auto of = [&](const Batch& b) {
@@ -26696,8 +27464,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP  // <motionlang/compose/cut_texts.hpp>
 #define MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP
-/// Texts cut where a denoiser does them best in parts: where they lend body parts or get them back, and where they are
-/// too long.
+/// Texts cut where a denoiser does them best in parts: where their action is over, where they lend body parts or get
+/// them back, and where they are too long.
 ///
 ///     const auto motion = stmc.generate(cut_texts(timeline, stmc.fps), rng);
 ///
@@ -26711,7 +27479,7 @@ inline constexpr double longest_whole_text = 8;
 /// Seconds below which a part would be too short for the denoiser to do what the text says.
 inline constexpr double shortest_part = 0.5;
 
-/// cut_at_handovers, divide_long_texts. Throws what they throw.
+/// end_actions, cut_at_handovers, divide_long_texts. Throws what they throw.
 Timeline cut_texts(const Timeline& timeline, double fps);
 
 MOTIONLANG_NAMESPACE_END
@@ -26722,7 +27490,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP  // <motionlang/compose/handovers.hpp>
 #define MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP
-/// Texts cut where what they own changes.
+/// Cuts texts where their body parts change.
 ///
 /// A text that goes on while another borrows its arms is one crop as published, so the denoiser sees raised arms in the
 /// middle of "walk forward" and keeps them up before and after. Cut at these times, it walks with its own arms, then
@@ -26734,8 +27502,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Cuts every text at the times at which it gets or loses body parts, unless a stretch would be shorter than `least`
-/// frames. Throws config_error 101 if too many texts lie over each other.
+/// Cuts every text at the times at which it gets or loses body parts, unless a piece would be shorter than `least`
+/// frames. Throws config_error 101 if too many texts overlap.
 Timeline cut_at_handovers(const Timeline& timeline, Index least);
 
 MOTIONLANG_NAMESPACE_END
@@ -26792,7 +27560,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Of one text: a day in parts of 8 s makes 10,800.
+/// The limit for one text: a day in parts of 8 s makes 10,800.
 inline constexpr Index most_parts = 100000;
 
 namespace detail {
@@ -26848,10 +27616,130 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_COMPOSE_NATURAL_LENGTHS_HPP  // <motionlang/compose/natural_lengths.hpp>
+#define MOTIONLANG_HAS_COMPOSE_NATURAL_LENGTHS_HPP
+/// Actions that begin and end: a denoiser that has more time than an action takes does it again, or slowly, and may
+/// begin in the middle. Such a text becomes several: standing, the action for as long as people take, what follows.
+///
+///     const auto length = natural_length("sit down");                     // 2.8 s, then "sit quietly"
+///     const Timeline both = end_actions(parse_timeline("sit down # 0 # 8\n"), 20);
+///
+/// Source  lengths: the third quartile of the segments with such captions in examples/training/captions.tsv
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// How long an action takes, and a text of what somebody does then.
+struct NaturalLength {
+  double seconds = 0;
+  std::string then{};
+  bool from_rest = false;  // raising arms, bending: begins as somebody stands
+};
+
+/// That of an English text of one action that ends: turning, raising arms, sitting down, standing up, jumping, bending,
+/// kicking, punching and throwing. Nothing for other texts, and for those with "again", "and", "while", "times", ...
+std::optional<NaturalLength> natural_length(std::string_view text);
+
+/// Seconds of "stand still" in front of an action that begins from rest.
+inline constexpr double lead_in = 0.5;
+
+/// Every text that lasts at least a second longer than its action becomes the action and what follows it, with the same
+/// parts. An action from rest has a lead_in if it has two seconds, all parts and the beginning of the timeline. For the
+/// human body; other timelines stay as they are.
+Timeline end_actions(const Timeline& timeline, double fps);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_NATURAL_LENGTHS_IPP  // <motionlang/compose/natural_lengths.ipp>
+#define MOTIONLANG_HAS_COMPOSE_NATURAL_LENGTHS_IPP
+// Bodies of natural_lengths.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The words of a text in lower case.
+inline std::vector<std::string> lower_words(std::string_view text) {
+  std::vector<std::string> words(1);
+  for (const char c : text) {
+    const char l = lower(c);
+    if ((l >= 'a' && l <= 'z') || (l >= '0' && l <= '9') || l == '\'')
+      words.back() += l;
+    else if (!words.back().empty())
+      words.emplace_back();
+  }
+  if (words.back().empty()) words.pop_back();
+  return words;
+}
+
+/// Words of actions that go on, or that need another one.
+inline constexpr std::array continuing_words{"again",      "and",  "then",  "while",   "times",  "twice",
+                                             "repeatedly", "keep", "keeps", "circles", "circle", "continuously",
+                                             "several",    "many", "jacks", "rope",    "walk",   "walks",
+                                             "walking",    "run",  "runs",  "running"};
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::optional<NaturalLength> natural_length(std::string_view text) {
+  const auto words = detail::lower_words(text);
+  const auto says = [&](std::initializer_list<std::string_view> any) {
+    return std::any_of(words.begin(), words.end(),
+                       [&](const std::string& w) { return std::find(any.begin(), any.end(), w) != any.end(); });
+  };
+  if (std::any_of(detail::continuing_words.begin(), detail::continuing_words.end(),
+                  [&](const char* w) { return says({w}); }))
+    return {};
+  const bool arm = says({"arm", "arms", "hand", "hands"});
+  if (says({"turn", "turns", "turning"}) && says({"left", "right", "around"}) && !arm)
+    return NaturalLength{2.4, "stand still"};
+  if (says({"raise", "raises", "raising", "lift", "lifts", "lifting"}) && arm) {
+    const bool both = says({"both", "arms", "hands"}), left = says({"left"});
+    return NaturalLength{2.2,
+                         both   ? "hold both arms up"
+                         : left ? "hold the left arm up"
+                                : "hold the right arm up",
+                         true};
+  }
+  if (says({"sit", "sits", "sitting"}) && says({"down"})) return NaturalLength{2.8, "sit quietly"};
+  if (says({"stand", "stands", "get", "gets"}) && says({"up"})) return NaturalLength{2.4, "stand still"};
+  if (says({"jump", "jumps", "leap", "leaps"}) && !(says({"up"}) && says({"down"})))
+    return NaturalLength{2.8, "stand still"};
+  if (says({"bend", "bends", "bending", "bow", "bows", "bowing"}) && !says({"knees", "knee", "arm", "arms"}))
+    return NaturalLength{2.2, "stand still", true};
+  if (says({"kick", "kicks", "punch", "punches", "throw", "throws"})) return NaturalLength{2.4, "stand still"};
+  return {};
+}
+
+MOTIONLANG_BODY Timeline end_actions(const Timeline& timeline, double fps) {
+  if (!(timeline.body == BodyPartition{})) return timeline;
+  Timeline out{{}, timeline.body};
+  for (const Interval& whole : timeline.intervals) {
+    const auto natural = natural_length(whole.text);
+    Interval action = whole;
+    if (natural && natural->from_rest && whole.start == 0 && whole.parts == BodyParts::all() &&
+        whole.end >= frame_at(2, fps)) {
+      out.intervals.push_back(whole);
+      out.intervals.back().text = "stand still";
+      out.intervals.back().end = action.start = frame_at(lead_in, fps);
+    }
+    out.intervals.push_back(action);
+    if (!natural || action.end - action.start < frame_at(natural->seconds + 1, fps)) continue;
+    Interval rest = action;
+    out.intervals.back().end = rest.start = action.start + frame_at(natural->seconds, fps);
+    rest.text = natural->then;
+    out.intervals.push_back(std::move(rest));
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY Timeline cut_texts(const Timeline& timeline, double fps) {
-  return divide_long_texts(cut_at_handovers(timeline, frame_at(shortest_part, fps)), frame_at(longest_whole_text, fps));
+  const Timeline ended = end_actions(timeline, fps);
+  return divide_long_texts(cut_at_handovers(ended, frame_at(shortest_part, fps)), frame_at(longest_whole_text, fps));
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -26860,7 +27748,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_EDITS_HPP  // <motionlang/compose/edits.hpp>
 #define MOTIONLANG_HAS_COMPOSE_EDITS_HPP
-/// What an edit of a timeline can change in its motion, step by step. No tensors here.
+/// The frames that an edit of a timeline can change, step by step. No tensors here.
 ///
 /// A step of STMC makes every frame from the crops that are added and subtracted there, and a crop reads all of its
 /// frames. So an edit changes in the first step the frames that are made of other crops than before, in the second one
@@ -26883,14 +27771,14 @@ class EditSpread {
   EditSpread(const BatchPlan& before, Index rows_before, BatchPlan after, Index rows, Index reads = 0,
              std::optional<Index> within = {});
 
-  /// Whether frame f of timeline m differs after this step.
+  /// True if frame f of timeline m differs after this step.
   bool differs(std::size_t m, Index f) const { return differs_[m][static_cast<std::size_t>(f)] != 0; }
   /// Frames of all timelines that differ.
   Index frames() const;
 
-  /// Whether every timeline with frames that differ has no others.
+  /// True if every timeline with frames that differ has no others.
   bool everywhere() const;
-  /// Whether `within` has changed anything so far.
+  /// True if `within` has changed anything so far.
   bool limited() const { return limited_; }
 
   /// The next step. Whether more frames differ after it.
@@ -26937,7 +27825,7 @@ struct FrameTerm {
   bool operator==(const FrameTerm&) const = default;
 };
 
-/// Of `rows` frames; frames behind the end are made of nothing.
+/// For `rows` frames; frames behind the end depend on nothing.
 inline std::vector<std::vector<FrameTerm>> frame_terms(const TimelinePlan& plan, Index rows) {
   std::vector<std::vector<FrameTerm>> terms(static_cast<std::size_t>(rows));
   const auto note = [&](const std::vector<Slice>& slices, bool add) {
@@ -27281,7 +28169,7 @@ class TimelineLine {
   [[noreturn]] void fail(int id, std::size_t field, const T&... what) const {
     fail_at(id, name_, place(field), what...);
   }
-  /// Of the beginning of a field.
+  /// The place of the beginning of a field.
   TextPlace place(std::size_t field) const {
     const char* begin = field < fields_.size() ? fields_[field].data() : line_.data() + line_.size();
     Index column = 1;
@@ -27439,7 +28327,7 @@ enum class SincTrim { end, both_ends };
 
 namespace detail {
 
-/// What the motion with fewer parts, b, gives, and where both begin.
+/// The parts that motion b, which has fewer, gives, and the frames at which both begin.
 struct SincComposition {
   SincParts of_b;
   bool path_of_b;
@@ -27528,13 +28416,13 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_TEACH_JOIN_HPP  // <motionlang/compose/teach_join.hpp>
 #define MOTIONLANG_HAS_COMPOSE_TEACH_JOIN_HPP
-/// TEACH's way to put generated parts one behind the other: the next part is turned and moved onto the last frame of
-/// the one before it, the frames between them are interpolated.
+/// Joins generated parts as TEACH does: the next part is turned and moved onto the last frame of the one before it, and
+/// the frames between them are interpolated.
 ///
 /// Source    thesis A.2.3 and A.3.4; TEACH (Athanasiou et al., 3DV 2022) teach/tools/interpolation.py
 /// Notation  last frame of what is there -> e, first frame of the next part -> b
 /// World     Z up. The turn is the difference of the z of two rotation vectors, which is that of the headings only for
-///           bodies that do not lean; published so.
+///           bodies that do not lean. This is as published.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -27545,10 +28433,10 @@ struct PoseInWorld {
   Vec3<S> trans;
 };
 
-/// Whether the next part is also turned to the heading of what is there, or moved only.
+/// How the next part joins: turned to the heading of the end and moved, or moved only.
 enum class Alignment { full, translation };
 
-/// The part's first frame comes to stand where e stands; heights stay.
+/// Moves the part so that its first frame stands where e stands. Heights stay.
 /// rotations  (frames, joints) of the part, turned in place
 /// trans      (frames), moved in place
 /// Throws     shape_error 205 if the sizes do not fit
@@ -27611,10 +28499,10 @@ SmplVelpMotion<S> slerp_window(const PoseInWorld<S>& e, const PoseInWorld<S>& b,
   return out;
 }
 
-/// Parts that stand one behind the other, each aligned to the end of the one before it; the first `window` frames of
-/// all parts but the first are interpolated.
-/// lengths  frames of the parts, all of the motion together
-/// Throws   shape_error 205 if the motion has another number of frames or a part no frame behind its window;
+/// Aligns each part to the end of the one before it. The first `window` frames of all parts except the first are
+/// interpolated.
+/// lengths  frames of the parts, which together are those of the motion
+/// Throws   shape_error 205 if the motion has another number of frames, or a part has no frame behind its window;
 ///          config_error 101 for a negative window
 template <Scalar S>
 void join_parts(SmplVelpMotion<S>& motion, std::span<const Index> lengths, Index window = 0,
@@ -27648,6 +28536,76 @@ void join_parts(SmplVelpMotion<S>& motion, std::span<const Index> lengths, Index
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_COMPOSE_TEXT_SINC_PARTS_HPP  // <motionlang/compose/text_sinc_parts.hpp>
+#define MOTIONLANG_HAS_COMPOSE_TEXT_SINC_PARTS_HPP
+/// The parts of SINC that somebody wrote down, or that a text is about.
+///
+///     parse_sinc_parts("left arm, right arm");            // both arms
+///     text_sinc_parts("a person waves", nullptr);         // guessed: arms
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The parts that a list with commas names; none if it is something else.
+std::optional<SincParts> parse_sinc_parts(std::string_view list);
+
+/// STMC's parts as SINC's: the legs are both, with the pelvis, which carries them; spine and head are the torso.
+SincParts as_sinc_parts(const BodyParts& parts);
+
+/// The parts that a list names; of another text those of the table, or without one guessed (guess_body_parts). "": all.
+/// Throws config_error 103 for a text that is not in the table.
+SincParts text_sinc_parts(const std::string& text, const BodyPartTable* table);
+
+/// "left arm, right arm"
+std::string list_sinc_parts(const SincParts& parts);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_TEXT_SINC_PARTS_IPP  // <motionlang/compose/text_sinc_parts.ipp>
+#define MOTIONLANG_HAS_COMPOSE_TEXT_SINC_PARTS_IPP
+// Bodies of text_sinc_parts.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::optional<SincParts> parse_sinc_parts(std::string_view list) {
+  SincParts parts;
+  while (!list.empty()) {
+    const std::size_t comma = std::min(list.find(','), list.size());
+    const auto part = parse_sinc_part(detail::trim(list.substr(0, comma)));
+    if (!part) return std::nullopt;
+    parts.set(static_cast<std::size_t>(*part));
+    list.remove_prefix(std::min(comma + 1, list.size()));
+  }
+  return parts;
+}
+
+MOTIONLANG_BODY SincParts as_sinc_parts(const BodyParts& parts) {
+  using enum SincPart;
+  SincParts out;
+  if (parts.has(BodyPart::left_arm)) out |= sinc_parts(left_arm);
+  if (parts.has(BodyPart::right_arm)) out |= sinc_parts(right_arm);
+  if (parts.has(BodyPart::legs)) out |= sinc_parts(global, left_leg, right_leg);
+  if (parts.has(BodyPart::spine) || parts.has(BodyPart::head)) out |= sinc_parts(torso);
+  return out;
+}
+
+MOTIONLANG_BODY SincParts text_sinc_parts(const std::string& text, const BodyPartTable* table) {
+  if (text.empty()) return ~SincParts{};
+  if (const auto listed = parse_sinc_parts(text)) return *listed;
+  return table != nullptr ? table->parts(text) : as_sinc_parts(guess_body_parts(text));
+}
+
+MOTIONLANG_BODY std::string list_sinc_parts(const SincParts& parts) {
+  std::vector<std::string_view> names;
+  for (std::size_t p = 0; p < sinc_part_count; ++p) {
+    if (parts[p]) names.push_back(sinc_part_names[p]);
+  }
+  return join_text(names);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_HPP  // <motionlang/compose/timeline_text.hpp>
 #define MOTIONLANG_HAS_COMPOSE_TIMELINE_TEXT_HPP
 /// The text form of timelines.
@@ -27660,7 +28618,7 @@ MOTIONLANG_NAMESPACE_END
 ///          text cannot contain '#'
 /// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
 ///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
-///          intervals are no matter of the text: see PlanOptions.
+///          intervals do not concern the text: see PlanOptions.
 /// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is
 ///          wrong with the whole of a timeline is found when it is planned, and named by line and column of an interval
 
@@ -27692,7 +28650,7 @@ std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_view text,
 ///                                    "raising both hands  # 2.0 # 5.0 # left arm # right arm\n", {.fps = 20});
 Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options = {});
 
-/// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than
+/// True if a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than
 /// three fields, or a body part where timelines have their second time. The published programs ask for one line of
 /// fewer than three fields only (`as_published`), and then blame the others.
 bool is_text_list(std::string_view text, const TimelineTextOptions& options = {});
@@ -27870,7 +28828,7 @@ class Rows {
   /// Throws shape_error 205 unless the values are whole rows.
   Rows(std::span<const S> values, Index width) : values_(values), width_(width) {
     if (width < 1 || std::ssize(values) % width != 0)
-      raise<shape_error>(205, "Rows: ", values.size(), " values are no rows of ", width);
+      raise<shape_error>(205, "Rows: ", values.size(), " values are not rows of ", width);
   }
   Rows(const std::vector<S>& values, Index width) : Rows(std::span<const S>(values), width) {}
 
@@ -28022,7 +28980,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// Counts (classes, classes): rows are labels, columns predictions, the largest logit (of equals the first).
 /// logits  (samples, classes)
-/// Throws  shape_error 204, 203 for a label that is no class
+/// Throws  shape_error 204, 203 for a label that is not a class
 template <Scalar S>
 std::vector<Index> confusion_matrix(const Rows<S>& logits, std::span<const Index> labels) {
   detail::require_same_count("confusion_matrix: samples against labels", logits.size(), std::ssize(labels));
@@ -28043,7 +29001,7 @@ std::vector<Index> confusion_matrix(const Rows<S>& logits, std::span<const Index
 inline double accuracy(std::span<const Index> confusion) {
   const auto classes = static_cast<Index>(std::lround(std::sqrt(static_cast<double>(confusion.size()))));
   if (classes * classes != std::ssize(confusion))
-    raise<shape_error>(205, "accuracy: ", confusion.size(), " counts are no square");
+    raise<shape_error>(205, "accuracy: ", confusion.size(), " counts are not a square");
   Index right = 0, all = 0;
   for (Index i = 0; i < std::ssize(confusion); ++i) {
     const Index count = confusion[static_cast<std::size_t>(i)];
@@ -28053,7 +29011,7 @@ inline double accuracy(std::span<const Index> confusion) {
   return static_cast<double>(right) / static_cast<double>(all);
 }
 
-/// Of labels with several yes or no answers each (body parts of actions): for each answer the share of the items that
+/// For labels with several yes-or-no answers (body parts of actions): for each answer the share of the items that
 /// have it right, 0 to 1. SINC's figure is the mean of them.
 /// predicted  (items, answers), 0 or 1
 /// wanted     (items, answers), 0, 1, or 0.5 where either is right, which does not count
@@ -28197,7 +29155,7 @@ PointErrors point_errors(const std::vector<Point>& a, const std::vector<Point>& 
   return out;
 }
 
-/// Of one pair: sums over time, and variances. Cut to `frames`.
+/// The errors of one pair: sums over time, and variances. Cut to `frames`.
 template <Scalar S>
 ApeAve clip_errors(const CanonicalMotion<S>& a, const CanonicalMotion<S>& b, Index frames) {
   const auto n = static_cast<std::size_t>(frames);
@@ -28264,7 +29222,7 @@ class ApeAveMetric {
       raise<shape_error>(203, "ApeAveMetric: ", frames, " of ", a.frames(), " and ", b.frames(), " frames");
     collect(errors_of(a, b, frames), frames);
   }
-  /// Of several samples the one with the smallest (largest) sum of root errors. As published, all its sums are divided
+  /// The sample with the smallest (largest) sum of root errors. As published, all its sums are divided
   /// by the frames of the first sample. Throws also numeric_error 302 of no samples.
   void add_best(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, false); }
   void add_worst(std::span<const Joints> samples, Joints reference) { add_chosen(samples, reference, true); }
@@ -28324,7 +29282,7 @@ class ApeAveMetric {
 template <Scalar S>
 double transition_distance(std::span<const Vec3<S>> joints, Index per_frame, Index frame) {
   if (per_frame < 1 || std::ssize(joints) % per_frame != 0)
-    raise<shape_error>(205, "transition_distance: ", joints.size(), " joints are no frames of ", per_frame);
+    raise<shape_error>(205, "transition_distance: ", joints.size(), " joints are not frames of ", per_frame);
   const Index frames = std::ssize(joints) / per_frame;
   if (frame < 1 || frame >= frames) raise<shape_error>(203, "transition_distance: at frame ", frame, " of ", frames);
   double sum = 0;
@@ -28425,7 +29383,7 @@ BertScore bert_score(const BertSentence<S>& candidate, const BertSentence<S>& re
   return out;
 }
 
-/// Of several references. Throws shape_error 204, numeric_error 302 of none
+/// The score for several references. Throws shape_error 204, numeric_error 302 of none
 template <Scalar S>
 BertScore bert_score(const BertSentence<S>& candidate, std::span<const BertSentence<S>> references,
                      const BertWeights& weights, const BertScore& baseline = {}, const BertPadding& padding = {}) {
@@ -28470,7 +29428,7 @@ std::vector<std::string> three_references(std::vector<std::string> references);
 // ---- BLEU
 // -------------------------------------------------------------------------------------------------------------
 
-/// What BLEU is calculated from; those of several sentences add up. Entry k - 1 is of runs of k words.
+/// The counts of BLEU; the counts of several sentences add up. Entry k - 1 is of runs of k words.
 struct BleuCounts {
   std::array<Index, 4> correct{}, guess{};
   Index length = 0, reference_length = 0;
@@ -28772,8 +29730,8 @@ IndexPairs disjoint_draws(Index n, Index count, NumpyRandom& rng);
 
 /// ACTOR's multimodality: `quota` pairs of each class. A first one is drawn from all and left if its class has its
 /// pairs; then second ones until the class is the same, which may be the first one itself.
-/// Throws config_error 101, shape_error 203 for a label that is no class; numeric_error 302 if a class is absent, for
-/// which the published loop would not end
+/// Throws config_error 101, shape_error 203 for a label that is not a class; numeric_error 302 if a class is absent,
+/// for which the published loop would not end
 IndexPairs pairs_within_classes(std::span<const Index> labels, Index classes, Index quota, NumpyRandom& rng);
 
 /// Mean of |x_first - x_second|. Throws shape_error 204, 203; numeric_error 302 of no pairs
@@ -29111,7 +30069,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What a classifier of motions says about each sequence: numbers for statistics of motions, and a score for each
+/// The output of a classifier of motions for each sequence: values for statistics of motions, and a score for each
 /// class.
 template <Backend B>
 struct Recognition {
@@ -29403,18 +30361,18 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_METRICS_INSPECT_MOTION_HPP  // <motionlang/metrics/inspect_motion.hpp>
 #define MOTIONLANG_HAS_METRICS_INSPECT_MOTION_HPP
-/// What is wrong with a clip: the checks of `motionlang doctor`, and the repair of what can be repaired.
+/// Faults of a clip: the checks of `motionlang doctor`, and the repair of faults that can be repaired.
 ///
 ///     const Inspection found = inspect_motion(motion);
 ///     for (const Finding& f : found.findings) std::puts(f.text.c_str());
 ///     Motion better = mended(motion, found.cure);
 ///
-/// A wrong scale, up axis or frame rate is put right before the checks that follow it, so that each finding has one
+/// A wrong scale, up axis or frame rate is corrected before the checks that follow it, so that each finding has one
 /// cause. All limits are in SI units and named in InspectionLimits.
 ///
 /// A usual but wrong frame rate shows only where physics leaves no choice: in jumps and runs, in which the body falls
-/// with 9.81 m/s2, and in steps that would sink faster than anything falls. Slow motion without a flight is no finding:
-/// a person may walk as slowly.
+/// with 9.81 m/s2, and in steps that would sink faster than anything falls. Slow motion without a flight is not a
+/// finding: a person may walk as slowly.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -29461,7 +30419,7 @@ struct Finding {
   double moment = 0;  // seconds into the clip, of what happens at a time
 };
 
-/// What `mended` does, in this order. Frames count in the clip that was inspected.
+/// The steps of `mended`, in this order. Frames count in the clip that was inspected.
 struct Cure {
   std::vector<Index> spikes;               // frames that are replaced by the middle of their neighbours
   Index lead_in = 0;                       // frames that are cut off at the start
@@ -29495,8 +30453,8 @@ struct InspectionLimits {
   double spike = 0.08;                             // m that a joint is off the middle of its neighbours in time
   double jump = 0.15;                              // m between two frames, and
   double jump_speed = 8;                           // m/s: a fast punch or kick
-  double jump_seconds = 0.1;                       // a jump may be spread over so many
-  double isolated = 5;    // spikes and jumps: so many times what the joint does in the frames around
+  double jump_seconds = 0.1;                       // a jump may be spread over this many
+  double isolated = 5;    // spikes and jumps: this many times what the joint does in the frames around
   double violent = 1000;  // m/s2 that no joint takes in any surroundings; recordings have up to 700
   double slide = 0.2;     // m/s of feet in contact, median over the contacts; recordings have 0.01 to 0.1
   double low = 0.03;      // m above where a foot joint is when it stands: still on the floor
@@ -29550,13 +30508,6 @@ inline constexpr std::array<double, 16> root_factors{100,    0.01,       1000,  
 
 inline double hundredths(double x) { return std::round(x * 100) / 100; }
 
-/// From the ankles to the head in the rest pose; length 1.
-inline Vec3<double> standing_direction(const Skeleton& skeleton, const BodyJoints& body) {
-  const auto rest = skeleton.rest_positions();
-  auto place = [&](int joint) { return rest[static_cast<std::size_t>(joint)]; };
-  return normalized(place(body.head) - 0.5 * (place(body.ankle.left) + place(body.ankle.right)));
-}
-
 /// The second derivative of the parabola through values at whole steps, by least squares, and how far they are off it,
 /// as the root of the mean square. At least three.
 struct ParabolaFit {
@@ -29581,7 +30532,7 @@ inline ParabolaFit fit_parabola(std::span<const double> values) {
   return {2 * c2, std::sqrt(off)};
 }
 
-/// One clip under inspection: its joints in the world, put right as far as causes are known.
+/// One clip under inspection: its joints in the world, corrected as far as causes are known.
 class MotionInspector {
  public:
   MotionInspector(const Motion& motion, const InspectionLimits& limits) : motion_(motion), limits_(limits) {}
@@ -29715,28 +30666,14 @@ class MotionInspector {
   /// Trunk and legs point up in most clips. Of those that lie, swim or crawl all the time, the feet would not be on the
   /// floor along the other axis, and their rest pose stands.
   void check_up_axis() {
-    Vec trunk{}, legs{};
-    for (Index f = first_; f < frames(); ++f) {
-      const Vec hips = middle(f, body_->hip);
-      trunk = trunk + normalized(middle(f, body_->shoulder) - hips);
-      legs = legs + normalized(hips - middle(f, body_->ankle));
-    }
-    const double n = static_cast<double>(frames() - first_);
-    const Vec rest = standing_direction(motion_.skeleton, *body_);
-    struct Axis {
-      std::string_view name;
-      Vec direction;
-    };
-    for (const Axis& a :
-         {Axis{"+Z", {0, 0, 1}}, {"-Z", {0, 0, -1}}, {"+X", {1, 0, 0}}, {"-X", {-1, 0, 0}}, {"-Y", {0, -1, 0}}}) {
-      const double up = dot(trunk, a.direction) / n, down = dot(legs, a.direction) / n;
-      if (up < limits_.upright || down < limits_.upright) continue;
-      if (dot(rest, a.direction) < limits_.upright && std::abs(sole_height(a.direction)) > limits_.standing) continue;
-      add(Fault::up_axis, first_, "the body stands along ", a.name, ", not +Y (", hundredths(up), " of 1)");
-      out_.cure.upright = rotation_between(a.direction, Vec{0, 1, 0});
-      for (Vec& p : positions_) p = rotate(out_.cure.upright, p);
-      return;
-    }
+    const auto seen = std::span<const Vec>(positions_).subspan(static_cast<std::size_t>(first_ * columns_));
+    const auto stands = find_up_axis({seen, columns_, *body_, standing_direction(motion_.skeleton, *body_)},
+                                     {.upright = limits_.upright, .standing = limits_.standing});
+    if (!stands) return;
+    add(Fault::up_axis, first_, "the body stands along ", to_string(stands->axis), ", not +Y (",
+        hundredths(stands->share), " of 1)");
+    out_.cure.upright = upright_rotation(stands->axis);
+    for (Vec& p : positions_) p = rotate(out_.cure.upright, p);
   }
 
   /// The bones are a person's by now. A root in another unit holds the feet far off the floor, and they slide; by the
@@ -29820,14 +30757,14 @@ class MotionInspector {
            limbs(&BodyJoints::Pair::left) + limbs(&BodyJoints::Pair::right);
   }
 
-  /// What the centre of mass falls with between two points where its path bends, m/s2 at the stated rate.
+  /// The acceleration of the falling centre of mass between two bends of its path, m/s2 at the stated rate.
   struct Arcs {
     std::vector<double> flights;  // see is_flight
     std::vector<double> all;
   };
   Arcs arcs() {
     constexpr std::size_t fewest = 6;  // frames: any few lie on a parabola
-    // Bends are seen over so many frames, against noise.
+    // Bends are seen over this many frames, against noise.
     const auto lag = 1 + static_cast<std::size_t>(std::min(motion_.fps / 60, static_cast<double>(frames())));
     std::vector<double> y;
     for (Index f = first_; f < frames(); ++f) y.push_back(mass_height(f));
@@ -29848,7 +30785,7 @@ class MotionInspector {
     }
     return out;
   }
-  /// Whether both feet leave the floor and come back to it, with hands above the knees: nothing else carries the body.
+  /// True if both feet leave the floor and come back to it, with hands above the knees: nothing else carries the body.
   /// `feet` is the height of the lower one above where it stands, from frame `start` after the lead-in on.
   bool is_flight(std::size_t start, std::span<const double> feet) {
     for (std::size_t i = 0; i < feet.size(); ++i) {
@@ -30081,21 +31018,10 @@ MOTIONLANG_BODY Motion mended(const Motion& motion, const Cure& cure) {
   }
   out = crop(out, cure.lead_in, out.frames());
   if (cure.fps > 0) out.fps = cure.fps;
-  // The rest pose is turned along if it stands along the same axis as the figure.
-  const auto& up = cure.upright;
-  const auto body = find_body_joints(out.skeleton);
-  const bool turn_rest = body && rotate(up, detail::standing_direction(out.skeleton, *body)).y > 0.7;
-  for (Vec3<double>& r : out.root) r = cure.scale * cure.root * rotate(up, r) + Vec3<double>{0, cure.lift, 0};
+  out = turned_upright(out, cure.upright);
+  for (Vec3<double>& r : out.root) r = cure.scale * cure.root * r + Vec3<double>{0, cure.lift, 0};
   for (auto* bones : {&out.skeleton.offsets, &out.skeleton.ends}) {
-    for (Vec3<double>& o : *bones) o = cure.scale * (turn_rest ? rotate(up, o) : o);
-  }
-  for (Index f = 0; f < out.frames(); ++f) {
-    const auto pose = out.rotations(f);
-    if (turn_rest) {
-      for (auto& q : pose) q = up * q * inverse(up);
-    } else {
-      pose[0] = up * pose[0];
-    }
+    for (Vec3<double>& o : *bones) o = cure.scale * o;
   }
   return out;
 }
@@ -30368,6 +31294,319 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_METRICS_MOTION_TRACE_HPP  // <motionlang/metrics/motion_trace.hpp>
+#define MOTIONLANG_HAS_METRICS_MOTION_TRACE_HPP
+/// A motion as an eye follows it: curves over time of what the body does, and what looks wrong whatever it does. SMPL's
+/// joints, Y up, metres, seconds, degrees. The floor is y = 0.
+///
+///     const MotionTrace t = trace_motion(motion);
+///     const double degrees = t.turned(), seconds = longest_hover(t);
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// A number as a text with two digits behind the point.
+inline std::string two_digits(double x) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.2f", x);
+  return text;
+}
+
+}  // namespace detail
+
+/// An arm or a leg at each frame.
+struct ArmTrace {
+  std::vector<double> raised;       // wrist above its shoulder, in the world or along a bent trunk
+  std::vector<double> elbow;        // 180: straight
+  std::vector<double> to_mouth;     // distance of the wrist from the head joint
+  std::vector<Vec3<double>> hand;   // wrist seen from the chest: x left, y up, z forward
+  std::vector<double> speed;        // of the wrist, seen from the pelvis
+  std::vector<double> above_floor;  // wrist
+};
+struct LegTrace {
+  std::vector<double> height;  // of the foot above where it stands
+  std::vector<double> knee;    // height of the knee
+  std::vector<double> yaw;     // where the foot points, continuous
+  std::vector<double> speed;   // of the ankle, seen from the pelvis
+  std::vector<double> ahead;   // ankle before the pelvis, along the heading
+};
+
+struct MotionTrace {
+  double fps = 20;
+  std::vector<double> over_floor;          // of the whole body (kinematics/floor_fix.hpp)
+  std::vector<double> pelvis, head;        // heights
+  std::vector<double> heading;             // continuous, left is positive; 0 in the first frame
+  std::vector<double> forward, left;       // way of the root, seen from the first heading
+  std::vector<double> lean;                // of the trunk from upright, in any direction
+  std::vector<double> twist;               // of the chest against the pelvis, left is positive
+  std::vector<double> look_left, look_up;  // of the head against the chest
+  std::vector<double> upside_down;         // height of the pelvis above the head
+  std::vector<double> step;                // way of the root over the floor to the next frame
+  std::vector<double> joint_speed;         // of the fastest joint, to the next frame
+  std::vector<double> hands_apart;         // distance of the wrists
+  std::array<ArmTrace, 2> arms{};          // left, right
+  std::array<LegTrace, 2> legs{};
+
+  std::size_t frames() const { return pelvis.size(); }
+  double seconds() const { return static_cast<double>(frames()) / fps; }
+  double turned() const { return heading.empty() ? 0 : heading.back(); }
+  /// Mean speed of the root over the floor.
+  double speed() const;
+};
+
+/// Throws config_error 103 for a skeleton without SMPL's joints.
+MotionTrace trace_motion(const Motion& motion);
+/// Frames [first, last) of it. The way and the heading still count from the first frame of the whole.
+MotionTrace part_of(const MotionTrace& trace, std::size_t first, std::size_t last);
+
+/// A stretch of time in which nothing touches the floor.
+struct Flight {
+  std::size_t first = 0, last = 0;  // frames [first, last)
+  double seconds = 0, peak = 0;     // how long, how high above the floor
+  double off_arc = 0;               // root mean square distance of the pelvis from a thrown body, metres
+  bool lands = false;               // before the end
+};
+/// Those at least 5 cm above the floor. `lowest`: this peak or more.
+std::vector<Flight> flights(const MotionTrace& trace, double lowest = 0.05);
+
+double longest_hover(const MotionTrace& trace);         // seconds, above 5 cm
+double sunken_seconds(const MotionTrace& trace);        // deeper than 4 cm
+double still_share(const MotionTrace& trace);           // of frames in which no joint is faster than 15 cm/s
+double turned_on_flat_soles(const MotionTrace& trace);  // degrees, of both feet at once
+
+/// Limits of what counts as wrong. They are what 796 recorded segments on the floor do (`motionlang judge --clips`):
+/// 98 % hover less, none sinks in so long, and 94 % stand still less. 99 % turn less on two feet, and 91 % of flights
+/// are nearer to their arc.
+struct EyeLimits {
+  double hover = 0.75, sunken = 0.25, still = 0.7, flat_turn = 55, off_arc = 0.15;
+};
+/// The first of it: "hovers 1.20 s", "sinks in", ...; "" if nothing looks wrong. Standing still is not looked at.
+std::string look_wrong(const MotionTrace& trace, const EyeLimits& limits = {});
+
+/// How often a curve rises from below `low` to above `high`. A curve that begins above counts once it has been low.
+std::size_t rises(const std::vector<double>& curve, double low, double high);
+/// How often it turns back after a way of at least `way`.
+std::size_t reversals(const std::vector<double>& curve, double way);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_METRICS_MOTION_TRACE_IPP  // <motionlang/metrics/motion_trace.ipp>
+#define MOTIONLANG_HAS_METRICS_MOTION_TRACE_IPP
+// Bodies of motion_trace.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// An angle in degrees, as near as possible to the one before.
+inline double continued(double angle, const std::vector<double>& curve) {
+  return curve.empty() ? angle : curve.back() + std::remainder(angle - curve.back(), 360.0);
+}
+inline double yaw_of(const Vec3<double>& v) { return std::atan2(v.x, v.z) / degree; }
+inline double angle_at(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
+  return std::acos(std::clamp(dot(normalized(a - b), normalized(c - b)), -1.0, 1.0)) / degree;
+}
+
+/// Root mean square distance of a curve from the nearest parabola of a thrown body, y'' = -g.
+inline double off_arc(std::span<const double> y, double fps) {
+  const auto n = static_cast<double>(y.size());
+  if (y.size() < 4) return 0;
+  std::vector<double> rest;  // with gravity taken away: a straight line is left
+  double mean = 0, slope = 0, spread = 0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const double t = static_cast<double>(i) / fps;
+    rest.push_back(y[i] + 0.5 * 9.81 * t * t);
+    mean += rest.back() / n;
+  }
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const double t = (static_cast<double>(i) - (n - 1) / 2) / fps;
+    slope += t * rest[i], spread += t * t;
+  }
+  slope /= spread;
+  double sum = 0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const double e = rest[i] - mean - slope * (static_cast<double>(i) - (n - 1) / 2) / fps;
+    sum += e * e;
+  }
+  return std::sqrt(sum / n);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY double MotionTrace::speed() const {
+  double way = 0;
+  for (const double s : step) way += s;
+  return frames() < 2 ? 0 : way * fps / static_cast<double>(frames() - 1);
+}
+
+MOTIONLANG_BODY MotionTrace trace_motion(const Motion& m) {
+  if (m.skeleton.size() < 22 || known_legs(m.skeleton).data() != std::data(smpl_legs))
+    raise<config_error>(103, "trace_motion: '", m.name, "' is not on SMPL's joints");
+  MotionTrace t{.fps = m.fps};
+  t.over_floor = heights_over_floor(m);
+  JointTransforms<double> world;
+  std::vector<Vec3<double>> before;
+  double first_heading = 0;
+  for (Index f = 0; f < m.frames(); ++f) {
+    m.world(f, world);
+    const auto& p = world.position;
+    const auto seen_from = [&](std::size_t joint, const Vec3<double>& v) {
+      return rotate(inverse(to_quaternion(world.rotation[joint])), v);
+    };
+    const double heading = detail::heading(m.rotations(f)[0]);
+    if (f == 0) first_heading = heading;
+    t.heading.push_back(detail::continued((heading - first_heading) / degree, t.heading));
+    const auto way = rotate(detail::turn(-first_heading), m.root_at(f) - m.root_at(0));
+    t.forward.push_back(way.z), t.left.push_back(way.x);
+    t.pelvis.push_back(p[0].y), t.head.push_back(p[15].y), t.upside_down.push_back(p[0].y - p[15].y);
+    const Vec3<double> up = world.rotation[9] * Vec3<double>{0, 1, 0};
+    t.lean.push_back(std::acos(std::clamp(up.y, -1.0, 1.0)) / degree);
+    t.twist.push_back(detail::yaw_of(seen_from(0, world.rotation[9] * Vec3<double>{0, 0, 1})));
+    const Vec3<double> gaze = seen_from(9, world.rotation[15] * Vec3<double>{0, 0, 1});
+    t.look_left.push_back(detail::yaw_of(gaze));
+    t.look_up.push_back(std::asin(std::clamp(gaze.y, -1.0, 1.0)) / degree);
+    t.hands_apart.push_back(norm(p[20] - p[21]));
+    double moved = 0;
+    if (f > 0) {
+      for (std::size_t j = 0; j < 22; ++j) moved = std::max(moved, norm(p[j] - before[j]));
+      t.step.push_back(std::hypot(p[0].x - before[0].x, p[0].z - before[0].z));
+      t.joint_speed.push_back(moved * m.fps);
+    }
+    for (const std::size_t side : {0u, 1u}) {
+      const std::size_t shoulder = 16 + side, elbow = 18 + side, wrist = 20 + side, hip = 1 + side, knee = 4 + side,
+                        ankle = 7 + side, toe = 10 + side;
+      ArmTrace& arm = t.arms[side];
+      const Vec3<double> reach = p[wrist] - p[shoulder];
+      arm.raised.push_back(std::max(reach.y, dot(reach, up) - 0.15 * std::min(1.0, t.lean.back() / 60)));
+      arm.elbow.push_back(detail::angle_at(p[shoulder], p[elbow], p[wrist]));
+      arm.to_mouth.push_back(norm(p[wrist] - p[15]));
+      arm.hand.push_back(seen_from(9, p[wrist] - p[9]));
+      arm.above_floor.push_back(p[wrist].y);
+      LegTrace& leg = t.legs[side];
+      leg.height.push_back(detail::foot_over_floor(
+          p, {{static_cast<int>(hip), static_cast<int>(knee), static_cast<int>(ankle)}, static_cast<int>(toe)}, {}));
+      leg.knee.push_back(p[knee].y);
+      leg.yaw.push_back(detail::continued(detail::yaw_of(p[toe] - p[ankle]), leg.yaw));
+      leg.ahead.push_back(rotate(detail::turn(-heading), p[ankle] - p[0]).z);
+      if (f > 0) {
+        arm.speed.push_back(m.fps * norm((p[wrist] - p[0]) - (before[wrist] - before[0])));
+        leg.speed.push_back(m.fps * norm((p[ankle] - p[0]) - (before[ankle] - before[0])));
+      }
+    }
+    before = p;
+  }
+  for (auto* curve : {&t.step, &t.joint_speed, &t.arms[0].speed, &t.arms[1].speed, &t.legs[0].speed, &t.legs[1].speed})
+    if (!t.pelvis.empty()) curve->push_back(curve->empty() ? 0.0 : curve->back());
+  if (!t.step.empty()) t.step.back() = 0;
+  return t;
+}
+
+MOTIONLANG_BODY MotionTrace part_of(const MotionTrace& trace, std::size_t first, std::size_t last) {
+  MotionTrace t = trace;
+  const auto cut = [&](auto& curve) {
+    last = std::min(last, curve.size());
+    first = std::min(first, last);
+    curve.erase(curve.begin() + static_cast<std::ptrdiff_t>(last), curve.end());
+    curve.erase(curve.begin(), curve.begin() + static_cast<std::ptrdiff_t>(first));
+  };
+  for (auto* curve : {&t.over_floor, &t.pelvis, &t.head, &t.heading, &t.forward, &t.left, &t.lean, &t.twist,
+                      &t.look_left, &t.look_up, &t.upside_down, &t.step, &t.joint_speed, &t.hands_apart})
+    cut(*curve);
+  for (ArmTrace& a : t.arms) {
+    for (auto* curve : {&a.raised, &a.elbow, &a.to_mouth, &a.speed, &a.above_floor}) cut(*curve);
+    cut(a.hand);
+  }
+  for (LegTrace& l : t.legs) {
+    for (auto* curve : {&l.height, &l.knee, &l.yaw, &l.speed, &l.ahead}) cut(*curve);
+  }
+  return t;
+}
+
+MOTIONLANG_BODY std::vector<Flight> flights(const MotionTrace& t, double lowest) {
+  std::vector<Flight> out;
+  const auto& h = t.over_floor;
+  for (std::size_t f = 0; f < h.size(); ++f) {
+    if (h[f] <= 0.05) continue;
+    Flight flight{.first = f};
+    for (; f < h.size() && h[f] > 0.05; ++f) flight.peak = std::max(flight.peak, h[f]);
+    flight.last = f, flight.lands = f < h.size();
+    flight.seconds = static_cast<double>(f - flight.first) / t.fps;
+    flight.off_arc = detail::off_arc(std::span(t.pelvis).subspan(flight.first, f - flight.first), t.fps);
+    if (flight.peak >= lowest) out.push_back(flight);
+  }
+  return out;
+}
+
+MOTIONLANG_BODY double longest_hover(const MotionTrace& t) {
+  double longest = 0;
+  for (const Flight& f : flights(t)) longest = std::max(longest, f.seconds);
+  return longest;
+}
+MOTIONLANG_BODY double sunken_seconds(const MotionTrace& t) {
+  return static_cast<double>(
+             std::count_if(t.over_floor.begin(), t.over_floor.end(), [](double h) { return h < -0.04; })) /
+         t.fps;
+}
+MOTIONLANG_BODY double still_share(const MotionTrace& t) {
+  return static_cast<double>(
+             std::count_if(t.joint_speed.begin(), t.joint_speed.end(), [](double v) { return v < 0.15; })) /
+         std::max(1.0, static_cast<double>(t.frames()));
+}
+MOTIONLANG_BODY double turned_on_flat_soles(const MotionTrace& t) {
+  double turned = 0;
+  for (std::size_t f = 0; f + 1 < t.frames(); ++f) {
+    const auto &l = t.legs[0], &r = t.legs[1];
+    if (std::max({l.height[f], l.height[f + 1], r.height[f], r.height[f + 1]}) > 0.03) continue;
+    const double a = l.yaw[f + 1] - l.yaw[f], b = r.yaw[f + 1] - r.yaw[f];
+    if (a * b > 0) turned += std::min(std::abs(a), std::abs(b));
+  }
+  return turned;
+}
+
+MOTIONLANG_BODY std::string look_wrong(const MotionTrace& t, const EyeLimits& limits) {
+  if (const double s = longest_hover(t); s > limits.hover) return "hovers " + detail::two_digits(s) + " s";
+  if (const double s = sunken_seconds(t); s > limits.sunken) return "sinks in for " + detail::two_digits(s) + " s";
+  for (const Flight& f : flights(t, 0.08)) {
+    if (f.off_arc > limits.off_arc) return "flies off its arc by " + detail::two_digits(f.off_arc) + " m";
+  }
+  if (const double d = turned_on_flat_soles(t); d > limits.flat_turn)
+    return "turns " + detail::two_digits(d) + " degrees on flat soles";
+  return "";
+}
+
+MOTIONLANG_BODY std::size_t rises(const std::vector<double>& curve, double low, double high) {
+  std::size_t count = 0;
+  bool was_low = false;
+  for (const double v : curve) {
+    if (v < low) was_low = true;
+    if (v > high && was_low) ++count, was_low = false;
+  }
+  return count;
+}
+MOTIONLANG_BODY std::size_t reversals(const std::vector<double>& curve, double way) {
+  std::size_t count = 0;
+  int direction = 0;
+  double extreme = curve.empty() ? 0 : curve.front();
+  double low = extreme, high = extreme;
+  for (const double v : curve) {
+    low = std::min(low, v), high = std::max(high, v);
+    if (direction == 0) {
+      if (v - low >= way) direction = 1, extreme = v;
+      if (high - v >= way) direction = -1, extreme = v;
+    } else if (direction * (v - extreme) > 0) {
+      extreme = v;
+    } else if (direction * (extreme - v) >= way) {
+      ++count, direction = -direction, extreme = v;
+    }
+  }
+  return count;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_METRICS_MTT_HPP  // <motionlang/metrics/mtt.hpp>
 #define MOTIONLANG_HAS_METRICS_MTT_HPP
 /// Motions made from timelines against their texts: the metrics of STMC on MTT.
@@ -30401,7 +31640,7 @@ std::vector<S> mtt_features(const ChainSkeleton& skeleton, std::span<const Vec3<
                             bool z_up = true) {
   const auto kept = static_cast<Index>(skeleton.size());
   if (per_frame < kept || std::ssize(joints) % per_frame != 0)
-    raise<shape_error>(205, "mtt_features: ", joints.size(), " joints are no frames of ", per_frame);
+    raise<shape_error>(205, "mtt_features: ", joints.size(), " joints are not frames of ", per_frame);
   std::vector<Vec3<S>> y_up;
   for (Index at = 0; at < std::ssize(joints); at += per_frame) {
     for (Index j = 0; j < kept; ++j) {
@@ -30437,7 +31676,7 @@ inline std::array<Index, 3> quarter_points(Index feature_frames) {
   return {feature_frames / 4, 2 * feature_frames / 4, 3 * feature_frames / 4};
 }
 
-/// What is subtracted from a joint before it is compared with the frame before.
+/// The offset that is subtracted from a joint before it is compared with the frame before.
 enum class MttOrigin {
   root,   // the root, as written and of recorded motions
   own_x,  // its own x, from all of its coordinates: as coded of generated motions
@@ -30453,7 +31692,7 @@ template <Scalar S>
 std::vector<double> mtt_transitions(std::span<const Vec3<S>> joints, std::span<const Index> points, MttOrigin origin,
                                     Index per_frame = 22) {
   if (per_frame < 1 || std::ssize(joints) % per_frame != 0)
-    raise<shape_error>(205, "mtt_transitions: ", joints.size(), " joints are no frames of ", per_frame);
+    raise<shape_error>(205, "mtt_transitions: ", joints.size(), " joints are not frames of ", per_frame);
   auto seen = [&](Index frame, Index j) {
     const Vec3<S>& p = joints[static_cast<std::size_t>(frame * per_frame + j)];
     return p -
@@ -30699,7 +31938,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What is searched for what. Tables have texts as rows and motions as columns.
+/// The direction of a search. Tables have texts as rows and motions as columns.
 enum class RetrievalDirection { text_to_motion, motion_to_text };
 
 /// Which pairs of texts mean the same, (n, n), 1 = yes:  i = j, or e_i . e_j > 2 threshold - 1.
@@ -30763,7 +32002,7 @@ struct RetrievalMetrics {
   double median_rank = 0;          // the best is 1
   double queries = 0;
 };
-/// Of all queries. Throws numeric_error 302 if there is none.
+/// The metrics of all queries. Throws numeric_error 302 if there is none.
 RetrievalMetrics retrieval_metrics(std::vector<double> ranks);
 
 /// Both directions.
@@ -31087,7 +32326,7 @@ class BlindErrors {
  public:
   using Motions = std::function<JointFrames(Index)>;
 
-  /// joints_of(i): those of motion i of so many to train on
+  /// joints_of(i): those of motion i of this many to train on
   BlindErrors(const RifkeVariant& variant, const JointErrors& none, Index motions, Motions joints_of,
               std::uint64_t seed);
 
@@ -31104,6 +32343,17 @@ class BlindErrors {
   JointFrames mean_;
   Philox draws_;
 };
+
+/// A row of a table of errors.
+struct NamedErrors {
+  std::string name;
+  ApeAve errors;
+};
+/// "one sample", the first motion of each text; of several also "mean of 10 samples", "best of 10 samples" and "worst
+/// of 10 samples".
+std::vector<NamedErrors> named_errors(const SampledErrors& errors);
+/// "mean pose" and "random clip".
+std::vector<NamedErrors> named_errors(const BlindErrors& errors);
 
 MOTIONLANG_NAMESPACE_END
 
@@ -31170,6 +32420,20 @@ MOTIONLANG_BODY void BlindErrors::add(const JointFrames& truth, Index own) {
   clip_.add(other, truth);
 }
 
+MOTIONLANG_BODY std::vector<NamedErrors> named_errors(const SampledErrors& errors) {
+  std::vector<NamedErrors> out{{"one sample", errors.first()}};
+  if (errors.samples() == 1) return out;
+  const std::string samples = " of " + counted(errors.samples(), "sample");
+  out.push_back({"mean" + samples, errors.mean()});
+  out.push_back({"best" + samples, errors.best()});
+  out.push_back({"worst" + samples, errors.worst()});
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<NamedErrors> named_errors(const BlindErrors& errors) {
+  return {{"mean pose", errors.mean_pose()}, {"random clip", errors.random_clip()}};
+}
+
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
@@ -31188,7 +32452,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// lead away from the centre, 1 the others. (3, joints, joints), row by row.
 /// Differs  from the paper: distances from the centre beyond 1 count as infinite and so as equal; such edges are in
 ///          part 1
-/// Throws   config_error 101 if the centre is no joint
+/// Throws   config_error 101 if the centre is not a joint
 std::vector<double> stgcn_adjacency(std::span<const int> parents, Index centre);
 
 /// A convolution (kernel, 1) of PyTorch over (time, joints): over time, each joint by itself; "same" padding.
@@ -31321,7 +32585,7 @@ struct StGcn {
   /// The same with the statistics of the batch, which the norms remember.
   Recognition<B> train(const Sequences<B>& x) { return run(*this, x); }
 
-  /// What the first block reads: normalised, every joint a sequence of its own.
+  /// The input of the first block: normalised, with every joint as a sequence of its own.
   template <class Self>
   static Sequences<B> joint_sequences(Self& self, const Sequences<B>& x) {
     const Index joints = self.joints(), channels = x.width() / joints, rows = x.offsets.rows();
@@ -31560,7 +32824,7 @@ struct Actor {
   }
 
   /// x: frames of `actor_frame_features`; one action per motion. padded_frames: see ActorAverageEncoder.
-  /// Throws shape_error 203 for an action that is no class.
+  /// Throws shape_error 203 for an action that is not a class.
   LatentGaussian<B> encode(const Sequences<B>& x, std::span<const Index> actions, const Context& context = {},
                            Index padded_frames = 0) const {
     if (average_encoder) return (*average_encoder)(x, context, padded_frames);
@@ -31599,7 +32863,7 @@ Tensor<B, 2> actor_noise(const Actor<B>& actor, Index rows, G& rng) {
 
 /// Motions in the order sample, action. durations: frames for each action, or for each motion.
 /// rng     its normal numbers are drawn once; with TorchRandom they are those of the published program
-/// Throws  shape_error 203 for an action that is no class, 204 for another number of durations, config_error 101
+/// Throws  shape_error 203 for an action that is not a class, 204 for another number of durations, config_error 101
 template <Backend B, class G>
 Sequences<B> generate(const Actor<B>& actor, std::span<const Index> actions, std::span<const Index> durations, G& rng,
                       const ActorSampling& o = {}) {
@@ -31633,13 +32897,13 @@ Sequences<B> interpolate_motions(const Actor<B>& actor, const Sequences<B>& two_
 
 /// Motions between two actions: one latent, whose memory in the decoder goes in `steps` steps from one action to the
 /// other. All have `length` frames; the first and the last are those of generate.
-/// Throws  config_error 102 for a decoder that is no transformer: its frames read the number of the action. What
+/// Throws  config_error 102 for a decoder that is not a transformer: its frames read the number of the action. What
 ///         generate and interpolate_rows throw
 template <Backend B, class G>
 Sequences<B> interpolate_actions(const Actor<B>& actor, Index from, Index to, Index steps, Index length, G& rng) {
   if (!actor.decoder)
     raise<config_error>(102, "interpolate_actions: actions ", from, " and ", to,
-                        ": nothing is between them for a decoder that is no transformer");
+                        ": nothing is between them for a decoder that is not a transformer");
   const Index width = actor.config.latent_dim, both[] = {from, to};
   const auto z = broadcast_to<2>(detail::actor_noise(actor, 1, rng), {2, width});
   const auto ends = actor.decoder->memory(z, both).rows;
@@ -31797,7 +33061,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_PARTS_HPP  // <motionlang/systems/detail/stmc_parts.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_PARTS_HPP
-/// What Stmc needs that depends on no backend.
+/// Parts of Stmc that do not depend on a backend.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -31866,9 +33130,17 @@ namespace detail {
 /// Complete where the bodies of Stmc are.
 template <class T>
 struct StmcBodies;
-/// Whether motionlang::instantiated has the bodies.
+/// True if motionlang::instantiated has the bodies.
 template <class T>
 inline constexpr bool is_compiled_stmc = false;
+/// Says what a unit without the bodies lacks for a function that no library can have compiled. Argument: of it.
+template <class T, class Argument>
+struct HasStmcBodies {
+  static constexpr bool value = true;
+  static_assert(
+      requires { sizeof(StmcBodies<T>); },
+      "motionlang: for generate_from and sample include <motionlang/systems/stmc.ipp>");
+};
 
 }  // namespace detail
 
@@ -31929,22 +33201,22 @@ struct Stmc {
 
   /// The same with the caller's noise: noise(draw, shape) for draw 0 (initial), 1, 2, ... (steps) is a tensor
   /// (sequences, frames, features) as `shape` says.
-  template <class Noise>
+  template <class Noise, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options = {}) const;
 
   /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape
   /// (rows of the collage, features); whole(collage, x, t) is what a plain run takes.
-  template <class Noise, class Estimate>
+  template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options, Estimate&& estimate) const;
   /// The same from a plan made with `plan_options`, by other rules for texts that want a part at the same time, say.
-  template <class Noise, class Estimate>
+  template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                           Estimate&& estimate) const;
 
   /// The same motions as they are sampled: still normalised.
-  template <class Noise, class Estimate>
+  template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   CleanMotions<B> sample(BatchPlan plan, Noise&& noise, const StmcOptions& options, Estimate&& estimate) const;
   /// Each of them by itself, not normalised: (frames of its timeline in the plan, features).
   std::vector<Tensor<B, 2>> separate(const CleanMotions<B>& clean, const BatchPlan& plan) const;
@@ -31956,7 +33228,7 @@ struct Stmc {
   /// noise.
   Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
 
-  /// The process with so many steps evenly kept, all when 0; the model's own number unless given. Throws config_error
+  /// The process with this many steps evenly kept, all when 0; the model's own number unless given. Throws config_error
   /// 105.
   GaussianDiffusion process(std::optional<Index> wanted) const;
 
@@ -32007,7 +33279,7 @@ PlanOptions Stmc<B, D, E>::plan_options(const StmcOptions& options) const {
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise>
+template <class Noise, bool>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options) const {
   return generate_from(
@@ -32016,21 +33288,21 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise, class Estimate>
+template <class Noise, class Estimate, bool>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options, Estimate&& estimate) const {
   return generate_from(plan_timelines(timelines, plan_options(options)), noise, options, estimate);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise, class Estimate>
+template <class Noise, class Estimate, bool>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                                        Estimate&& estimate) const {
   return separate(sample(plan, noise, options, estimate), plan);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise, class Estimate>
+template <class Noise, class Estimate, bool>
 CleanMotions<B> Stmc<B, D, E>::sample(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                       Estimate&& estimate) const {
   const auto [text, null] = encode(plan);
@@ -32120,7 +33392,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What happens where one text hands a body part over to another: nothing, or an interpolation around the cut.
+/// The transition where one text hands a body part over to another: nothing, or an interpolation around the cut.
 enum class SincCuts { hard, interpolated };
 
 namespace detail {
@@ -32209,7 +33481,7 @@ MOTIONLANG_NAMESPACE_END
 ///     motion = regenerate(stmc, record, timelines, {}, &reuse);
 ///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);
 ///
-/// What the mathematics allows (compose/edits.hpp): an edit goes one crop further with every step. Texts that follow
+/// The limit of reuse (compose/edits.hpp): an edit spreads by one crop with every step. Texts that follow
 /// each other with an overlap are one chain of crops, so after as many steps as the chain has crops beside the edit
 /// nothing is reused any more: with 100 steps a few per cent of the work, with 10 steps and a long timeline much of it.
 /// Free are timelines of the batch that were not edited, and with overlap 0 all texts behind a cut that nothing spans.
@@ -32219,11 +33491,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_REUSE_HPP  // <motionlang/systems/stmc_reuse.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_STMC_REUSE_HPP
-/// What a run of STMC took over from the run before (systems/stmc_edit.hpp).
+/// How much a run of STMC reused of the run before (systems/stmc_edit.hpp).
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What a run took over.
+/// How much a run reused.
 struct StmcReuse {
   Index frames = 0, kept = 0;      // of the result; those that have the numbers of before
   Index work = 0, whole_work = 0;  // rows through the network in all steps; in a run that takes nothing over
@@ -32401,7 +33673,7 @@ struct KeptPart {
   BodyParts parts = BodyParts::every();
 };
 
-/// What is kept of a motion; nothing without parts. Frame 0 is that of the timeline.
+/// The kept part of a motion; nothing without parts. Frame 0 is that of the timeline.
 template <Backend B>
 struct KeptMotion {
   Tensor<B, 2> features{};  // (frames, features), not normalised
@@ -32601,7 +33873,8 @@ struct Teach {
   Sequences<B> decode(const Tensor<B, 2>& z, const Offsets& lengths, const Context& context = {}) const {
     return motiondecoder(z, lengths, context);
   }
-  /// What the next text is encoded with. Throws shape_error 207 for a motion of fewer than hist_frames frames.
+  /// The frames with which the next text is encoded. Throws shape_error 207 for a motion of fewer than hist_frames
+  /// frames.
   TeachPast<B> past_of(const Sequences<B>& motion, const Tensor<B, 2>& z) const {
     TeachPast<B> out{last_rows(motion, Offsets::equal(motion.count(), config.hist_frames))};
     if (config.z_prev_text) out.z = z;
@@ -32832,7 +34105,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_TM2T_DATA_HPP  // <motionlang/datasets/tm2t_data.hpp>
 #define MOTIONLANG_HAS_DATASETS_TM2T_DATA_HPP
-/// What TM2T's tokenizer is trained on: its statistics, the windows of the clips, the frames that become tokens. And
+/// The training data of TM2T's tokenizer: its statistics, the windows of the clips, the frames that become tokens. And
 /// how often its decoder is shown the truth.
 ///
 /// Source  TM2T (Guo et al., ECCV 2022), data/dataset.py MotionDataset, networks/trainers.py schedule_tf; appendix B
@@ -32931,7 +34204,7 @@ struct Tm2tSampling {
   Index max_tokens = 49, top_k = 100;
 };
 
-/// What may be said about a motion, and the logarithm of the probability that the model says just that.
+/// A description of a motion, and the logarithm of its probability under the model.
 struct Description {
   std::string text;
   double log_probability = 0;
@@ -32977,7 +34250,7 @@ struct Tm2t {
     return {statistics.denormalize(tokenizer.motions(IdSequences::from(lists)).rows), Offsets(frames)};
   }
 
-  /// What the transformer reads: codes between the marks.
+  /// The input of the transformer: codes between the marks.
   IdSequences marked(const IdSequences& codes) const {
     std::vector<std::vector<Index>> lists;
     for (Index i = 0; i < codes.count(); ++i) {
@@ -33074,7 +34347,7 @@ struct Tm2t {
       f(beam_search(Seq2SeqWriter<B>(m2t_transformer, own), options), own);
     }
   }
-  /// What symbols with their marks say about the motion of a memory, unless it is said already.
+  /// Adds the description that symbols with their marks give of a memory's motion, unless it is there already.
   void add(std::vector<Description>& to, std::span<const Index> ids, const Sequences<B>& memory,
            const GloVe& glove) const {
     std::string text = sentence(ids, glove);
@@ -33267,7 +34540,7 @@ namespace detail {
 MOTIONLANG_BODY Index whole_rows(std::string_view function, std::size_t values, Index width) {
   if (width < 1) raise<config_error>(101, function, ": rows of ", width, " numbers");
   if (values % static_cast<std::size_t>(width) != 0)
-    raise<shape_error>(205, function, ": ", values, " values are no rows of ", width);
+    raise<shape_error>(205, function, ": ", values, " values are not rows of ", width);
   return static_cast<Index>(values) / width;
 }
 
@@ -33444,7 +34717,7 @@ class MotionIndex {
   void move_model(std::string path, std::string text_encoder);
 
  private:
-  /// Whether it has frames, and an end that an Index can hold.
+  /// True if it has frames, and an end that an Index can hold.
   static bool is_moment(const FrameSlice& m) {
     return m.first >= 0 && m.length >= 1 && m.first <= std::numeric_limits<Index>::max() - m.length;
   }
@@ -33595,7 +34868,7 @@ struct Neighbour {
   float score = 0;
   bool operator==(const Neighbour&) const = default;
 };
-/// Whether a stands before b in an answer: the higher score, and of equal ones the lower index.
+/// True if a stands before b in an answer: the higher score, and of equal ones the lower index.
 inline bool is_nearer(const Neighbour& a, const Neighbour& b) {
   return a.score != b.score ? a.score > b.score : a.index < b.index;
 }
@@ -33741,7 +35014,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_GELU_TABLE_HPP  // <motionlang/backend/detail/gelu_table.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_GELU_TABLE_HPP
-/// What gelu(x) lacks to relu(x), as polynomials of degree 4 around 0, 1/4, 2/4, ... 31/4.
+/// The difference of relu(x) and gelu(x), as polynomials of degree 4 around 0, 1/4, 2/4, ... 31/4.
 ///
 /// gelu(x) = x Phi(x) = max(x, 0) - g(|x|),   g(c) = c (1 - Phi(c)) (Hendrycks and Gimpel 2016, Phi: normal
 /// distribution function). g is bounded by 0.17 and dies out above c = 5.5. Processors that look up 32 numbers in one
@@ -33959,1744 +35232,9 @@ MOTIONLANG_NAMESPACE_END
 #else  // without the optimiser higher tiles would only take longer to compile
 #define MOTIONLANG_TILE_ROWS 2
 #endif
-// All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail::MOTIONLANG_ISA {
-
-// Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
-// Included once for every instruction set by kernels.hpp; no include guard on purpose.
-
-template <class S>
-struct VectorOf {
-  typedef S type __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-  typedef S loose __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(sizeof(S)), may_alias));
-  using bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
-  typedef bits mask __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-};
-template <class S>
-using Vec = typename VectorOf<S>::type;
-template <class S>
-using Mask = typename VectorOf<S>::mask;
-template <class S>
-inline constexpr int lanes = MOTIONLANG_VECTOR_BYTES / static_cast<int>(sizeof(S));
-
-// Everything below is inlined: passing such vectors between functions would depend on the caller's instruction set.
-#define MOTIONLANG_INLINE inline __attribute__((always_inline))
-
-template <class S>
-MOTIONLANG_INLINE Vec<S> load(const S* p) {
-  return *reinterpret_cast<const typename VectorOf<S>::loose*>(p);
-}
-template <class S>
-MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
-  *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
-}
-/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
-template <class S>
-MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
-#if defined(__clang__)
-  __builtin_nontemporal_store(v, reinterpret_cast<Vec<S>*>(p));
-#elif defined(__x86_64__)
-  auto* at = reinterpret_cast<float*>(p);
-#if MOTIONLANG_VECTOR_BYTES == 64
-  __builtin_ia32_movntps512(at, (Vec<float>)v);
-#elif MOTIONLANG_VECTOR_BYTES == 32
-  __builtin_ia32_movntps256(at, (Vec<float>)v);
-#else
-  __builtin_ia32_movntps(at, (Vec<float>)v);
-#endif
-#else
-  store(p, v);
-#endif
-}
-/// Asks for n numbers that are read soon.
-template <class Number>
-MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
-  for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
-}
-MOTIONLANG_INLINE void end_of_streams() {
-#if defined(__x86_64__)
-  __builtin_ia32_sfence();
-#endif
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> splat(S x) {
-  return x - Vec<S>{};
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above are 0
-  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)] = {};
-  for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
-  return load(t);
-}
-/// The first n numbers (all lanes if there are so many), then zeros; nothing is read if n <= 0.
-template <class S>
-MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
-  return n >= lanes<S> ? load(p) : load_some(p, n);
-}
-template <class S>
-MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
-  for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
-}
-template <class S>
-MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
-  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
-}
-// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
-// (Where one of them is a constant, GCC 12 makes two instructions of it for vectors of 64 bytes.)
-template <class S>
-MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
-#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
-  if constexpr (sizeof(S) == 4) {
-    Vec<S> r;
-    asm("vmaxps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
-    return r;
-  }
-#endif
-  return a > b ? a : b;
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
-#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
-  if constexpr (sizeof(S) == 4) {
-    Vec<S> r;
-    asm("vminps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
-    return r;
-  }
-#endif
-  return a < b ? a : b;
-}
-/// Lanes of `found` become negative where x is NaN or infinite: all bits of its exponent are set.
-template <class S>
-MOTIONLANG_INLINE void find_not_finite(const Vec<S>& x, Mask<S>& found) {
-  constexpr auto exponent = detail::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
-  found |= (~(Mask<S>)x & exponent) - 1;
-}
-template <class S>
-MOTIONLANG_INLINE bool any_negative(const Mask<S>& v) {
-  bool any = false;
-  for (int i = 0; i < lanes<S>; ++i) any |= v[i] < 0;
-  return any;
-}
-/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
-template <class S, int half, int... l>
-MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
-  return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
-}
-// Halves are put together until one lane is left: sums have a fixed order.
-template <class S, int half = lanes<S> / 2>
-MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  if constexpr (half == 0)
-    return v[0];
-  else
-    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
-}
-template <class S, int half = lanes<S> / 2>
-MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  if constexpr (half == 0)
-    return v[0];
-  else
-    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
-}
-
-/// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
-template <class S, int half, int... l>
-MOTIONLANG_INLINE void swap_blocks(Vec<S>& a, Vec<S>& b, std::integer_sequence<int, l...>) {
-  constexpr int n = lanes<S>;
-  const Vec<S> upper = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l - half : l)...);
-  b = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l : l + half)...);
-  a = upper;
-}
-/// v[i][j] becomes v[j][i]: blocks of 1, 2, 4, ... lanes are swapped.
-template <class S, int half = 1>
-MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
-  if constexpr (half < lanes<S>) {
-#pragma GCC unroll 16
-    for (int i = 0; i < lanes<S>; ++i) {
-      if ((i & half) == 0) swap_blocks<S, half>(v[i], v[i + half], std::make_integer_sequence<int, lanes<S>>{});
-    }
-    transpose_lanes<S, 2 * half>(v);
-  }
-}
-
-/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
-/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
-  constexpr bool single = sizeof(S) == 4;
-  constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
-  const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
-  // lowest bits.
-  const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
-  const Vec<S> shifted = c * S(1.4426950408889634) + magic;
-  const Vec<S> n = shifted - magic;
-  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
-                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
-  Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
-  if constexpr (!single) {
-    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
-      p = p * f + S(k);
-  }
-  for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
-  const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
-  return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
-}
-
-/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
-/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
-template <class S>
-MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
-  Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
-  p = p * y + S(6.364869382952854e-06);
-  q = q * y + S(7.602274008301123e-05);
-  p = p * y + S(0.00017693884114677917);
-  q = q * y + S(0.0019305587808950675);
-  p = p * y + S(0.004725908484413717);
-  q = q * y + S(0.029119172061619288);
-  p = p * y + S(0.0346923636272431);
-  q = q * y + S(0.25362643899642984);
-  p = p * y + S(0.3989422129894181);
-  q = q * y + S(1);
-  return p / q;
-}
-/// erf(x) = 2 Phi(sqrt(2) x) - 1. Float: absolute error below 5e-7. Double: libm.
-template <class S>
-MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
-    return c * phi_ratio<S>(c * c * S(2)) * S(2.8284271247461901);
-  } else {
-    Vec<S> r{};
-    for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
-    return r;
-  }
-}
-#if MOTIONLANG_VECTOR_BYTES == 64
-/// 32 numbers: lane i of the result is that which the lowest five bits of index[i] say.
-MOTIONLANG_INLINE Vec<float> look_up(const float* table, const Vec<float>& index) {
-  Vec<float> r = load(table);
-  asm("vpermt2ps %2, %1, %0" : "+v"(r) : "v"(index), "v"(load(table + 16)));
-  return r;
-}
-/// By gelu_table.hpp: absolute error below 1e-7 for x < 0, relative error below 5e-7 for x > 0.
-MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
-  static_assert(GeluTable::cells == 32 && GeluTable::width == 0.25);
-  constexpr auto last = static_cast<float>(GeluTable::width * (GeluTable::cells - 1));
-  Vec<float> c, d;
-  asm("vrangeps $0xa, %2, %1, %0" : "=v"(c) : "v"(x), "v"(splat(last)));  // min(|x|, last)
-  asm("vreduceps $0x24, %1, %0" : "=v"(d) : "v"(c));                      // c - i / 4, i = round(4 c)
-  const Vec<float> i = c + 3145728.f;                                     // 1.5 * 2^21: i in the lowest bits
-  const auto& table = gelu_table.by_power;
-  Vec<float> g = look_up(table[GeluTable::degree], i);
-#pragma GCC unroll 8
-  for (int n = GeluTable::degree; n-- > 0;) g = g * d + look_up(table[n], i);
-  return vmax<float>(Vec<float>{}, x) - g;
-}
-#endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
-/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
-#if MOTIONLANG_VECTOR_BYTES == 64
-  if constexpr (sizeof(S) == 4) return gelu_by_table(x);
-#endif
-  const Vec<S> h = x * S(0.5);
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> y = x * x;
-    return h + (y < splat(S(32)) ? y * phi_ratio<S>(y) : (Vec<S>)((Mask<S>)h & 0x7fffffff));
-  } else {
-    return h + h * verf<S>(x * S(0.70710678118654752));
-  }
-}
-
-/// Square root of x >= 0: Newton's iteration for 1/sqrt(x) from an estimate by shifting the exponent; within 1 ulp.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
-  constexpr bool single = sizeof(S) == 4;
-  using Bits = typename VectorOf<S>::bits;
-  Vec<S> y = (Vec<S>)(static_cast<Bits>(single ? 0x5F375A86 : 0x5FE6EB50C7B537A9) - ((Mask<S>)x >> 1));
-  for (int i = 0; i < (single ? 3 : 5); ++i) y = y * (S(1.5) - x * S(0.5) * y * y);
-  const Vec<S> r = x * y;
-  return r + S(0.5) * y * (x - r * r);
-}
-
-/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
-/// Double: libm.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> y = x * x;
-    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
-    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
-    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
-    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
-    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
-  } else {
-    Vec<S> r{};
-    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
-    return r;
-  }
-}
-//
-// Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
-
-template <Activation act, class S>
-MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
-  switch (act) {
-    case Activation::none:
-      return x;
-    case Activation::relu:
-      return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu:
-      return vgelu<S>(x);
-    case Activation::silu:
-      return x / (vexp<S>(-x) + S(1));
-    case Activation::tanh:
-      return vtanh<S>(x);
-    case Activation::quick_gelu:
-      return x / (vexp<S>(x * S(-1.702)) + S(1));
-    case Activation::gelu_new: {
-      const Vec<S> h = x * S(0.5);
-      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
-    }
-    case Activation::sigmoid:
-      return S(1) / (vexp<S>(-x) + S(1));
-  }
-  return x;
-}
-
-/// Derivative at x.
-///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
-template <Activation act, class S>
-MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
-  switch (act) {
-    case Activation::none:
-      return splat(S(1));
-    case Activation::relu:
-      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
-    case Activation::gelu: {
-      const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
-      return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
-    }
-    case Activation::silu: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
-      return s + x * s * (S(1) - s);
-    }
-    case Activation::tanh: {
-      const Vec<S> t = vtanh<S>(x);
-      return S(1) - t * t;
-    }
-    case Activation::quick_gelu: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
-      return s + x * s * (S(1) - s) * S(1.702);
-    }
-    case Activation::gelu_new: {
-      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
-      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
-    }
-    case Activation::sigmoid: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
-      return s * (S(1) - s);
-    }
-  }
-  return splat(S(1));
-}
-
-/// f.operator()<act>().
-template <class F>
-void with_activation(Activation act, const F& f) {
-  switch (act) {
-    case Activation::none:
-      return f.template operator()<Activation::none>();
-    case Activation::relu:
-      return f.template operator()<Activation::relu>();
-    case Activation::gelu:
-      return f.template operator()<Activation::gelu>();
-    case Activation::silu:
-      return f.template operator()<Activation::silu>();
-    case Activation::tanh:
-      return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu:
-      return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new:
-      return f.template operator()<Activation::gelu_new>();
-    case Activation::sigmoid:
-      return f.template operator()<Activation::sigmoid>();
-  }
-}
-
-/// y = act(x) for so many rows of `width` numbers, which begin ldx and ldy apart; y may be x.
-template <class S>
-void activate_rows(const S* x, Index ldx, Index rows, Index width, Activation act, S* y, Index ldy) {
-  constexpr int l = lanes<S>;
-  with_activation(act, [=]<Activation a>() {
-    for (Index r = 0; r < rows; ++r) {
-      const S* from = x + r * ldx;
-      S* to = y + r * ldy;
-      Index i = 0;
-      for (; i + l <= width; i += l) store(to + i, apply_activation<a, S>(load(from + i)));
-      if (i < width) store_some(to + i, apply_activation<a, S>(load_some(from + i, width - i)), width - i);
-    }
-  });
-}
-template <class S>
-void activate(const S* x, Index n, Activation act, S* y) {
-  activate_rows(x, n, 1, n, act, y, n);
-}
-/// dx = dy act'(x) for n numbers.
-template <class S>
-void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
-  constexpr int l = lanes<S>;
-  with_activation(act, [=]<Activation a>() {
-    Index i = 0;
-    for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<a, S>(load(x + i)));
-    if (i < n) store_some(dx + i, load_some(dy + i, n - i) * activation_slope<a, S>(load_some(x + i, n - i)), n - i);
-  });
-}
-//
-// Matrix product with packed right-hand side: register tiles, cache blocks, epilogue in the tile.
-//
-//   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
-//   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
-//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
-//            well. (All panels at a time where A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
-//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
-//            result's rows are written, one after the other: the lines under them, which come from memory first, the
-//            processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
-//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
-//            the next rows of A.
-//   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
-
-template <class S>
-inline constexpr Index panel_width = 2 * lanes<S>;
-inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 1024;
-inline constexpr Index panel_block = 8;
-inline constexpr Index most_tiles = 16;        // of rows in a block
-inline constexpr Index near_caches = 4 << 20;  // bytes
-// for rows of A, and as much for a group of panels
-inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
-template <class S>
-// of a tile of a transposed A, copied
-inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
-
-template <class S>
-constexpr Index bytes(Index count) {
-  return count * static_cast<Index>(sizeof(S));
-}
-template <class S>
-const std::byte* as_bytes(const S* x) {
-  return reinterpret_cast<const std::byte*>(x);
-}
-
-/// Rows of A, `row_bytes` each, in a block of so many bytes: at most most_tiles tiles.
-constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
-  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
-}
-
-/// Rows k0 ... k1-1 of all panels of B, whose element (k, n) is b[k * stride + n].
-template <class S>
-void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels) {
-  constexpr Index w = panel_width<S>, l = lanes<S>;
-  constexpr Index ahead = 8;  // rows
-  for (Index i = k0; i < k1; ++i) {
-    const S* in = b + i * stride;
-    S* out = panels + i * w;
-    for (Index columns = n; columns > 0; columns -= w, in += w, out += k * w) {
-      __builtin_prefetch(in + ahead * stride), __builtin_prefetch(in + ahead * stride + l);
-      store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
-    }
-  }
-}
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
-template <class S, bool looks>
-bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
-  constexpr Index w = panel_width<S>, l = lanes<S>;
-  Mask<S> found{};
-  for (Index j = first; j < last; ++j) {
-    S* out = panels + j * k * w;
-    const Index columns = n - j * w;
-    const S* in = b + j * w * stride;
-    for (Index i = 0; i < k; i += l) {
-      const Index rows = k - i < l ? k - i : l;
-      for (Index c = 0; c < w; c += l) {
-        Vec<S> square[lanes<S>];
-#pragma GCC unroll 16
-        for (int q = 0; q < lanes<S>; ++q) {
-          const S* from = in + (c + q) * stride + i;
-          square[q] = load_first(from, c + q < columns ? rows : 0);
-          if constexpr (looks) find_not_finite<S>(square[q], found);
-        }
-        transpose_lanes<S>(square);
-        for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
-      }
-    }
-  }
-  return !any_negative<S>(found);
-}
-
-/// Rows of A, whose element (i, k) is at[i * stride + k], or, when transposed, at[i + k * stride].
-template <class S>
-struct Rows {
-  const S* at;
-  Index stride;
-  bool transposed;
-
-  Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
-  Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
-};
-
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for
-/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
-/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
-/// which fetches by itself lines that follow each other (20 % slower from memory).
-struct Ahead {
-  const std::byte* at = nullptr;
-  Index step = 0;
-
-  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between
-  /// them.
-  MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
-    const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
-    return {next + i * step * steps, step};
-  }
-  MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
-};
-
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
-template <class S>
-struct Epilogue {
-  bool accumulate = false;
-  const S* bias = nullptr;      // of the panel's first column
-  const S* residual = nullptr;  // of the tile's first element
-  Index residual_stride = 0;
-  Activation act = Activation::none;
-
-  /// Of the tile that begins at a row and column of a product; `first` and `last`: of the blocks of k.
-  static Epilogue of(const Gemm<S>& g, Index row, Index column, bool first, bool last) {
-    Epilogue e{.accumulate = !first};
-    if (!last) return e;
-    e.act = g.act;
-    if (g.bias != nullptr) e.bias = g.bias + column;
-    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
-    return e;
-  }
-  Epilogue from_column(Index column) const {
-    Epilogue e = *this;
-    if (bias != nullptr) e.bias += column;
-    if (residual != nullptr) e.residual += column;
-    return e;
-  }
-  Epilogue from_row(Index row) const {
-    Epilogue e = *this;
-    if (residual != nullptr) e.residual += row * residual_stride;
-    return e;
-  }
-};
-
-/// Asks for the rows of c and of the residual that a tile is put into.
-template <class S, int R>
-MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
-  constexpr int l = lanes<S>;
-  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
-  if (e.residual == nullptr) return;
-  for (int i = 0; i < R; ++i) {
-    const S* row = e.residual + i * e.residual_stride;
-    __builtin_prefetch(row), __builtin_prefetch(row + l);
-  }
-}
-
-/// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
-template <class S>
-[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
-                                         const Epilogue<S>& e) {
-  constexpr Index l = lanes<S>;
-  for (Index r = 0; r < rows; ++r) {
-    for (Index i = 0; i < columns; i += l) {
-      const Index n = columns - i;
-      S* out = c + r * ldc + i;
-      Vec<S> x = sums[2 * r + i / l];
-      if (e.accumulate) x += load_first(out, n);
-      if (e.bias != nullptr) x += load_first(e.bias + i, n);
-      if (e.residual != nullptr) x += load_first(e.residual + r * e.residual_stride + i, n);
-      store_first(out, x, n);
-    }
-  }
-}
-
-/// c (R x columns) = the sums of a tile, c0 and c1 being its two vectors of columns.
-template <class S, int R>
-MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
-  constexpr int l = lanes<S>;
-  if (columns >= 2 * l) {
-    const Vec<S> z0 = e.bias == nullptr ? Vec<S>{} : load(e.bias), z1 = e.bias == nullptr ? Vec<S>{} : load(e.bias + l);
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      S* out = c + i * ldc;
-      if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
-      c0[i] += z0, c1[i] += z1;
-      if (e.residual != nullptr)
-        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
-      store(out, c0[i]), store(out + l, c1[i]);
-    }
-  } else {
-    Vec<S> sums[static_cast<std::size_t>(2 * R)];
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) sums[2 * i] = c0[i], sums[2 * i + 1] = c1[i];
-    put_narrow_result(sums, R, c, ldc, columns, e);
-  }
-  if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
-}
-
-/// What kind of tile: of A as it lies, of a transposed A, or of A as it lies times the first half of a panel only.
-enum class TileKind { plain, transposed, half };
-
-/// c (R x columns) = a (R x k) panel.
-template <class S, int R, TileKind kind>
-void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
-          Ahead ahead) {
-  constexpr Index w = panel_width<S>;
-  constexpr int l = lanes<S>;
-  constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
-  Vec<S> c0[R], c1[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
-  fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
-  // strides is known to be 1, which saves additions (1 to 4 % of the time).
-  const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
-  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
-          *p4 = p0 + 12 * row_stride;
-#pragma GCC unroll 2
-  for (Index at = 0; at < k; ++at) {
-    if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
-    const Vec<S> b0 = load(panel), b1 = half ? Vec<S>{} : load(panel + l);
-    panel += w;
-    __builtin_prefetch(panel + 16 * w);
-    __builtin_prefetch(panel + 16 * w + l);
-    ahead.fetch();
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const S x = i < 3    ? p0[i * row_stride]
-                  : i < 6  ? p1[(i - 3) * row_stride]
-                  : i < 9  ? p2[(i - 6) * row_stride]
-                  : i < 12 ? p3[(i - 9) * row_stride]
-                           : p4[(i - 12) * row_stride];
-      c0[i] += x * b0;
-      if constexpr (!half) c1[i] += x * b1;
-    }
-    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
-  }
-  put_result<S, R>(c0, c1, c, ldc, columns, e);
-}
-
-template <class S>
-using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
-/// The tile of so many rows for what is left of the columns.
-template <class S>
-TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
-  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-    return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
-                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
-                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
-  }
-  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
-  const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
-  return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
-}
-
-/// First row of part i of n nearly equal parts.
-MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
-
-/// How a product over k is split: pieces of k, and rows of A at a time.
-template <class S>
-struct Blocks {
-  Index count, rows;
-
-  explicit Blocks(Index k)
-      : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
-        rows(rows_at_once(bytes<S>((k + count - 1) / count), tile_rows, half_cache)) {}
-};
-template <class S>
-Index gemm_rows(Index k) {
-  return Blocks<S>(k).rows;
-}
-/// Numbers of scratch that gemm_block needs.
-template <class S>
-Index gemm_scratch(Index k) {
-  return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
-}
-
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
-/// other. `readable`: rows that A has from here on.
-template <class S>
-void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
-  constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
-  const Index tiles = (rows + tile_rows - 1) / tile_rows;
-  for (Index k = 0; k < depth; ++k, a += lda, out += pitch) {
-    if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
-    for (Index t = 0; t < tiles; ++t) {
-      const Index first = part(rows, t, tiles);
-      for (Index i = 0; i < pitch; i += l)
-        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
-    }
-  }
-}
-
-/// What is made at a time: of k the part k0 ... k1-1 of rows top ... below-1 times panels left ... right-1.
-template <class S>
-struct GemmPiece {
-  static constexpr Index w = panel_width<S>;
-  const Gemm<S>& g;
-  S* scratch;
-  bool copies, far;                   // rows of A are copied as they are; the result is larger than the nearer caches
-  Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
-  Index left = 0, right = 0;
-  Index k0 = 0, k1 = 0;
-  // panels that are read after it: at last the first ones once more, if nothing else is known
-  const std::byte* next = nullptr;
-  Index next_bytes = std::numeric_limits<Index>::max();
-
-  Index depth() const { return k1 - k0; }
-  Index pitch() const { return depth() + 16; }
-  const S* slice(Index panel) const { return g.panels + (panel * g.k + k0) * w; }
-
-  Rows<S> rows_of(Index tile, Index row) const {
-    if (g.a_transposed) return {scratch + tile * depth() * tile_pitch<S>, tile_pitch<S>, true};
-    if (copies) return {scratch + (row - top) * pitch(), pitch(), false};
-    return {g.a + row * g.lda + k0, g.lda, false};
-  }
-  void copy_rows(Index first, Index last) const {
-    for (Index r = first; r < last; ++r) {
-      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
-    }
-  }
-
-  void multiply() const {
-    const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
-    const bool whole = depth == g.k, transposed = g.a_transposed;
-    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
-    const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
-    // tile's when it is next.
-    if (transposed)
-      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
-    else if (copies && !far)
-      copy_rows(top, below);
-    for (Index group = 0; group < groups; ++group) {
-      const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
-      const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
-      const std::byte* next_panels = j1 < right ? as_bytes(slice(j1)) : next;
-      const Index next_panel_bytes = j1 < right ? panel_bytes : std::min(panel_bytes, next_bytes);
-      for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
-        height = top + part(below - top, t + 1, tiles) - row;
-        const Index next_row = row + height;
-        if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
-        // none.)
-        const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
-        const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
-        const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
-        for (Index i = 0; i < panels; ++i) {
-          const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead =
-              i < row_panels
-                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
-                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
-          S* c = g.c + row * g.ldc + j * w;
-          const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
-          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
-        }
-      }
-    }
-  }
-};
-
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
-template <class S>
-void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
-  const Blocks<S> split(g.k);
-  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
-  // once.
-  const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
-  const bool all_panels = copies || g.a_transposed || blocks == 1;
-  const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
-  const bool far = bytes<S>(g.m * g.n) > near_caches;
-  for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
-    const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
-    GemmPiece<S> piece{.g = g,
-                       .scratch = scratch,
-                       .copies = copies,
-                       .far = far,
-                       .top = r0 + part(r1 - r0, row_block, row_blocks),
-                       .below = r0 + part(r1 - r0, row_block + 1, row_blocks),
-                       .end = r1,
-                       .left = left,
-                       .right = std::min(j1, left + wide),
-                       .k0 = part(g.k, block, blocks),
-                       .k1 = part(g.k, block + 1, blocks)};
-    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
-               last = next_rows && piece.below == r1;
-    const S* next = g.panels + ((next_rows      ? j0
-                                 : next_columns ? piece.right
-                                                : left) *
-                                    g.k +
-                                (next_columns ? 0 : piece.k1)) *
-                                   piece.w;
-    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
-    if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
-    piece.multiply();
-  }
-}
-//
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
-// or one head (backward), never for a batch.
-//
-//   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
-//   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
-
-/// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
-/// none waits.
-template <class S, int R>
-MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
-  constexpr int l = lanes<S>;
-  const Index padded = (n + l - 1) / l * l;
-  constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
-  Vec<S> largest[R], sum[R], inverse[R];
-  S shift[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) {
-    for (Index c = visible[i]; c < padded; ++c) rows[i * pitch + c] = hidden;
-    largest[i] = splat(hidden), sum[i] = Vec<S>{};
-  }
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) largest[i] = vmax<S>(largest[i], load(rows + i * pitch + c));
-  }
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) shift[i] = reduce_max<S>(largest[i]) * scale;
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const Vec<S> e = vexp<S>(load(rows + i * pitch + c) * scale - shift[i]);
-      store(rows + i * pitch + c, e);
-      sum[i] += e;
-    }
-  }
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) inverse[i] = splat(S(1) / reduce_add<S>(sum[i]));
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) store(rows + i * pitch + c, load(rows + i * pitch + c) * inverse[i]);
-  }
-}
-inline constexpr int softmax_group = 4;  // of rows
-/// The same for `count` rows, the first of which is query `first`; causal: row i sees keys up to its own number.
-template <class S>
-void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bool causal, S scale) {
-  for (Index r = 0; r < count;) {
-    Index visible[softmax_group];
-    for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
-    if (r + softmax_group <= count)
-      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
-    else
-      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
-  }
-}
-
-/// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
-template <class S>
-void dropout(const S* x, Index n, Index first, const Dropout& d, S* y) {
-  typedef std::uint32_t Bits __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-  constexpr Index l = MOTIONLANG_VECTOR_BYTES / 4;
-  const std::uint32_t limit = d.limit();
-  const auto key0 = static_cast<std::uint32_t>(d.key) +
-                    static_cast<std::uint32_t>(static_cast<std::uint64_t>(first) >> 32) * 0x27D4EB2Fu;
-  const auto key1 = static_cast<std::uint32_t>(d.key >> 32);
-  const S keep = static_cast<S>(1.0 / (1.0 - d.p));
-  Bits counter;
-  for (Index i = 0; i < l; ++i) counter[i] = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(i);
-  for (Index i = 0; i < n; i += l, counter += static_cast<std::uint32_t>(l)) {
-    Bits h = counter * 0x9E3779B1u + key0;
-    h = (h ^ (h >> 16)) * 0x85EBCA6Bu + key1;
-    h = (h ^ (h >> 13)) * 0xC2B2AE35u;
-    h = h ^ (h >> 16);
-    if (sizeof(S) == 4 && i + l <= n) {
-      const Vec<S> kept = load(x + i) * keep;
-      store(y + i, (Mask<S>)(h >= limit) ? kept : Vec<S>{});
-    } else {
-      for (Index c = 0; c < l && i + c < n; ++c) y[i + c] = h[c] >= limit ? x[i + c] * keep : S(0);
-    }
-  }
-}
-
-template <class S>
-MOTIONLANG_INLINE Index padded_panels(Index n) {
-  return (n + panel_width<S> - 1) / panel_width<S>;
-}
-
-/// The products of attention in S. (Bf16Products is the other kind.)
-template <class S>
-struct FloatProducts {
-  using Number = S;
-  static constexpr Index rows = tile_rows;  // that products are fastest with
-  static void begin() {}
-  static void end() {}
-  /// Columns that products write of n.
-  static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
-  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
-  static Index panels(Index k, Index n) { return columns(n) * k; }
-  static Index scratch(Index) { return 0; }
-
-  static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    if (stride_n == 1)
-      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else
-      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
-  }
-  /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
-  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
-                       bool whole_panels) {
-    constexpr Index w = panel_width<S>;
-    const Index tiles = (count + tile_rows - 1) / tile_rows;
-    const Epilogue<S> plain;
-    for (Index j = 0; j < padded_panels<S>(n); ++j) {
-      for (Index t = 0; t < tiles; ++t) {
-        const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
-      }
-    }
-  }
-};
-
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
-/// columns of.
-template <class S>
-struct AttentionHead {
-  const Attention<S>& t;
-  Index head, q0, k0, queries, keys;
-  const S *q, *k, *v;
-
-  AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
-      : t(a),
-        head(head_number),
-        q0(a.q_offsets[sequence]),
-        k0(a.k_offsets[sequence]),
-        queries(a.q_offsets[sequence + 1] - q0),
-        keys(a.k_offsets[sequence + 1] - k0),
-        q(a.q + q0 * a.q_stride + head * a.width),
-        k(a.k + k0 * a.k_stride + head * a.width),
-        v(a.v + k0 * a.v_stride + head * a.width) {}
-
-  S scale() const { return S(1) / std::sqrt(static_cast<S>(t.width)); }
-  /// Scores of `count` queries from `first` on, q k^T, become their rows of P: relative scores, softmax, dropout.
-  void weights(Index first, Index count, S* rows, Index pitch) const {
-    const S unscale = std::sqrt(static_cast<S>(t.width));
-    for (Index r = 0; r < count && t.relative_scores != nullptr; ++r) {
-      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
-      for (Index c = 0; c < keys; ++c) rows[r * pitch + c] += relative[c] * unscale;
-    }
-    softmax_rows_of(rows, pitch, count, keys, first, t.causal, scale());
-    for (Index r = 0; r < count && t.dropout.p > 0; ++r)
-      dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
-  }
-  Index mask_at(Index query) const {
-    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
-  }
-};
-
-/// Distance of rows of scores, whose columns up to the end of a panel are written.
-template <class P>
-Index score_pitch(Index keys) {
-  return P::columns(keys) + 16;
-}
-/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
-template <class P>
-Index attention_scratch(Index keys, Index width) {
-  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
-         P::scratch(std::max(keys, width));
-}
-/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
-template <class P>
-Index attention_vjp_scratch(Index queries, Index keys, Index width) {
-  const Index longest = std::max(keys, queries);
-  return P::panels(width, keys) + P::panels(longest, width) + 2 * queries * score_pitch<P>(keys) +
-         P::scratch(std::max(longest, width));
-}
-
-/// Output of one head, for one of so many pieces of its queries.
-template <class P, class S = typename P::Number>
-void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
-  const AttentionHead<S> h(t, sequence, head);
-  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
-              end = part(tiles, piece + 1, pieces);
-  if (begin == end) return;
-  const Index pitch = score_pitch<P>(h.keys);
-  S* vp = kt + P::panels(t.width, h.keys);
-  S* scores = vp + P::panels(h.keys, t.width);
-  S* scratch = scores + P::rows * pitch;
-  S* o = t.o + h.q0 * t.o_stride + head * t.width;
-  P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
-  P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
-  P::begin();
-  for (Index i = begin; i < end; ++i) {
-    const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
-    P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
-    h.weights(first, rows, scores, pitch);
-    P::multiply({scores, pitch, false}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
-  }
-  P::end();
-}
-
-/// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
-template <class P, class S = typename P::Number>
-void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* a) {
-  constexpr int l = lanes<S>;
-  const AttentionHead<S> h(t, sequence, head);
-  const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
-  const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
-  const S scale = h.scale();
-  S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
-  S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
-  S* ds = p + queries * pitch;                           // dP, later dS
-  S* scratch = ds + queries * pitch;
-  P::begin();
-  P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
-  P::multiply({h.q, t.q_stride, false}, queries, width, a, keys, p, pitch, scratch, true);
-  P::pack(h.v, width, keys, Index{1}, t.v_stride, a);
-  P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
-  for (Index r = 0; r < queries; ++r) {
-    S *pr = p + r * pitch, *dr = ds + r * pitch;
-    if (r % softmax_group == 0)
-      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
-    if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
-    Vec<S> sum{};
-    for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
-    const S mean = reduce_add<S>(sum);
-    for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
-    if (t.dropout.p > 0) dropout(pr, keys, h.mask_at(r), t.dropout, pr);
-  }
-  S* dq = g.d_q + h.q0 * t.q_stride + head * width;
-  S* dk = g.d_k + h.k0 * t.k_stride + head * width;
-  S* dv = g.d_v + h.k0 * t.v_stride + head * width;
-  P::pack(h.k, keys, width, t.k_stride, Index{1}, b);
-  P::multiply({ds, pitch, false}, queries, keys, b, width, dq, t.q_stride, scratch, false);
-  P::pack(h.q, queries, width, t.q_stride, Index{1}, b);
-  P::multiply({ds, pitch, true}, keys, queries, b, width, dk, t.k_stride, scratch, false);
-  P::pack(d_o, queries, width, t.o_stride, Index{1}, b);
-  P::multiply({p, pitch, true}, keys, queries, b, width, dv, t.v_stride, scratch, false);
-  P::end();
-}
-//
-// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
-
-inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
-/// many chains of sums: none waits.
-template <class S, int R>
-MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
-  constexpr int l = lanes<S>;
-  const Index whole = n / l * l;
-  Vec<S> sum[R], square[R];
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) sum[r] = square[r] = Vec<S>{};
-  for (Index i = 0; i < whole; i += l) {
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) sum[r] += load(x + r * n + i);
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    S total = reduce_add<S>(sum[r]);
-    for (Index i = whole; i < n; ++i) total += x[r * n + i];
-    mean[r] = total / static_cast<S>(n);
-  }
-  for (Index i = 0; i < whole; i += l) {
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> d = load(x + r * n + i) - mean[r];
-      square[r] += d * d;
-    }
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    S variance = reduce_add<S>(square[r]);
-    for (Index i = whole; i < n; ++i) variance += (x[r * n + i] - mean[r]) * (x[r * n + i] - mean[r]);
-    rstd[r] = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
-  }
-}
-
-/// layer_norm_rows of R rows.
-template <class S, int R>
-MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  const S* x = t.x + first * n;
-  S* y = t.y + first * n;
-  if (t.residual != nullptr) {
-    const S* z = t.residual + first * n;
-    for (Index i = 0; i < R * n; i += l)
-      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
-    x = y;
-  }
-  S mean[R], rstd[R];
-  row_moments<S, R>(x, n, t.eps, mean, rstd);
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i), bias = load(t.bias + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      __builtin_prefetch(x + (R + r) * n + i);  // of the next rows
-      store(y + r * n + i, (load(x + r * n + i) - mean[r]) * rstd[r] * weight + bias);
-    }
-  }
-  for (Index i = whole; i < n; ++i) {
-    for (int r = 0; r < R; ++r) y[r * n + i] = (x[r * n + i] - mean[r]) * rstd[r] * t.weight[i] + t.bias[i];
-  }
-}
-/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
-template <class S>
-void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
-  for (; first + norm_group <= last; first += norm_group) normalize_rows<S, norm_group>(t, first);
-  for (; first < last; ++first) normalize_rows<S, 1>(t, first);
-}
-
-/// layer_norm_rows_vjp of R rows.
-template <class S, int R>
-MOTIONLANG_INLINE void normalize_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  const S *x = t.x + first * n, *g = dy + first * n;
-  S* d = dx + first * n;
-  S mean[R], rstd[R], h0[R], h1[R];
-  row_moments<S, R>(x, n, t.eps, mean, rstd);
-  Vec<S> sum_h[R], sum_hx[R];
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) sum_h[r] = sum_hx[r] = Vec<S>{};
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> h = load(g + r * n + i) * weight;
-      sum_h[r] += h;
-      sum_hx[r] += h * ((load(x + r * n + i) - mean[r]) * rstd[r]);
-    }
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    h0[r] = reduce_add<S>(sum_h[r]), h1[r] = reduce_add<S>(sum_hx[r]);
-    for (Index i = whole; i < n; ++i) {
-      const S h = g[r * n + i] * t.weight[i];
-      h0[r] += h;
-      h1[r] += h * ((x[r * n + i] - mean[r]) * rstd[r]);
-    }
-    h0[r] /= static_cast<S>(n);
-    h1[r] /= static_cast<S>(n);
-  }
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> xhat = (load(x + r * n + i) - mean[r]) * rstd[r];
-      store(d + r * n + i, (load(g + r * n + i) * weight - h0[r] - xhat * h1[r]) * rstd[r]);
-    }
-  }
-  for (int r = 0; r < R; ++r) {
-    for (Index i = whole; i < n; ++i) {
-      d[r * n + i] = (g[r * n + i] * t.weight[i] - h0[r] - (x[r * n + i] - mean[r]) * rstd[r] * h1[r]) * rstd[r];
-    }
-    moments[2 * (first + r)] = mean[r], moments[2 * (first + r) + 1] = rstd[r];
-  }
-}
-/// dx = rstd (h - mean(h) - xhat mean(h xhat)),  h = dy weight,  xhat = (x - mean) rstd
-template <class S>
-void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first, Index last) {
-  for (; first + norm_group <= last; first += norm_group) normalize_rows_vjp<S, norm_group>(t, dy, dx, moments, first);
-  for (; first < last; ++first) normalize_rows_vjp<S, 1>(t, dy, dx, moments, first);
-}
-/// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
-template <class S>
-void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
-                            Index first, Index last) {
-  for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
-  for (Index r = 0; r < rows; ++r) {
-    const S mean = moments[2 * r], rstd = moments[2 * r + 1];
-    const S *x = t.x + r * t.width, *g = dy + r * t.width;
-    for (Index i = first; i < last; ++i) {
-      dweight[i] += g[i] * ((x[i] - mean) * rstd);
-      dbias[i] += g[i];
-    }
-  }
-}
-
-/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
-template <class S>
-void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
-  for (Index r = first; r < last; ++r) {
-    std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
-    softmax_rows_at<S, 1>(scratch, n, n, &n, S(1));
-    std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
-  }
-}
-
-/// Columns first ... last-1 of y; first is a multiple of `lanes`.
-template <class S>
-void transpose(const Transposed<S>& t, Index first, Index last) {
-  constexpr Index l = lanes<S>;
-  for (Index j = first; j < last; j += l) {
-    const Index n = std::min(l, last - j);
-    const bool whole = n == l;
-    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
-    for (Index r = 0; r < t.rows; ++r) {
-      const S* z = t.z + j * t.rows + r;
-      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
-      S* y = t.y + r * t.width + j;
-      Vec<S> x{};
-      if (whole) {
-#pragma GCC unroll 16
-        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
-        x += bias;
-        if (residual != nullptr) x += load(residual);
-        store(y, x);
-      } else {
-        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
-        x += bias;
-        if (residual != nullptr) x += load_some(residual, n);
-        store_some(y, x, n);
-      }
-    }
-    if (t.act != Activation::none) activate_rows(t.y + j, t.width, t.rows, n, t.act, t.y + j, t.width);
-  }
-}
-
-template <BinaryOp op, class S>
-MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
-  switch (op) {
-    case BinaryOp::add:
-      return a + b;
-    case BinaryOp::sub:
-      return a - b;
-    case BinaryOp::mul:
-      return a * b;
-    case BinaryOp::div:
-      return a / b;
-    case BinaryOp::maximum:
-      return a < b ? b : a;
-  }
-  return a;
-}
-/// A repeated operand is read again and again from one vector of copies.
-template <BinaryOp op, class S>
-MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
-  constexpr int l = lanes<S>;
-  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
-  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a,
-          *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
-  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
-  Index i = 0;
-  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
-  const Index n = t.count - i;
-  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
-}
-template <class S>
-void binary(const Binary<S>& t) {
-  switch (t.op) {
-    case BinaryOp::add:
-      return binary_loop<BinaryOp::add>(t);
-    case BinaryOp::sub:
-      return binary_loop<BinaryOp::sub>(t);
-    case BinaryOp::mul:
-      return binary_loop<BinaryOp::mul>(t);
-    case BinaryOp::div:
-      return binary_loop<BinaryOp::div>(t);
-    case BinaryOp::maximum:
-      return binary_loop<BinaryOp::maximum>(t);
-  }
-}
-
-template <class S>
-void error_function(const S* x, Index n, S* y) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(y + i, verf<S>(load(x + i)));
-  store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
-}
-
-/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
-template <class S>
-void row_sums(const S* x, Index n, Index first, Index last, S* y) {
-  constexpr int l = lanes<S>;
-  for (Index r = first; r < last; ++r) {
-    const S* row = x + r * n;
-    Vec<S> sums[4] = {};
-    Index i = 0;
-    for (; i + 4 * l <= n; i += 4 * l) {
-#pragma GCC unroll 4
-      for (int c = 0; c < 4; ++c) sums[c] += load(row + i + c * l);
-    }
-    for (; i < n; i += l) sums[0] += load_first(row + i, n - i);
-    y[r] = reduce_add<S>(sums[0] + sums[1] + (sums[2] + sums[3]));
-  }
-}
-/// Sums of the columns first ... last-1 over all rows.
-template <class S>
-void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
-  for (Index i = first; i < last; ++i) y[i] = S(0);
-  for (Index r = 0; r < rows; ++r) {
-    for (Index i = first; i < last; ++i) y[i] += x[r * width + i];
-  }
-}
-
-template <class S>
-MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
-                                      Vec<S>& v) {
-  const Vec<S> g = gradient * t.gradient_scale;
-  m = m * t.beta1 + g * t.rest1;
-  v = v * t.beta2 + g * g * t.rest2;
-  return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
-}
-/// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
-template <class S>
-void adamw(const AdamwStep<S>& t, Index first, Index last) {
-  constexpr int l = lanes<S>;
-  Index i = first;
-  for (; i + l <= last; i += l) {
-    Vec<S> m = load(t.m + i), v = load(t.v + i);
-    store(t.p + i, adamw_update<S>(t, load(t.p + i), load(t.g + i), m, v));
-    store(t.m + i, m), store(t.v + i, v);
-  }
-  const Index n = last - i;
-  Vec<S> m = load_some(t.m + i, n), v = load_some(t.v + i, n);
-  store_some(t.p + i, adamw_update<S>(t, load_some(t.p + i, n), load_some(t.g + i, n), m, v), n);
-  store_some(t.m + i, m, n), store_some(t.v + i, v, n);
-}
-
-#define MOTIONLANG_STRING_OF(x) #x
-#define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
-
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
-// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
-//
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
-//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
-//            which some round to 0.
-//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
-//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
-//            number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
-//            thread.
-
-typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
-typedef std::uint16_t Halves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2)));
-typedef std::uint16_t LooseHalves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2), aligned(2), may_alias));
-inline constexpr Index word_lanes = MOTIONLANG_VECTOR_BYTES / 4;
-
-/// The nearest bfloat16, ties to even, in the upper half of each word; NaN stays NaN.
-MOTIONLANG_INLINE Words round_to_bf16(const Vec<float>& x) {
-  const Words w = (Words)x, rounded = w + (w >> 16 & 1u) + 0x7FFFu;
-  return ((w & 0x7FFFFFFFu) > 0x7F800000u ? w | 0x400000u : rounded) & 0xFFFF0000u;
-}
-MOTIONLANG_INLINE void store_rounded(float* y, const Words& w) { store(y, (Vec<float>)w); }
-MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
-  *reinterpret_cast<LooseHalves*>(y) = __builtin_convertvector(w >> 16, Halves);
-}
-
-/// A vector of numbers, rounded; zeros from the n-th on.
-MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
-/// Of two vectors of rounded numbers: pairs of bfloat16.
-MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
-MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
-
-/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
-/// squares of lanes are transposed.
-template <class Element>
-void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
-  constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
-  for (Index r = 0; r < rows; r += l) {
-    const Index n = std::min(rows - r, l);
-    for (Index i = 0; i < padded; i += depth) {
-      Vec<float> square[lanes<float>];
-#pragma GCC unroll 16
-      for (int q = 0; q < lanes<float>; ++q) {
-        const auto row = [&](Index at) {
-          // no prefetcher follows pieces so far apart
-          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
-          return rounded(a + at * lda + r, at < k ? n : 0);
-        };
-        if constexpr (sizeof(Element) == 4) {
-          square[q] = (Vec<float>)row(i + q);
-        } else {
-          square[q] = (Vec<float>)pairs(row(i + 2 * q), row(i + 2 * q + 1));
-        }
-      }
-      transpose_lanes<float>(square);
-      for (Index c = 0; c < n; ++c) std::memcpy(y + (r + c) * pitch + i, &square[c], sizeof square[c]);
-    }
-  }
-}
-
-/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
-/// time, through as many panels as lie in different parts of the cache.
-template <class Tile>
-void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
-  constexpr Index ahead = 8;  // rows
-  const Index depth = bf16_depth(k), count = (n + bf16_columns - 1) / bf16_columns;
-  for (Index left = 0; left < count; left += panel_block) {
-    for (Index i = k0; i < k1; i += 2) {
-      const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
-      std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-      for (Index j = left; j < std::min(count, left + panel_block);
-           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-        fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
-        const Index columns = n - j * bf16_columns;
-        Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
-      }
-    }
-  }
-}
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
-template <class Tile, bool looks>
-bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
-                          std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
-  const Index depth = bf16_depth(k);
-  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
-  Mask<float> found{};
-  for (Index j = first; j < last; ++j) {
-    std::uint16_t* out = panels + j * depth * bf16_columns;
-    const float* in = b + j * bf16_columns * stride;
-    const Index columns = n - j * bf16_columns;
-    for (Index i0 = 0; i0 < depth; i0 += block) {
-      const Index length = std::min(block, depth - i0);
-      for (Index c = 0; c < bf16_columns; ++c) {
-        const float* row = in + c * stride + i0;
-        const Index there = c < columns ? std::min(k - i0, length) : 0;
-        if constexpr (looks) {
-          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
-        }
-        Tile::round_row(row, there, length, lines + c * pitch);
-      }
-      for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
-        for (Index c = 0; c < bf16_columns; c += l) {
-          Vec<float> square[lanes<float>];  // column, pair
-#pragma GCC unroll 16
-          for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
-          transpose_lanes<float>(square);
-          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
-        }
-      }
-    }
-  }
-  return !any_negative<float>(found);
-}
-
-/// Bytes of a pair of k in a panel.
-inline constexpr Index pair_bytes = 4 * bf16_columns;
-
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
-/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
-/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
-/// same cache set.
-inline bool streams(const Gemm<float>& g) {
-  constexpr Index all = 16 << 20;
-  const bool whole_lines =
-      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
-  return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
-}
-/// Rows of one panel's width, from where a tile has put them.
-inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
-  for (Index r = 0; r < rows; ++r, from += bf16_columns, to += ldc) {
-    for (Index i = 0; i < bf16_columns; i += lanes<float>) store_stream(to + i, load(from + i));
-  }
-}
-
-class PanelSplit;
-
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
-/// over `depth` of k.
-template <class Element>
-struct TileProduct {
-  const Element* a;
-  Index pitch, height;
-  const std::uint16_t* panel;
-  Index depth;
-  float* c;
-  Index ldc, columns;
-  Epilogue<float> e{};
-  Ahead ahead{};
-  bool panel_stays = true;         // in the cache, for the next tile; else the rows stay
-  bool stream = false;             // c is written past the caches
-  Index number = 0;                // of the tile among those of this panel
-  bool first = true, last = true;  // piece of k
-  PanelSplit* next = nullptr;      // of floats in parts: the panel that is split meanwhile
-};
-
-/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
-///     round_row(x, n, padded, y)       y = n numbers, rounded, then zeros up to `padded`, a multiple of 32
-///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
-template <class Tile>
-struct RegisterTile {
-  static constexpr bool even = true;                                 // rows are split evenly among tiles
-  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
-  static constexpr Index pieces(Index, Index) { return 1; }          // of k
-  static void begin() {}
-  static void end() {}
-
-  template <class Element>
-  void multiply(const TileProduct<Element>& t) {
-    static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-      return std::array{&Tile::template rows_of<R + 1>...};
-    }
-    (std::make_integer_sequence<int, Tile::rows>{});
-    const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
-    if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
-    alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
-    rows_of(t.a, t.pitch, t.panel, t.depth, result, bf16_columns, t.columns, t.e, t.ahead);
-    stream_rows(result, t.height, t.c, t.ldc);
-  }
-  void finish() {}
-};
-
-/// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
-struct WideningTile : RegisterTile<WideningTile> {
-  using Element = float;
-  static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
-  static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
-  template <class Number>
-  static void round_row(const float* x, Index n, Index padded, Number* y) {
-    for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
-  }
-  static void round_pairs(const float* x, Index nx, const float* y, Index ny, std::uint16_t* out) {
-    for (Index c = 0; c < bf16_columns; c += word_lanes) {
-      store_words(out + 2 * c, pairs(rounded(x + c, nx - c), rounded(y + c, ny - c)));
-    }
-  }
-
-  template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
-                      Index columns, const Epilogue<float>& e, Ahead ahead) {
-    constexpr int l = lanes<float>;
-    for (Index column = 0; column < columns; column += 2 * l) {
-      const Epilogue<float> piece = e.from_column(column);
-      fetch_result<float, R>(c + column, ldc, piece);
-      if (column > 0) ahead.step = 0;  // once is enough
-      Vec<float> c0[R], c1[R];
-#pragma GCC unroll 16
-      for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
-      const std::uint16_t* b = panel + 2 * column;
-      for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
-        ahead.fetch();
-        const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
-        const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
-        const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
-#pragma GCC unroll 16
-        for (int i = 0; i < R; ++i) {
-          const float x = a[i * pitch + k], y = a[i * pitch + k + 1];
-          c0[i] += x * even0;
-          c1[i] += x * even1;
-          c0[i] += y * odd0;
-          c1[i] += y * odd1;
-        }
-      }
-      put_result<float, R>(c0, c1, c + column, ldc, columns - column, piece);
-    }
-  }
-};
-
-/// The first `count` rows of A, side by side.
-template <class Tile>
-void round_rows(const Rows<float>& a, Index count, Index k, Index depth, typename Tile::Element* y, Index pitch) {
-  if (a.transposed) return round_columns(a.at, a.stride, count, k, depth, y, pitch);
-  for (Index r = 0; r < count; ++r) Tile::round_row(a.from(r).at, k, depth, y + r * pitch);
-}
-
-/// Rows of A in scratch at once, and their distance.
-template <class Tile>
-Index bf16_rows(Index k) {
-  return rows_at_once(bytes<typename Tile::Element>(bf16_depth(k)), Tile::rows, half_cache / 2 * 3);
-}
-template <class Tile>
-constexpr Index bf16_pitch(Index depth) {
-  return depth + 64 / static_cast<Index>(sizeof(typename Tile::Element));
-}
-/// Numbers of scratch that bf16_gemm_block needs.
-template <class Tile>
-Index bf16_scratch(Index k) {
-  return bf16_rows<Tile>(k) * bf16_pitch<Tile>(bf16_depth(k));
-}
-
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
-template <class Tile>
-void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
-                     float* scratch) {
-  using Element = typename Tile::Element;
-  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
-  Element* a = reinterpret_cast<Element*>(scratch);
-  const bool stream = streams(g);
-  Tile tile;
-  Tile::begin();
-  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
-  const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
-  for (Index block = 0; block < row_blocks; ++block) {
-    const Index top = r0 + unit * part(units, block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
-                tiles = (rows + Tile::rows - 1) / Tile::rows;
-    const Index pieces = Tile::pieces(depth, tiles);
-    round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
-    for (Index j = j0; j < j1; ++j) {
-      const std::uint16_t* panel = panels + j * depth * bf16_columns;
-      const bool last = j + 1 == j1 && top + rows == r1;
-      const std::byte* next = as_bytes(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
-      const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
-      for (Index step = 0; step < pieces * tiles; ++step) {
-        const Index piece = step / tiles, t = step % tiles;
-        const Index k0 = 32 * part(depth / 32, piece, pieces),
-                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
-        const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
-        const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        const Index row = top + first, column = j * bf16_columns;
-        const auto ahead =
-            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
-        TileProduct<Element> product{.a = a + first * pitch + k0,
-                                     .pitch = pitch,
-                                     .height = height,
-                                     .panel = panel + k0 * bf16_columns,
-                                     .depth = k1 - k0,
-                                     .c = g.c + row * g.ldc + column,
-                                     .ldc = g.ldc,
-                                     .columns = std::min(g.n - column, bf16_columns),
-                                     .e = Epilogue<float>::of(g, row, column, true, true),
-                                     .ahead = ahead,
-                                     .panel_stays = tiles > 1,
-                                     .stream = stream,
-                                     .number = t,
-                                     .first = piece == 0,
-                                     .last = piece + 1 == pieces};
-        tile.multiply(product);
-      }
-    }
-  }
-  tile.finish();
-  if (stream) end_of_streams();
-  Tile::end();
-}
-
-/// The products of attention (attention.inc) in bfloat16; scores and softmax stay in float.
-template <class Tile>
-struct Bf16Products {
-  using Number = float;
-  using Element = typename Tile::Element;
-  static constexpr Index rows = Tile::rows;
-  static void begin() { Tile::begin(); }
-  static void end() { Tile::end(); }
-  static Index columns(Index n) { return bf16_depth(n); }
-  static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
-  static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
-
-  static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
-    auto* out = reinterpret_cast<std::uint16_t*>(panels);
-    if (stride_n == 1)
-      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else
-      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
-  }
-  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
-                       float* scratch, bool whole_panels) {
-    const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
-    auto* rounded_rows = reinterpret_cast<Element*>(scratch);
-    Tile tile;
-    for (Index first = 0; first < count; first += Tile::rows) {
-      const Index height = std::min<Index>(Tile::rows, count - first);
-      round_rows<Tile>(a.from(first), height, k, depth, rounded_rows, pitch);
-      for (Index j = 0; j < n; j += bf16_columns) {
-        const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
-        tile.multiply(TileProduct<Element>{.a = rounded_rows,
-                                           .pitch = pitch,
-                                           .height = height,
-                                           .panel = panel,
-                                           .depth = Tile::depth(k),
-                                           .c = c + first * ldc + j,
-                                           .ldc = ldc,
-                                           .columns = whole_panels ? bf16_columns : std::min(n - j, bf16_columns),
-                                           .ahead = {as_bytes(panel)},
-                                           .panel_stays = false});
-      }
-    }
-    tile.finish();
-  }
-};
-
-template <class Tile>
-const Bf16Kernels& bf16_table() {
-  static constexpr Bf16Kernels t{.name = Tile::name,
-                                 .tile_rows = Tile::rows,
-                                 .gemm_rows = &bf16_rows<Tile>,
-                                 .gemm_scratch = &bf16_scratch<Tile>,
-                                 .pack_rows = &bf16_pack_rows<Tile>,
-                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
-                                 .gemm_block = &bf16_gemm_block<Tile>,
-                                 .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
-                                 .attention_head = &attention_head<Bf16Products<Tile>>,
-                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
-                                 .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
-  return t;
-}
-
-template <class S>
-const Kernels<S>& table() {
-  static constexpr Kernels<S> t{
-      .isa = Isa::MOTIONLANG_ISA,
-      .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
-      .panel_width = panel_width<S>,
-      .tile_rows = tile_rows,
-      .gemm_rows = &gemm_rows<S>,
-      .gemm_scratch = &gemm_scratch<S>,
-      .pack_rows = &pack_rows<S>,
-      .pack_transposed = &pack_transposed<S, true>,
-      .gemm_block = &gemm_block<S>,
-      .attention_scratch = &attention_scratch<FloatProducts<S>>,
-      .attention_head = &attention_head<FloatProducts<S>>,
-      .dropout = &dropout<S>,
-      .layer_norm_rows = &layer_norm_rows<S>,
-      .softmax_rows = &softmax_rows<S>,
-      .transpose = &transpose<S>,
-      .activate = &activate<S>,
-      .binary = &binary<S>,
-      .error_function = &error_function<S>,
-      .row_sums = &row_sums<S>,
-      .column_sums = &column_sums<S>,
-  };
-  return t;
-}
-template <class S>
-const GradientKernels<S>& gradient_table() {
-  static constexpr GradientKernels<S> t{
-      .attention_scratch = &attention_vjp_scratch<FloatProducts<S>>,
-      .attention_head = &attention_head_vjp<FloatProducts<S>>,
-      .layer_norm_rows = &layer_norm_rows_vjp<S>,
-      .layer_norm_columns = &layer_norm_columns_vjp<S>,
-      .activate = &activate_vjp<S>,
-      .adamw = &adamw<S>,
-  };
-  return t;
-}
-
-#undef MOTIONLANG_STRING
-#undef MOTIONLANG_STRING_OF
-#undef MOTIONLANG_INLINE
-
-}  // namespace detail::MOTIONLANG_ISA
-MOTIONLANG_NAMESPACE_END
+#define MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC
+#include "motionlang.hpp"
+#undef MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
@@ -35708,1744 +35246,9 @@ MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
 #define MOTIONLANG_ISA avx2
 #define MOTIONLANG_VECTOR_BYTES 32
 #define MOTIONLANG_TILE_ROWS 6
-// All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail::MOTIONLANG_ISA {
-
-// Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
-// Included once for every instruction set by kernels.hpp; no include guard on purpose.
-
-template <class S>
-struct VectorOf {
-  typedef S type __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-  typedef S loose __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(sizeof(S)), may_alias));
-  using bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
-  typedef bits mask __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-};
-template <class S>
-using Vec = typename VectorOf<S>::type;
-template <class S>
-using Mask = typename VectorOf<S>::mask;
-template <class S>
-inline constexpr int lanes = MOTIONLANG_VECTOR_BYTES / static_cast<int>(sizeof(S));
-
-// Everything below is inlined: passing such vectors between functions would depend on the caller's instruction set.
-#define MOTIONLANG_INLINE inline __attribute__((always_inline))
-
-template <class S>
-MOTIONLANG_INLINE Vec<S> load(const S* p) {
-  return *reinterpret_cast<const typename VectorOf<S>::loose*>(p);
-}
-template <class S>
-MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
-  *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
-}
-/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
-template <class S>
-MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
-#if defined(__clang__)
-  __builtin_nontemporal_store(v, reinterpret_cast<Vec<S>*>(p));
-#elif defined(__x86_64__)
-  auto* at = reinterpret_cast<float*>(p);
-#if MOTIONLANG_VECTOR_BYTES == 64
-  __builtin_ia32_movntps512(at, (Vec<float>)v);
-#elif MOTIONLANG_VECTOR_BYTES == 32
-  __builtin_ia32_movntps256(at, (Vec<float>)v);
-#else
-  __builtin_ia32_movntps(at, (Vec<float>)v);
-#endif
-#else
-  store(p, v);
-#endif
-}
-/// Asks for n numbers that are read soon.
-template <class Number>
-MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
-  for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
-}
-MOTIONLANG_INLINE void end_of_streams() {
-#if defined(__x86_64__)
-  __builtin_ia32_sfence();
-#endif
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> splat(S x) {
-  return x - Vec<S>{};
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above are 0
-  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)] = {};
-  for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
-  return load(t);
-}
-/// The first n numbers (all lanes if there are so many), then zeros; nothing is read if n <= 0.
-template <class S>
-MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
-  return n >= lanes<S> ? load(p) : load_some(p, n);
-}
-template <class S>
-MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
-  for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
-}
-template <class S>
-MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
-  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
-}
-// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
-// (Where one of them is a constant, GCC 12 makes two instructions of it for vectors of 64 bytes.)
-template <class S>
-MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
-#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
-  if constexpr (sizeof(S) == 4) {
-    Vec<S> r;
-    asm("vmaxps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
-    return r;
-  }
-#endif
-  return a > b ? a : b;
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
-#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
-  if constexpr (sizeof(S) == 4) {
-    Vec<S> r;
-    asm("vminps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
-    return r;
-  }
-#endif
-  return a < b ? a : b;
-}
-/// Lanes of `found` become negative where x is NaN or infinite: all bits of its exponent are set.
-template <class S>
-MOTIONLANG_INLINE void find_not_finite(const Vec<S>& x, Mask<S>& found) {
-  constexpr auto exponent = detail::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
-  found |= (~(Mask<S>)x & exponent) - 1;
-}
-template <class S>
-MOTIONLANG_INLINE bool any_negative(const Mask<S>& v) {
-  bool any = false;
-  for (int i = 0; i < lanes<S>; ++i) any |= v[i] < 0;
-  return any;
-}
-/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
-template <class S, int half, int... l>
-MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
-  return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
-}
-// Halves are put together until one lane is left: sums have a fixed order.
-template <class S, int half = lanes<S> / 2>
-MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  if constexpr (half == 0)
-    return v[0];
-  else
-    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
-}
-template <class S, int half = lanes<S> / 2>
-MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  if constexpr (half == 0)
-    return v[0];
-  else
-    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
-}
-
-/// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
-template <class S, int half, int... l>
-MOTIONLANG_INLINE void swap_blocks(Vec<S>& a, Vec<S>& b, std::integer_sequence<int, l...>) {
-  constexpr int n = lanes<S>;
-  const Vec<S> upper = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l - half : l)...);
-  b = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l : l + half)...);
-  a = upper;
-}
-/// v[i][j] becomes v[j][i]: blocks of 1, 2, 4, ... lanes are swapped.
-template <class S, int half = 1>
-MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
-  if constexpr (half < lanes<S>) {
-#pragma GCC unroll 16
-    for (int i = 0; i < lanes<S>; ++i) {
-      if ((i & half) == 0) swap_blocks<S, half>(v[i], v[i + half], std::make_integer_sequence<int, lanes<S>>{});
-    }
-    transpose_lanes<S, 2 * half>(v);
-  }
-}
-
-/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
-/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
-  constexpr bool single = sizeof(S) == 4;
-  constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
-  const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
-  // lowest bits.
-  const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
-  const Vec<S> shifted = c * S(1.4426950408889634) + magic;
-  const Vec<S> n = shifted - magic;
-  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
-                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
-  Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
-  if constexpr (!single) {
-    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
-      p = p * f + S(k);
-  }
-  for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
-  const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
-  return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
-}
-
-/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
-/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
-template <class S>
-MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
-  Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
-  p = p * y + S(6.364869382952854e-06);
-  q = q * y + S(7.602274008301123e-05);
-  p = p * y + S(0.00017693884114677917);
-  q = q * y + S(0.0019305587808950675);
-  p = p * y + S(0.004725908484413717);
-  q = q * y + S(0.029119172061619288);
-  p = p * y + S(0.0346923636272431);
-  q = q * y + S(0.25362643899642984);
-  p = p * y + S(0.3989422129894181);
-  q = q * y + S(1);
-  return p / q;
-}
-/// erf(x) = 2 Phi(sqrt(2) x) - 1. Float: absolute error below 5e-7. Double: libm.
-template <class S>
-MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
-    return c * phi_ratio<S>(c * c * S(2)) * S(2.8284271247461901);
-  } else {
-    Vec<S> r{};
-    for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
-    return r;
-  }
-}
-#if MOTIONLANG_VECTOR_BYTES == 64
-/// 32 numbers: lane i of the result is that which the lowest five bits of index[i] say.
-MOTIONLANG_INLINE Vec<float> look_up(const float* table, const Vec<float>& index) {
-  Vec<float> r = load(table);
-  asm("vpermt2ps %2, %1, %0" : "+v"(r) : "v"(index), "v"(load(table + 16)));
-  return r;
-}
-/// By gelu_table.hpp: absolute error below 1e-7 for x < 0, relative error below 5e-7 for x > 0.
-MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
-  static_assert(GeluTable::cells == 32 && GeluTable::width == 0.25);
-  constexpr auto last = static_cast<float>(GeluTable::width * (GeluTable::cells - 1));
-  Vec<float> c, d;
-  asm("vrangeps $0xa, %2, %1, %0" : "=v"(c) : "v"(x), "v"(splat(last)));  // min(|x|, last)
-  asm("vreduceps $0x24, %1, %0" : "=v"(d) : "v"(c));                      // c - i / 4, i = round(4 c)
-  const Vec<float> i = c + 3145728.f;                                     // 1.5 * 2^21: i in the lowest bits
-  const auto& table = gelu_table.by_power;
-  Vec<float> g = look_up(table[GeluTable::degree], i);
-#pragma GCC unroll 8
-  for (int n = GeluTable::degree; n-- > 0;) g = g * d + look_up(table[n], i);
-  return vmax<float>(Vec<float>{}, x) - g;
-}
-#endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
-/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
-#if MOTIONLANG_VECTOR_BYTES == 64
-  if constexpr (sizeof(S) == 4) return gelu_by_table(x);
-#endif
-  const Vec<S> h = x * S(0.5);
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> y = x * x;
-    return h + (y < splat(S(32)) ? y * phi_ratio<S>(y) : (Vec<S>)((Mask<S>)h & 0x7fffffff));
-  } else {
-    return h + h * verf<S>(x * S(0.70710678118654752));
-  }
-}
-
-/// Square root of x >= 0: Newton's iteration for 1/sqrt(x) from an estimate by shifting the exponent; within 1 ulp.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
-  constexpr bool single = sizeof(S) == 4;
-  using Bits = typename VectorOf<S>::bits;
-  Vec<S> y = (Vec<S>)(static_cast<Bits>(single ? 0x5F375A86 : 0x5FE6EB50C7B537A9) - ((Mask<S>)x >> 1));
-  for (int i = 0; i < (single ? 3 : 5); ++i) y = y * (S(1.5) - x * S(0.5) * y * y);
-  const Vec<S> r = x * y;
-  return r + S(0.5) * y * (x - r * r);
-}
-
-/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
-/// Double: libm.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> y = x * x;
-    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
-    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
-    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
-    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
-    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
-  } else {
-    Vec<S> r{};
-    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
-    return r;
-  }
-}
-//
-// Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
-
-template <Activation act, class S>
-MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
-  switch (act) {
-    case Activation::none:
-      return x;
-    case Activation::relu:
-      return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu:
-      return vgelu<S>(x);
-    case Activation::silu:
-      return x / (vexp<S>(-x) + S(1));
-    case Activation::tanh:
-      return vtanh<S>(x);
-    case Activation::quick_gelu:
-      return x / (vexp<S>(x * S(-1.702)) + S(1));
-    case Activation::gelu_new: {
-      const Vec<S> h = x * S(0.5);
-      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
-    }
-    case Activation::sigmoid:
-      return S(1) / (vexp<S>(-x) + S(1));
-  }
-  return x;
-}
-
-/// Derivative at x.
-///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
-template <Activation act, class S>
-MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
-  switch (act) {
-    case Activation::none:
-      return splat(S(1));
-    case Activation::relu:
-      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
-    case Activation::gelu: {
-      const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
-      return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
-    }
-    case Activation::silu: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
-      return s + x * s * (S(1) - s);
-    }
-    case Activation::tanh: {
-      const Vec<S> t = vtanh<S>(x);
-      return S(1) - t * t;
-    }
-    case Activation::quick_gelu: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
-      return s + x * s * (S(1) - s) * S(1.702);
-    }
-    case Activation::gelu_new: {
-      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
-      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
-    }
-    case Activation::sigmoid: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
-      return s * (S(1) - s);
-    }
-  }
-  return splat(S(1));
-}
-
-/// f.operator()<act>().
-template <class F>
-void with_activation(Activation act, const F& f) {
-  switch (act) {
-    case Activation::none:
-      return f.template operator()<Activation::none>();
-    case Activation::relu:
-      return f.template operator()<Activation::relu>();
-    case Activation::gelu:
-      return f.template operator()<Activation::gelu>();
-    case Activation::silu:
-      return f.template operator()<Activation::silu>();
-    case Activation::tanh:
-      return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu:
-      return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new:
-      return f.template operator()<Activation::gelu_new>();
-    case Activation::sigmoid:
-      return f.template operator()<Activation::sigmoid>();
-  }
-}
-
-/// y = act(x) for so many rows of `width` numbers, which begin ldx and ldy apart; y may be x.
-template <class S>
-void activate_rows(const S* x, Index ldx, Index rows, Index width, Activation act, S* y, Index ldy) {
-  constexpr int l = lanes<S>;
-  with_activation(act, [=]<Activation a>() {
-    for (Index r = 0; r < rows; ++r) {
-      const S* from = x + r * ldx;
-      S* to = y + r * ldy;
-      Index i = 0;
-      for (; i + l <= width; i += l) store(to + i, apply_activation<a, S>(load(from + i)));
-      if (i < width) store_some(to + i, apply_activation<a, S>(load_some(from + i, width - i)), width - i);
-    }
-  });
-}
-template <class S>
-void activate(const S* x, Index n, Activation act, S* y) {
-  activate_rows(x, n, 1, n, act, y, n);
-}
-/// dx = dy act'(x) for n numbers.
-template <class S>
-void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
-  constexpr int l = lanes<S>;
-  with_activation(act, [=]<Activation a>() {
-    Index i = 0;
-    for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<a, S>(load(x + i)));
-    if (i < n) store_some(dx + i, load_some(dy + i, n - i) * activation_slope<a, S>(load_some(x + i, n - i)), n - i);
-  });
-}
-//
-// Matrix product with packed right-hand side: register tiles, cache blocks, epilogue in the tile.
-//
-//   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
-//   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
-//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
-//            well. (All panels at a time where A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
-//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
-//            result's rows are written, one after the other: the lines under them, which come from memory first, the
-//            processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
-//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
-//            the next rows of A.
-//   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
-
-template <class S>
-inline constexpr Index panel_width = 2 * lanes<S>;
-inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 1024;
-inline constexpr Index panel_block = 8;
-inline constexpr Index most_tiles = 16;        // of rows in a block
-inline constexpr Index near_caches = 4 << 20;  // bytes
-// for rows of A, and as much for a group of panels
-inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
-template <class S>
-// of a tile of a transposed A, copied
-inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
-
-template <class S>
-constexpr Index bytes(Index count) {
-  return count * static_cast<Index>(sizeof(S));
-}
-template <class S>
-const std::byte* as_bytes(const S* x) {
-  return reinterpret_cast<const std::byte*>(x);
-}
-
-/// Rows of A, `row_bytes` each, in a block of so many bytes: at most most_tiles tiles.
-constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
-  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
-}
-
-/// Rows k0 ... k1-1 of all panels of B, whose element (k, n) is b[k * stride + n].
-template <class S>
-void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels) {
-  constexpr Index w = panel_width<S>, l = lanes<S>;
-  constexpr Index ahead = 8;  // rows
-  for (Index i = k0; i < k1; ++i) {
-    const S* in = b + i * stride;
-    S* out = panels + i * w;
-    for (Index columns = n; columns > 0; columns -= w, in += w, out += k * w) {
-      __builtin_prefetch(in + ahead * stride), __builtin_prefetch(in + ahead * stride + l);
-      store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
-    }
-  }
-}
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
-template <class S, bool looks>
-bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
-  constexpr Index w = panel_width<S>, l = lanes<S>;
-  Mask<S> found{};
-  for (Index j = first; j < last; ++j) {
-    S* out = panels + j * k * w;
-    const Index columns = n - j * w;
-    const S* in = b + j * w * stride;
-    for (Index i = 0; i < k; i += l) {
-      const Index rows = k - i < l ? k - i : l;
-      for (Index c = 0; c < w; c += l) {
-        Vec<S> square[lanes<S>];
-#pragma GCC unroll 16
-        for (int q = 0; q < lanes<S>; ++q) {
-          const S* from = in + (c + q) * stride + i;
-          square[q] = load_first(from, c + q < columns ? rows : 0);
-          if constexpr (looks) find_not_finite<S>(square[q], found);
-        }
-        transpose_lanes<S>(square);
-        for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
-      }
-    }
-  }
-  return !any_negative<S>(found);
-}
-
-/// Rows of A, whose element (i, k) is at[i * stride + k], or, when transposed, at[i + k * stride].
-template <class S>
-struct Rows {
-  const S* at;
-  Index stride;
-  bool transposed;
-
-  Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
-  Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
-};
-
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for
-/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
-/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
-/// which fetches by itself lines that follow each other (20 % slower from memory).
-struct Ahead {
-  const std::byte* at = nullptr;
-  Index step = 0;
-
-  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between
-  /// them.
-  MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
-    const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
-    return {next + i * step * steps, step};
-  }
-  MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
-};
-
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
-template <class S>
-struct Epilogue {
-  bool accumulate = false;
-  const S* bias = nullptr;      // of the panel's first column
-  const S* residual = nullptr;  // of the tile's first element
-  Index residual_stride = 0;
-  Activation act = Activation::none;
-
-  /// Of the tile that begins at a row and column of a product; `first` and `last`: of the blocks of k.
-  static Epilogue of(const Gemm<S>& g, Index row, Index column, bool first, bool last) {
-    Epilogue e{.accumulate = !first};
-    if (!last) return e;
-    e.act = g.act;
-    if (g.bias != nullptr) e.bias = g.bias + column;
-    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
-    return e;
-  }
-  Epilogue from_column(Index column) const {
-    Epilogue e = *this;
-    if (bias != nullptr) e.bias += column;
-    if (residual != nullptr) e.residual += column;
-    return e;
-  }
-  Epilogue from_row(Index row) const {
-    Epilogue e = *this;
-    if (residual != nullptr) e.residual += row * residual_stride;
-    return e;
-  }
-};
-
-/// Asks for the rows of c and of the residual that a tile is put into.
-template <class S, int R>
-MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
-  constexpr int l = lanes<S>;
-  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
-  if (e.residual == nullptr) return;
-  for (int i = 0; i < R; ++i) {
-    const S* row = e.residual + i * e.residual_stride;
-    __builtin_prefetch(row), __builtin_prefetch(row + l);
-  }
-}
-
-/// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
-template <class S>
-[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
-                                         const Epilogue<S>& e) {
-  constexpr Index l = lanes<S>;
-  for (Index r = 0; r < rows; ++r) {
-    for (Index i = 0; i < columns; i += l) {
-      const Index n = columns - i;
-      S* out = c + r * ldc + i;
-      Vec<S> x = sums[2 * r + i / l];
-      if (e.accumulate) x += load_first(out, n);
-      if (e.bias != nullptr) x += load_first(e.bias + i, n);
-      if (e.residual != nullptr) x += load_first(e.residual + r * e.residual_stride + i, n);
-      store_first(out, x, n);
-    }
-  }
-}
-
-/// c (R x columns) = the sums of a tile, c0 and c1 being its two vectors of columns.
-template <class S, int R>
-MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
-  constexpr int l = lanes<S>;
-  if (columns >= 2 * l) {
-    const Vec<S> z0 = e.bias == nullptr ? Vec<S>{} : load(e.bias), z1 = e.bias == nullptr ? Vec<S>{} : load(e.bias + l);
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      S* out = c + i * ldc;
-      if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
-      c0[i] += z0, c1[i] += z1;
-      if (e.residual != nullptr)
-        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
-      store(out, c0[i]), store(out + l, c1[i]);
-    }
-  } else {
-    Vec<S> sums[static_cast<std::size_t>(2 * R)];
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) sums[2 * i] = c0[i], sums[2 * i + 1] = c1[i];
-    put_narrow_result(sums, R, c, ldc, columns, e);
-  }
-  if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
-}
-
-/// What kind of tile: of A as it lies, of a transposed A, or of A as it lies times the first half of a panel only.
-enum class TileKind { plain, transposed, half };
-
-/// c (R x columns) = a (R x k) panel.
-template <class S, int R, TileKind kind>
-void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
-          Ahead ahead) {
-  constexpr Index w = panel_width<S>;
-  constexpr int l = lanes<S>;
-  constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
-  Vec<S> c0[R], c1[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
-  fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
-  // strides is known to be 1, which saves additions (1 to 4 % of the time).
-  const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
-  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
-          *p4 = p0 + 12 * row_stride;
-#pragma GCC unroll 2
-  for (Index at = 0; at < k; ++at) {
-    if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
-    const Vec<S> b0 = load(panel), b1 = half ? Vec<S>{} : load(panel + l);
-    panel += w;
-    __builtin_prefetch(panel + 16 * w);
-    __builtin_prefetch(panel + 16 * w + l);
-    ahead.fetch();
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const S x = i < 3    ? p0[i * row_stride]
-                  : i < 6  ? p1[(i - 3) * row_stride]
-                  : i < 9  ? p2[(i - 6) * row_stride]
-                  : i < 12 ? p3[(i - 9) * row_stride]
-                           : p4[(i - 12) * row_stride];
-      c0[i] += x * b0;
-      if constexpr (!half) c1[i] += x * b1;
-    }
-    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
-  }
-  put_result<S, R>(c0, c1, c, ldc, columns, e);
-}
-
-template <class S>
-using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
-/// The tile of so many rows for what is left of the columns.
-template <class S>
-TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
-  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-    return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
-                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
-                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
-  }
-  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
-  const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
-  return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
-}
-
-/// First row of part i of n nearly equal parts.
-MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
-
-/// How a product over k is split: pieces of k, and rows of A at a time.
-template <class S>
-struct Blocks {
-  Index count, rows;
-
-  explicit Blocks(Index k)
-      : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
-        rows(rows_at_once(bytes<S>((k + count - 1) / count), tile_rows, half_cache)) {}
-};
-template <class S>
-Index gemm_rows(Index k) {
-  return Blocks<S>(k).rows;
-}
-/// Numbers of scratch that gemm_block needs.
-template <class S>
-Index gemm_scratch(Index k) {
-  return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
-}
-
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
-/// other. `readable`: rows that A has from here on.
-template <class S>
-void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
-  constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
-  const Index tiles = (rows + tile_rows - 1) / tile_rows;
-  for (Index k = 0; k < depth; ++k, a += lda, out += pitch) {
-    if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
-    for (Index t = 0; t < tiles; ++t) {
-      const Index first = part(rows, t, tiles);
-      for (Index i = 0; i < pitch; i += l)
-        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
-    }
-  }
-}
-
-/// What is made at a time: of k the part k0 ... k1-1 of rows top ... below-1 times panels left ... right-1.
-template <class S>
-struct GemmPiece {
-  static constexpr Index w = panel_width<S>;
-  const Gemm<S>& g;
-  S* scratch;
-  bool copies, far;                   // rows of A are copied as they are; the result is larger than the nearer caches
-  Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
-  Index left = 0, right = 0;
-  Index k0 = 0, k1 = 0;
-  // panels that are read after it: at last the first ones once more, if nothing else is known
-  const std::byte* next = nullptr;
-  Index next_bytes = std::numeric_limits<Index>::max();
-
-  Index depth() const { return k1 - k0; }
-  Index pitch() const { return depth() + 16; }
-  const S* slice(Index panel) const { return g.panels + (panel * g.k + k0) * w; }
-
-  Rows<S> rows_of(Index tile, Index row) const {
-    if (g.a_transposed) return {scratch + tile * depth() * tile_pitch<S>, tile_pitch<S>, true};
-    if (copies) return {scratch + (row - top) * pitch(), pitch(), false};
-    return {g.a + row * g.lda + k0, g.lda, false};
-  }
-  void copy_rows(Index first, Index last) const {
-    for (Index r = first; r < last; ++r) {
-      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
-    }
-  }
-
-  void multiply() const {
-    const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
-    const bool whole = depth == g.k, transposed = g.a_transposed;
-    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
-    const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
-    // tile's when it is next.
-    if (transposed)
-      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
-    else if (copies && !far)
-      copy_rows(top, below);
-    for (Index group = 0; group < groups; ++group) {
-      const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
-      const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
-      const std::byte* next_panels = j1 < right ? as_bytes(slice(j1)) : next;
-      const Index next_panel_bytes = j1 < right ? panel_bytes : std::min(panel_bytes, next_bytes);
-      for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
-        height = top + part(below - top, t + 1, tiles) - row;
-        const Index next_row = row + height;
-        if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
-        // none.)
-        const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
-        const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
-        const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
-        for (Index i = 0; i < panels; ++i) {
-          const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead =
-              i < row_panels
-                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
-                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
-          S* c = g.c + row * g.ldc + j * w;
-          const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
-          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
-        }
-      }
-    }
-  }
-};
-
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
-template <class S>
-void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
-  const Blocks<S> split(g.k);
-  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
-  // once.
-  const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
-  const bool all_panels = copies || g.a_transposed || blocks == 1;
-  const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
-  const bool far = bytes<S>(g.m * g.n) > near_caches;
-  for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
-    const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
-    GemmPiece<S> piece{.g = g,
-                       .scratch = scratch,
-                       .copies = copies,
-                       .far = far,
-                       .top = r0 + part(r1 - r0, row_block, row_blocks),
-                       .below = r0 + part(r1 - r0, row_block + 1, row_blocks),
-                       .end = r1,
-                       .left = left,
-                       .right = std::min(j1, left + wide),
-                       .k0 = part(g.k, block, blocks),
-                       .k1 = part(g.k, block + 1, blocks)};
-    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
-               last = next_rows && piece.below == r1;
-    const S* next = g.panels + ((next_rows      ? j0
-                                 : next_columns ? piece.right
-                                                : left) *
-                                    g.k +
-                                (next_columns ? 0 : piece.k1)) *
-                                   piece.w;
-    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
-    if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
-    piece.multiply();
-  }
-}
-//
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
-// or one head (backward), never for a batch.
-//
-//   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
-//   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
-
-/// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
-/// none waits.
-template <class S, int R>
-MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
-  constexpr int l = lanes<S>;
-  const Index padded = (n + l - 1) / l * l;
-  constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
-  Vec<S> largest[R], sum[R], inverse[R];
-  S shift[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) {
-    for (Index c = visible[i]; c < padded; ++c) rows[i * pitch + c] = hidden;
-    largest[i] = splat(hidden), sum[i] = Vec<S>{};
-  }
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) largest[i] = vmax<S>(largest[i], load(rows + i * pitch + c));
-  }
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) shift[i] = reduce_max<S>(largest[i]) * scale;
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const Vec<S> e = vexp<S>(load(rows + i * pitch + c) * scale - shift[i]);
-      store(rows + i * pitch + c, e);
-      sum[i] += e;
-    }
-  }
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) inverse[i] = splat(S(1) / reduce_add<S>(sum[i]));
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) store(rows + i * pitch + c, load(rows + i * pitch + c) * inverse[i]);
-  }
-}
-inline constexpr int softmax_group = 4;  // of rows
-/// The same for `count` rows, the first of which is query `first`; causal: row i sees keys up to its own number.
-template <class S>
-void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bool causal, S scale) {
-  for (Index r = 0; r < count;) {
-    Index visible[softmax_group];
-    for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
-    if (r + softmax_group <= count)
-      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
-    else
-      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
-  }
-}
-
-/// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
-template <class S>
-void dropout(const S* x, Index n, Index first, const Dropout& d, S* y) {
-  typedef std::uint32_t Bits __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-  constexpr Index l = MOTIONLANG_VECTOR_BYTES / 4;
-  const std::uint32_t limit = d.limit();
-  const auto key0 = static_cast<std::uint32_t>(d.key) +
-                    static_cast<std::uint32_t>(static_cast<std::uint64_t>(first) >> 32) * 0x27D4EB2Fu;
-  const auto key1 = static_cast<std::uint32_t>(d.key >> 32);
-  const S keep = static_cast<S>(1.0 / (1.0 - d.p));
-  Bits counter;
-  for (Index i = 0; i < l; ++i) counter[i] = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(i);
-  for (Index i = 0; i < n; i += l, counter += static_cast<std::uint32_t>(l)) {
-    Bits h = counter * 0x9E3779B1u + key0;
-    h = (h ^ (h >> 16)) * 0x85EBCA6Bu + key1;
-    h = (h ^ (h >> 13)) * 0xC2B2AE35u;
-    h = h ^ (h >> 16);
-    if (sizeof(S) == 4 && i + l <= n) {
-      const Vec<S> kept = load(x + i) * keep;
-      store(y + i, (Mask<S>)(h >= limit) ? kept : Vec<S>{});
-    } else {
-      for (Index c = 0; c < l && i + c < n; ++c) y[i + c] = h[c] >= limit ? x[i + c] * keep : S(0);
-    }
-  }
-}
-
-template <class S>
-MOTIONLANG_INLINE Index padded_panels(Index n) {
-  return (n + panel_width<S> - 1) / panel_width<S>;
-}
-
-/// The products of attention in S. (Bf16Products is the other kind.)
-template <class S>
-struct FloatProducts {
-  using Number = S;
-  static constexpr Index rows = tile_rows;  // that products are fastest with
-  static void begin() {}
-  static void end() {}
-  /// Columns that products write of n.
-  static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
-  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
-  static Index panels(Index k, Index n) { return columns(n) * k; }
-  static Index scratch(Index) { return 0; }
-
-  static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    if (stride_n == 1)
-      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else
-      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
-  }
-  /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
-  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
-                       bool whole_panels) {
-    constexpr Index w = panel_width<S>;
-    const Index tiles = (count + tile_rows - 1) / tile_rows;
-    const Epilogue<S> plain;
-    for (Index j = 0; j < padded_panels<S>(n); ++j) {
-      for (Index t = 0; t < tiles; ++t) {
-        const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
-      }
-    }
-  }
-};
-
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
-/// columns of.
-template <class S>
-struct AttentionHead {
-  const Attention<S>& t;
-  Index head, q0, k0, queries, keys;
-  const S *q, *k, *v;
-
-  AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
-      : t(a),
-        head(head_number),
-        q0(a.q_offsets[sequence]),
-        k0(a.k_offsets[sequence]),
-        queries(a.q_offsets[sequence + 1] - q0),
-        keys(a.k_offsets[sequence + 1] - k0),
-        q(a.q + q0 * a.q_stride + head * a.width),
-        k(a.k + k0 * a.k_stride + head * a.width),
-        v(a.v + k0 * a.v_stride + head * a.width) {}
-
-  S scale() const { return S(1) / std::sqrt(static_cast<S>(t.width)); }
-  /// Scores of `count` queries from `first` on, q k^T, become their rows of P: relative scores, softmax, dropout.
-  void weights(Index first, Index count, S* rows, Index pitch) const {
-    const S unscale = std::sqrt(static_cast<S>(t.width));
-    for (Index r = 0; r < count && t.relative_scores != nullptr; ++r) {
-      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
-      for (Index c = 0; c < keys; ++c) rows[r * pitch + c] += relative[c] * unscale;
-    }
-    softmax_rows_of(rows, pitch, count, keys, first, t.causal, scale());
-    for (Index r = 0; r < count && t.dropout.p > 0; ++r)
-      dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
-  }
-  Index mask_at(Index query) const {
-    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
-  }
-};
-
-/// Distance of rows of scores, whose columns up to the end of a panel are written.
-template <class P>
-Index score_pitch(Index keys) {
-  return P::columns(keys) + 16;
-}
-/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
-template <class P>
-Index attention_scratch(Index keys, Index width) {
-  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
-         P::scratch(std::max(keys, width));
-}
-/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
-template <class P>
-Index attention_vjp_scratch(Index queries, Index keys, Index width) {
-  const Index longest = std::max(keys, queries);
-  return P::panels(width, keys) + P::panels(longest, width) + 2 * queries * score_pitch<P>(keys) +
-         P::scratch(std::max(longest, width));
-}
-
-/// Output of one head, for one of so many pieces of its queries.
-template <class P, class S = typename P::Number>
-void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
-  const AttentionHead<S> h(t, sequence, head);
-  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
-              end = part(tiles, piece + 1, pieces);
-  if (begin == end) return;
-  const Index pitch = score_pitch<P>(h.keys);
-  S* vp = kt + P::panels(t.width, h.keys);
-  S* scores = vp + P::panels(h.keys, t.width);
-  S* scratch = scores + P::rows * pitch;
-  S* o = t.o + h.q0 * t.o_stride + head * t.width;
-  P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
-  P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
-  P::begin();
-  for (Index i = begin; i < end; ++i) {
-    const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
-    P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
-    h.weights(first, rows, scores, pitch);
-    P::multiply({scores, pitch, false}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
-  }
-  P::end();
-}
-
-/// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
-template <class P, class S = typename P::Number>
-void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* a) {
-  constexpr int l = lanes<S>;
-  const AttentionHead<S> h(t, sequence, head);
-  const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
-  const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
-  const S scale = h.scale();
-  S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
-  S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
-  S* ds = p + queries * pitch;                           // dP, later dS
-  S* scratch = ds + queries * pitch;
-  P::begin();
-  P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
-  P::multiply({h.q, t.q_stride, false}, queries, width, a, keys, p, pitch, scratch, true);
-  P::pack(h.v, width, keys, Index{1}, t.v_stride, a);
-  P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
-  for (Index r = 0; r < queries; ++r) {
-    S *pr = p + r * pitch, *dr = ds + r * pitch;
-    if (r % softmax_group == 0)
-      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
-    if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
-    Vec<S> sum{};
-    for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
-    const S mean = reduce_add<S>(sum);
-    for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
-    if (t.dropout.p > 0) dropout(pr, keys, h.mask_at(r), t.dropout, pr);
-  }
-  S* dq = g.d_q + h.q0 * t.q_stride + head * width;
-  S* dk = g.d_k + h.k0 * t.k_stride + head * width;
-  S* dv = g.d_v + h.k0 * t.v_stride + head * width;
-  P::pack(h.k, keys, width, t.k_stride, Index{1}, b);
-  P::multiply({ds, pitch, false}, queries, keys, b, width, dq, t.q_stride, scratch, false);
-  P::pack(h.q, queries, width, t.q_stride, Index{1}, b);
-  P::multiply({ds, pitch, true}, keys, queries, b, width, dk, t.k_stride, scratch, false);
-  P::pack(d_o, queries, width, t.o_stride, Index{1}, b);
-  P::multiply({p, pitch, true}, keys, queries, b, width, dv, t.v_stride, scratch, false);
-  P::end();
-}
-//
-// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
-
-inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
-/// many chains of sums: none waits.
-template <class S, int R>
-MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
-  constexpr int l = lanes<S>;
-  const Index whole = n / l * l;
-  Vec<S> sum[R], square[R];
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) sum[r] = square[r] = Vec<S>{};
-  for (Index i = 0; i < whole; i += l) {
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) sum[r] += load(x + r * n + i);
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    S total = reduce_add<S>(sum[r]);
-    for (Index i = whole; i < n; ++i) total += x[r * n + i];
-    mean[r] = total / static_cast<S>(n);
-  }
-  for (Index i = 0; i < whole; i += l) {
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> d = load(x + r * n + i) - mean[r];
-      square[r] += d * d;
-    }
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    S variance = reduce_add<S>(square[r]);
-    for (Index i = whole; i < n; ++i) variance += (x[r * n + i] - mean[r]) * (x[r * n + i] - mean[r]);
-    rstd[r] = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
-  }
-}
-
-/// layer_norm_rows of R rows.
-template <class S, int R>
-MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  const S* x = t.x + first * n;
-  S* y = t.y + first * n;
-  if (t.residual != nullptr) {
-    const S* z = t.residual + first * n;
-    for (Index i = 0; i < R * n; i += l)
-      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
-    x = y;
-  }
-  S mean[R], rstd[R];
-  row_moments<S, R>(x, n, t.eps, mean, rstd);
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i), bias = load(t.bias + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      __builtin_prefetch(x + (R + r) * n + i);  // of the next rows
-      store(y + r * n + i, (load(x + r * n + i) - mean[r]) * rstd[r] * weight + bias);
-    }
-  }
-  for (Index i = whole; i < n; ++i) {
-    for (int r = 0; r < R; ++r) y[r * n + i] = (x[r * n + i] - mean[r]) * rstd[r] * t.weight[i] + t.bias[i];
-  }
-}
-/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
-template <class S>
-void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
-  for (; first + norm_group <= last; first += norm_group) normalize_rows<S, norm_group>(t, first);
-  for (; first < last; ++first) normalize_rows<S, 1>(t, first);
-}
-
-/// layer_norm_rows_vjp of R rows.
-template <class S, int R>
-MOTIONLANG_INLINE void normalize_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  const S *x = t.x + first * n, *g = dy + first * n;
-  S* d = dx + first * n;
-  S mean[R], rstd[R], h0[R], h1[R];
-  row_moments<S, R>(x, n, t.eps, mean, rstd);
-  Vec<S> sum_h[R], sum_hx[R];
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) sum_h[r] = sum_hx[r] = Vec<S>{};
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> h = load(g + r * n + i) * weight;
-      sum_h[r] += h;
-      sum_hx[r] += h * ((load(x + r * n + i) - mean[r]) * rstd[r]);
-    }
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    h0[r] = reduce_add<S>(sum_h[r]), h1[r] = reduce_add<S>(sum_hx[r]);
-    for (Index i = whole; i < n; ++i) {
-      const S h = g[r * n + i] * t.weight[i];
-      h0[r] += h;
-      h1[r] += h * ((x[r * n + i] - mean[r]) * rstd[r]);
-    }
-    h0[r] /= static_cast<S>(n);
-    h1[r] /= static_cast<S>(n);
-  }
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> xhat = (load(x + r * n + i) - mean[r]) * rstd[r];
-      store(d + r * n + i, (load(g + r * n + i) * weight - h0[r] - xhat * h1[r]) * rstd[r]);
-    }
-  }
-  for (int r = 0; r < R; ++r) {
-    for (Index i = whole; i < n; ++i) {
-      d[r * n + i] = (g[r * n + i] * t.weight[i] - h0[r] - (x[r * n + i] - mean[r]) * rstd[r] * h1[r]) * rstd[r];
-    }
-    moments[2 * (first + r)] = mean[r], moments[2 * (first + r) + 1] = rstd[r];
-  }
-}
-/// dx = rstd (h - mean(h) - xhat mean(h xhat)),  h = dy weight,  xhat = (x - mean) rstd
-template <class S>
-void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first, Index last) {
-  for (; first + norm_group <= last; first += norm_group) normalize_rows_vjp<S, norm_group>(t, dy, dx, moments, first);
-  for (; first < last; ++first) normalize_rows_vjp<S, 1>(t, dy, dx, moments, first);
-}
-/// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
-template <class S>
-void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
-                            Index first, Index last) {
-  for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
-  for (Index r = 0; r < rows; ++r) {
-    const S mean = moments[2 * r], rstd = moments[2 * r + 1];
-    const S *x = t.x + r * t.width, *g = dy + r * t.width;
-    for (Index i = first; i < last; ++i) {
-      dweight[i] += g[i] * ((x[i] - mean) * rstd);
-      dbias[i] += g[i];
-    }
-  }
-}
-
-/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
-template <class S>
-void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
-  for (Index r = first; r < last; ++r) {
-    std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
-    softmax_rows_at<S, 1>(scratch, n, n, &n, S(1));
-    std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
-  }
-}
-
-/// Columns first ... last-1 of y; first is a multiple of `lanes`.
-template <class S>
-void transpose(const Transposed<S>& t, Index first, Index last) {
-  constexpr Index l = lanes<S>;
-  for (Index j = first; j < last; j += l) {
-    const Index n = std::min(l, last - j);
-    const bool whole = n == l;
-    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
-    for (Index r = 0; r < t.rows; ++r) {
-      const S* z = t.z + j * t.rows + r;
-      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
-      S* y = t.y + r * t.width + j;
-      Vec<S> x{};
-      if (whole) {
-#pragma GCC unroll 16
-        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
-        x += bias;
-        if (residual != nullptr) x += load(residual);
-        store(y, x);
-      } else {
-        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
-        x += bias;
-        if (residual != nullptr) x += load_some(residual, n);
-        store_some(y, x, n);
-      }
-    }
-    if (t.act != Activation::none) activate_rows(t.y + j, t.width, t.rows, n, t.act, t.y + j, t.width);
-  }
-}
-
-template <BinaryOp op, class S>
-MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
-  switch (op) {
-    case BinaryOp::add:
-      return a + b;
-    case BinaryOp::sub:
-      return a - b;
-    case BinaryOp::mul:
-      return a * b;
-    case BinaryOp::div:
-      return a / b;
-    case BinaryOp::maximum:
-      return a < b ? b : a;
-  }
-  return a;
-}
-/// A repeated operand is read again and again from one vector of copies.
-template <BinaryOp op, class S>
-MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
-  constexpr int l = lanes<S>;
-  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
-  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a,
-          *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
-  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
-  Index i = 0;
-  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
-  const Index n = t.count - i;
-  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
-}
-template <class S>
-void binary(const Binary<S>& t) {
-  switch (t.op) {
-    case BinaryOp::add:
-      return binary_loop<BinaryOp::add>(t);
-    case BinaryOp::sub:
-      return binary_loop<BinaryOp::sub>(t);
-    case BinaryOp::mul:
-      return binary_loop<BinaryOp::mul>(t);
-    case BinaryOp::div:
-      return binary_loop<BinaryOp::div>(t);
-    case BinaryOp::maximum:
-      return binary_loop<BinaryOp::maximum>(t);
-  }
-}
-
-template <class S>
-void error_function(const S* x, Index n, S* y) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(y + i, verf<S>(load(x + i)));
-  store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
-}
-
-/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
-template <class S>
-void row_sums(const S* x, Index n, Index first, Index last, S* y) {
-  constexpr int l = lanes<S>;
-  for (Index r = first; r < last; ++r) {
-    const S* row = x + r * n;
-    Vec<S> sums[4] = {};
-    Index i = 0;
-    for (; i + 4 * l <= n; i += 4 * l) {
-#pragma GCC unroll 4
-      for (int c = 0; c < 4; ++c) sums[c] += load(row + i + c * l);
-    }
-    for (; i < n; i += l) sums[0] += load_first(row + i, n - i);
-    y[r] = reduce_add<S>(sums[0] + sums[1] + (sums[2] + sums[3]));
-  }
-}
-/// Sums of the columns first ... last-1 over all rows.
-template <class S>
-void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
-  for (Index i = first; i < last; ++i) y[i] = S(0);
-  for (Index r = 0; r < rows; ++r) {
-    for (Index i = first; i < last; ++i) y[i] += x[r * width + i];
-  }
-}
-
-template <class S>
-MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
-                                      Vec<S>& v) {
-  const Vec<S> g = gradient * t.gradient_scale;
-  m = m * t.beta1 + g * t.rest1;
-  v = v * t.beta2 + g * g * t.rest2;
-  return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
-}
-/// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
-template <class S>
-void adamw(const AdamwStep<S>& t, Index first, Index last) {
-  constexpr int l = lanes<S>;
-  Index i = first;
-  for (; i + l <= last; i += l) {
-    Vec<S> m = load(t.m + i), v = load(t.v + i);
-    store(t.p + i, adamw_update<S>(t, load(t.p + i), load(t.g + i), m, v));
-    store(t.m + i, m), store(t.v + i, v);
-  }
-  const Index n = last - i;
-  Vec<S> m = load_some(t.m + i, n), v = load_some(t.v + i, n);
-  store_some(t.p + i, adamw_update<S>(t, load_some(t.p + i, n), load_some(t.g + i, n), m, v), n);
-  store_some(t.m + i, m, n), store_some(t.v + i, v, n);
-}
-
-#define MOTIONLANG_STRING_OF(x) #x
-#define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
-
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
-// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
-//
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
-//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
-//            which some round to 0.
-//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
-//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
-//            number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
-//            thread.
-
-typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
-typedef std::uint16_t Halves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2)));
-typedef std::uint16_t LooseHalves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2), aligned(2), may_alias));
-inline constexpr Index word_lanes = MOTIONLANG_VECTOR_BYTES / 4;
-
-/// The nearest bfloat16, ties to even, in the upper half of each word; NaN stays NaN.
-MOTIONLANG_INLINE Words round_to_bf16(const Vec<float>& x) {
-  const Words w = (Words)x, rounded = w + (w >> 16 & 1u) + 0x7FFFu;
-  return ((w & 0x7FFFFFFFu) > 0x7F800000u ? w | 0x400000u : rounded) & 0xFFFF0000u;
-}
-MOTIONLANG_INLINE void store_rounded(float* y, const Words& w) { store(y, (Vec<float>)w); }
-MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
-  *reinterpret_cast<LooseHalves*>(y) = __builtin_convertvector(w >> 16, Halves);
-}
-
-/// A vector of numbers, rounded; zeros from the n-th on.
-MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
-/// Of two vectors of rounded numbers: pairs of bfloat16.
-MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
-MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
-
-/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
-/// squares of lanes are transposed.
-template <class Element>
-void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
-  constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
-  for (Index r = 0; r < rows; r += l) {
-    const Index n = std::min(rows - r, l);
-    for (Index i = 0; i < padded; i += depth) {
-      Vec<float> square[lanes<float>];
-#pragma GCC unroll 16
-      for (int q = 0; q < lanes<float>; ++q) {
-        const auto row = [&](Index at) {
-          // no prefetcher follows pieces so far apart
-          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
-          return rounded(a + at * lda + r, at < k ? n : 0);
-        };
-        if constexpr (sizeof(Element) == 4) {
-          square[q] = (Vec<float>)row(i + q);
-        } else {
-          square[q] = (Vec<float>)pairs(row(i + 2 * q), row(i + 2 * q + 1));
-        }
-      }
-      transpose_lanes<float>(square);
-      for (Index c = 0; c < n; ++c) std::memcpy(y + (r + c) * pitch + i, &square[c], sizeof square[c]);
-    }
-  }
-}
-
-/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
-/// time, through as many panels as lie in different parts of the cache.
-template <class Tile>
-void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
-  constexpr Index ahead = 8;  // rows
-  const Index depth = bf16_depth(k), count = (n + bf16_columns - 1) / bf16_columns;
-  for (Index left = 0; left < count; left += panel_block) {
-    for (Index i = k0; i < k1; i += 2) {
-      const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
-      std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-      for (Index j = left; j < std::min(count, left + panel_block);
-           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-        fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
-        const Index columns = n - j * bf16_columns;
-        Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
-      }
-    }
-  }
-}
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
-template <class Tile, bool looks>
-bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
-                          std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
-  const Index depth = bf16_depth(k);
-  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
-  Mask<float> found{};
-  for (Index j = first; j < last; ++j) {
-    std::uint16_t* out = panels + j * depth * bf16_columns;
-    const float* in = b + j * bf16_columns * stride;
-    const Index columns = n - j * bf16_columns;
-    for (Index i0 = 0; i0 < depth; i0 += block) {
-      const Index length = std::min(block, depth - i0);
-      for (Index c = 0; c < bf16_columns; ++c) {
-        const float* row = in + c * stride + i0;
-        const Index there = c < columns ? std::min(k - i0, length) : 0;
-        if constexpr (looks) {
-          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
-        }
-        Tile::round_row(row, there, length, lines + c * pitch);
-      }
-      for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
-        for (Index c = 0; c < bf16_columns; c += l) {
-          Vec<float> square[lanes<float>];  // column, pair
-#pragma GCC unroll 16
-          for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
-          transpose_lanes<float>(square);
-          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
-        }
-      }
-    }
-  }
-  return !any_negative<float>(found);
-}
-
-/// Bytes of a pair of k in a panel.
-inline constexpr Index pair_bytes = 4 * bf16_columns;
-
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
-/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
-/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
-/// same cache set.
-inline bool streams(const Gemm<float>& g) {
-  constexpr Index all = 16 << 20;
-  const bool whole_lines =
-      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
-  return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
-}
-/// Rows of one panel's width, from where a tile has put them.
-inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
-  for (Index r = 0; r < rows; ++r, from += bf16_columns, to += ldc) {
-    for (Index i = 0; i < bf16_columns; i += lanes<float>) store_stream(to + i, load(from + i));
-  }
-}
-
-class PanelSplit;
-
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
-/// over `depth` of k.
-template <class Element>
-struct TileProduct {
-  const Element* a;
-  Index pitch, height;
-  const std::uint16_t* panel;
-  Index depth;
-  float* c;
-  Index ldc, columns;
-  Epilogue<float> e{};
-  Ahead ahead{};
-  bool panel_stays = true;         // in the cache, for the next tile; else the rows stay
-  bool stream = false;             // c is written past the caches
-  Index number = 0;                // of the tile among those of this panel
-  bool first = true, last = true;  // piece of k
-  PanelSplit* next = nullptr;      // of floats in parts: the panel that is split meanwhile
-};
-
-/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
-///     round_row(x, n, padded, y)       y = n numbers, rounded, then zeros up to `padded`, a multiple of 32
-///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
-template <class Tile>
-struct RegisterTile {
-  static constexpr bool even = true;                                 // rows are split evenly among tiles
-  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
-  static constexpr Index pieces(Index, Index) { return 1; }          // of k
-  static void begin() {}
-  static void end() {}
-
-  template <class Element>
-  void multiply(const TileProduct<Element>& t) {
-    static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-      return std::array{&Tile::template rows_of<R + 1>...};
-    }
-    (std::make_integer_sequence<int, Tile::rows>{});
-    const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
-    if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
-    alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
-    rows_of(t.a, t.pitch, t.panel, t.depth, result, bf16_columns, t.columns, t.e, t.ahead);
-    stream_rows(result, t.height, t.c, t.ldc);
-  }
-  void finish() {}
-};
-
-/// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
-struct WideningTile : RegisterTile<WideningTile> {
-  using Element = float;
-  static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
-  static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
-  template <class Number>
-  static void round_row(const float* x, Index n, Index padded, Number* y) {
-    for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
-  }
-  static void round_pairs(const float* x, Index nx, const float* y, Index ny, std::uint16_t* out) {
-    for (Index c = 0; c < bf16_columns; c += word_lanes) {
-      store_words(out + 2 * c, pairs(rounded(x + c, nx - c), rounded(y + c, ny - c)));
-    }
-  }
-
-  template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
-                      Index columns, const Epilogue<float>& e, Ahead ahead) {
-    constexpr int l = lanes<float>;
-    for (Index column = 0; column < columns; column += 2 * l) {
-      const Epilogue<float> piece = e.from_column(column);
-      fetch_result<float, R>(c + column, ldc, piece);
-      if (column > 0) ahead.step = 0;  // once is enough
-      Vec<float> c0[R], c1[R];
-#pragma GCC unroll 16
-      for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
-      const std::uint16_t* b = panel + 2 * column;
-      for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
-        ahead.fetch();
-        const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
-        const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
-        const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
-#pragma GCC unroll 16
-        for (int i = 0; i < R; ++i) {
-          const float x = a[i * pitch + k], y = a[i * pitch + k + 1];
-          c0[i] += x * even0;
-          c1[i] += x * even1;
-          c0[i] += y * odd0;
-          c1[i] += y * odd1;
-        }
-      }
-      put_result<float, R>(c0, c1, c + column, ldc, columns - column, piece);
-    }
-  }
-};
-
-/// The first `count` rows of A, side by side.
-template <class Tile>
-void round_rows(const Rows<float>& a, Index count, Index k, Index depth, typename Tile::Element* y, Index pitch) {
-  if (a.transposed) return round_columns(a.at, a.stride, count, k, depth, y, pitch);
-  for (Index r = 0; r < count; ++r) Tile::round_row(a.from(r).at, k, depth, y + r * pitch);
-}
-
-/// Rows of A in scratch at once, and their distance.
-template <class Tile>
-Index bf16_rows(Index k) {
-  return rows_at_once(bytes<typename Tile::Element>(bf16_depth(k)), Tile::rows, half_cache / 2 * 3);
-}
-template <class Tile>
-constexpr Index bf16_pitch(Index depth) {
-  return depth + 64 / static_cast<Index>(sizeof(typename Tile::Element));
-}
-/// Numbers of scratch that bf16_gemm_block needs.
-template <class Tile>
-Index bf16_scratch(Index k) {
-  return bf16_rows<Tile>(k) * bf16_pitch<Tile>(bf16_depth(k));
-}
-
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
-template <class Tile>
-void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
-                     float* scratch) {
-  using Element = typename Tile::Element;
-  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
-  Element* a = reinterpret_cast<Element*>(scratch);
-  const bool stream = streams(g);
-  Tile tile;
-  Tile::begin();
-  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
-  const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
-  for (Index block = 0; block < row_blocks; ++block) {
-    const Index top = r0 + unit * part(units, block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
-                tiles = (rows + Tile::rows - 1) / Tile::rows;
-    const Index pieces = Tile::pieces(depth, tiles);
-    round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
-    for (Index j = j0; j < j1; ++j) {
-      const std::uint16_t* panel = panels + j * depth * bf16_columns;
-      const bool last = j + 1 == j1 && top + rows == r1;
-      const std::byte* next = as_bytes(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
-      const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
-      for (Index step = 0; step < pieces * tiles; ++step) {
-        const Index piece = step / tiles, t = step % tiles;
-        const Index k0 = 32 * part(depth / 32, piece, pieces),
-                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
-        const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
-        const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        const Index row = top + first, column = j * bf16_columns;
-        const auto ahead =
-            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
-        TileProduct<Element> product{.a = a + first * pitch + k0,
-                                     .pitch = pitch,
-                                     .height = height,
-                                     .panel = panel + k0 * bf16_columns,
-                                     .depth = k1 - k0,
-                                     .c = g.c + row * g.ldc + column,
-                                     .ldc = g.ldc,
-                                     .columns = std::min(g.n - column, bf16_columns),
-                                     .e = Epilogue<float>::of(g, row, column, true, true),
-                                     .ahead = ahead,
-                                     .panel_stays = tiles > 1,
-                                     .stream = stream,
-                                     .number = t,
-                                     .first = piece == 0,
-                                     .last = piece + 1 == pieces};
-        tile.multiply(product);
-      }
-    }
-  }
-  tile.finish();
-  if (stream) end_of_streams();
-  Tile::end();
-}
-
-/// The products of attention (attention.inc) in bfloat16; scores and softmax stay in float.
-template <class Tile>
-struct Bf16Products {
-  using Number = float;
-  using Element = typename Tile::Element;
-  static constexpr Index rows = Tile::rows;
-  static void begin() { Tile::begin(); }
-  static void end() { Tile::end(); }
-  static Index columns(Index n) { return bf16_depth(n); }
-  static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
-  static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
-
-  static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
-    auto* out = reinterpret_cast<std::uint16_t*>(panels);
-    if (stride_n == 1)
-      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else
-      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
-  }
-  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
-                       float* scratch, bool whole_panels) {
-    const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
-    auto* rounded_rows = reinterpret_cast<Element*>(scratch);
-    Tile tile;
-    for (Index first = 0; first < count; first += Tile::rows) {
-      const Index height = std::min<Index>(Tile::rows, count - first);
-      round_rows<Tile>(a.from(first), height, k, depth, rounded_rows, pitch);
-      for (Index j = 0; j < n; j += bf16_columns) {
-        const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
-        tile.multiply(TileProduct<Element>{.a = rounded_rows,
-                                           .pitch = pitch,
-                                           .height = height,
-                                           .panel = panel,
-                                           .depth = Tile::depth(k),
-                                           .c = c + first * ldc + j,
-                                           .ldc = ldc,
-                                           .columns = whole_panels ? bf16_columns : std::min(n - j, bf16_columns),
-                                           .ahead = {as_bytes(panel)},
-                                           .panel_stays = false});
-      }
-    }
-    tile.finish();
-  }
-};
-
-template <class Tile>
-const Bf16Kernels& bf16_table() {
-  static constexpr Bf16Kernels t{.name = Tile::name,
-                                 .tile_rows = Tile::rows,
-                                 .gemm_rows = &bf16_rows<Tile>,
-                                 .gemm_scratch = &bf16_scratch<Tile>,
-                                 .pack_rows = &bf16_pack_rows<Tile>,
-                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
-                                 .gemm_block = &bf16_gemm_block<Tile>,
-                                 .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
-                                 .attention_head = &attention_head<Bf16Products<Tile>>,
-                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
-                                 .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
-  return t;
-}
-
-template <class S>
-const Kernels<S>& table() {
-  static constexpr Kernels<S> t{
-      .isa = Isa::MOTIONLANG_ISA,
-      .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
-      .panel_width = panel_width<S>,
-      .tile_rows = tile_rows,
-      .gemm_rows = &gemm_rows<S>,
-      .gemm_scratch = &gemm_scratch<S>,
-      .pack_rows = &pack_rows<S>,
-      .pack_transposed = &pack_transposed<S, true>,
-      .gemm_block = &gemm_block<S>,
-      .attention_scratch = &attention_scratch<FloatProducts<S>>,
-      .attention_head = &attention_head<FloatProducts<S>>,
-      .dropout = &dropout<S>,
-      .layer_norm_rows = &layer_norm_rows<S>,
-      .softmax_rows = &softmax_rows<S>,
-      .transpose = &transpose<S>,
-      .activate = &activate<S>,
-      .binary = &binary<S>,
-      .error_function = &error_function<S>,
-      .row_sums = &row_sums<S>,
-      .column_sums = &column_sums<S>,
-  };
-  return t;
-}
-template <class S>
-const GradientKernels<S>& gradient_table() {
-  static constexpr GradientKernels<S> t{
-      .attention_scratch = &attention_vjp_scratch<FloatProducts<S>>,
-      .attention_head = &attention_head_vjp<FloatProducts<S>>,
-      .layer_norm_rows = &layer_norm_rows_vjp<S>,
-      .layer_norm_columns = &layer_norm_columns_vjp<S>,
-      .activate = &activate_vjp<S>,
-      .adamw = &adamw<S>,
-  };
-  return t;
-}
-
-#undef MOTIONLANG_STRING
-#undef MOTIONLANG_STRING_OF
-#undef MOTIONLANG_INLINE
-
-}  // namespace detail::MOTIONLANG_ISA
-MOTIONLANG_NAMESPACE_END
+#define MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC
+#include "motionlang.hpp"
+#undef MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
@@ -37455,1744 +35258,9 @@ MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512)
 #define MOTIONLANG_ISA avx512
 #define MOTIONLANG_VECTOR_BYTES 64
 #define MOTIONLANG_TILE_ROWS 14
-// All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail::MOTIONLANG_ISA {
-
-// Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
-// Included once for every instruction set by kernels.hpp; no include guard on purpose.
-
-template <class S>
-struct VectorOf {
-  typedef S type __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-  typedef S loose __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(sizeof(S)), may_alias));
-  using bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
-  typedef bits mask __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-};
-template <class S>
-using Vec = typename VectorOf<S>::type;
-template <class S>
-using Mask = typename VectorOf<S>::mask;
-template <class S>
-inline constexpr int lanes = MOTIONLANG_VECTOR_BYTES / static_cast<int>(sizeof(S));
-
-// Everything below is inlined: passing such vectors between functions would depend on the caller's instruction set.
-#define MOTIONLANG_INLINE inline __attribute__((always_inline))
-
-template <class S>
-MOTIONLANG_INLINE Vec<S> load(const S* p) {
-  return *reinterpret_cast<const typename VectorOf<S>::loose*>(p);
-}
-template <class S>
-MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
-  *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
-}
-/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
-template <class S>
-MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
-#if defined(__clang__)
-  __builtin_nontemporal_store(v, reinterpret_cast<Vec<S>*>(p));
-#elif defined(__x86_64__)
-  auto* at = reinterpret_cast<float*>(p);
-#if MOTIONLANG_VECTOR_BYTES == 64
-  __builtin_ia32_movntps512(at, (Vec<float>)v);
-#elif MOTIONLANG_VECTOR_BYTES == 32
-  __builtin_ia32_movntps256(at, (Vec<float>)v);
-#else
-  __builtin_ia32_movntps(at, (Vec<float>)v);
-#endif
-#else
-  store(p, v);
-#endif
-}
-/// Asks for n numbers that are read soon.
-template <class Number>
-MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
-  for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
-}
-MOTIONLANG_INLINE void end_of_streams() {
-#if defined(__x86_64__)
-  __builtin_ia32_sfence();
-#endif
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> splat(S x) {
-  return x - Vec<S>{};
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above are 0
-  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)] = {};
-  for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
-  return load(t);
-}
-/// The first n numbers (all lanes if there are so many), then zeros; nothing is read if n <= 0.
-template <class S>
-MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
-  return n >= lanes<S> ? load(p) : load_some(p, n);
-}
-template <class S>
-MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
-  for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
-}
-template <class S>
-MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
-  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
-}
-// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
-// (Where one of them is a constant, GCC 12 makes two instructions of it for vectors of 64 bytes.)
-template <class S>
-MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
-#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
-  if constexpr (sizeof(S) == 4) {
-    Vec<S> r;
-    asm("vmaxps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
-    return r;
-  }
-#endif
-  return a > b ? a : b;
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
-#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
-  if constexpr (sizeof(S) == 4) {
-    Vec<S> r;
-    asm("vminps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
-    return r;
-  }
-#endif
-  return a < b ? a : b;
-}
-/// Lanes of `found` become negative where x is NaN or infinite: all bits of its exponent are set.
-template <class S>
-MOTIONLANG_INLINE void find_not_finite(const Vec<S>& x, Mask<S>& found) {
-  constexpr auto exponent = detail::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
-  found |= (~(Mask<S>)x & exponent) - 1;
-}
-template <class S>
-MOTIONLANG_INLINE bool any_negative(const Mask<S>& v) {
-  bool any = false;
-  for (int i = 0; i < lanes<S>; ++i) any |= v[i] < 0;
-  return any;
-}
-/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
-template <class S, int half, int... l>
-MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
-  return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
-}
-// Halves are put together until one lane is left: sums have a fixed order.
-template <class S, int half = lanes<S> / 2>
-MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  if constexpr (half == 0)
-    return v[0];
-  else
-    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
-}
-template <class S, int half = lanes<S> / 2>
-MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  if constexpr (half == 0)
-    return v[0];
-  else
-    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
-}
-
-/// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
-template <class S, int half, int... l>
-MOTIONLANG_INLINE void swap_blocks(Vec<S>& a, Vec<S>& b, std::integer_sequence<int, l...>) {
-  constexpr int n = lanes<S>;
-  const Vec<S> upper = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l - half : l)...);
-  b = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l : l + half)...);
-  a = upper;
-}
-/// v[i][j] becomes v[j][i]: blocks of 1, 2, 4, ... lanes are swapped.
-template <class S, int half = 1>
-MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
-  if constexpr (half < lanes<S>) {
-#pragma GCC unroll 16
-    for (int i = 0; i < lanes<S>; ++i) {
-      if ((i & half) == 0) swap_blocks<S, half>(v[i], v[i + half], std::make_integer_sequence<int, lanes<S>>{});
-    }
-    transpose_lanes<S, 2 * half>(v);
-  }
-}
-
-/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
-/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
-  constexpr bool single = sizeof(S) == 4;
-  constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
-  const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
-  // lowest bits.
-  const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
-  const Vec<S> shifted = c * S(1.4426950408889634) + magic;
-  const Vec<S> n = shifted - magic;
-  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
-                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
-  Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
-  if constexpr (!single) {
-    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
-      p = p * f + S(k);
-  }
-  for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
-  const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
-  return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
-}
-
-/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
-/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
-template <class S>
-MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
-  Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
-  p = p * y + S(6.364869382952854e-06);
-  q = q * y + S(7.602274008301123e-05);
-  p = p * y + S(0.00017693884114677917);
-  q = q * y + S(0.0019305587808950675);
-  p = p * y + S(0.004725908484413717);
-  q = q * y + S(0.029119172061619288);
-  p = p * y + S(0.0346923636272431);
-  q = q * y + S(0.25362643899642984);
-  p = p * y + S(0.3989422129894181);
-  q = q * y + S(1);
-  return p / q;
-}
-/// erf(x) = 2 Phi(sqrt(2) x) - 1. Float: absolute error below 5e-7. Double: libm.
-template <class S>
-MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
-    return c * phi_ratio<S>(c * c * S(2)) * S(2.8284271247461901);
-  } else {
-    Vec<S> r{};
-    for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
-    return r;
-  }
-}
-#if MOTIONLANG_VECTOR_BYTES == 64
-/// 32 numbers: lane i of the result is that which the lowest five bits of index[i] say.
-MOTIONLANG_INLINE Vec<float> look_up(const float* table, const Vec<float>& index) {
-  Vec<float> r = load(table);
-  asm("vpermt2ps %2, %1, %0" : "+v"(r) : "v"(index), "v"(load(table + 16)));
-  return r;
-}
-/// By gelu_table.hpp: absolute error below 1e-7 for x < 0, relative error below 5e-7 for x > 0.
-MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
-  static_assert(GeluTable::cells == 32 && GeluTable::width == 0.25);
-  constexpr auto last = static_cast<float>(GeluTable::width * (GeluTable::cells - 1));
-  Vec<float> c, d;
-  asm("vrangeps $0xa, %2, %1, %0" : "=v"(c) : "v"(x), "v"(splat(last)));  // min(|x|, last)
-  asm("vreduceps $0x24, %1, %0" : "=v"(d) : "v"(c));                      // c - i / 4, i = round(4 c)
-  const Vec<float> i = c + 3145728.f;                                     // 1.5 * 2^21: i in the lowest bits
-  const auto& table = gelu_table.by_power;
-  Vec<float> g = look_up(table[GeluTable::degree], i);
-#pragma GCC unroll 8
-  for (int n = GeluTable::degree; n-- > 0;) g = g * d + look_up(table[n], i);
-  return vmax<float>(Vec<float>{}, x) - g;
-}
-#endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
-/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
-#if MOTIONLANG_VECTOR_BYTES == 64
-  if constexpr (sizeof(S) == 4) return gelu_by_table(x);
-#endif
-  const Vec<S> h = x * S(0.5);
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> y = x * x;
-    return h + (y < splat(S(32)) ? y * phi_ratio<S>(y) : (Vec<S>)((Mask<S>)h & 0x7fffffff));
-  } else {
-    return h + h * verf<S>(x * S(0.70710678118654752));
-  }
-}
-
-/// Square root of x >= 0: Newton's iteration for 1/sqrt(x) from an estimate by shifting the exponent; within 1 ulp.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
-  constexpr bool single = sizeof(S) == 4;
-  using Bits = typename VectorOf<S>::bits;
-  Vec<S> y = (Vec<S>)(static_cast<Bits>(single ? 0x5F375A86 : 0x5FE6EB50C7B537A9) - ((Mask<S>)x >> 1));
-  for (int i = 0; i < (single ? 3 : 5); ++i) y = y * (S(1.5) - x * S(0.5) * y * y);
-  const Vec<S> r = x * y;
-  return r + S(0.5) * y * (x - r * r);
-}
-
-/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
-/// Double: libm.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> y = x * x;
-    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
-    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
-    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
-    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
-    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
-  } else {
-    Vec<S> r{};
-    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
-    return r;
-  }
-}
-//
-// Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
-
-template <Activation act, class S>
-MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
-  switch (act) {
-    case Activation::none:
-      return x;
-    case Activation::relu:
-      return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu:
-      return vgelu<S>(x);
-    case Activation::silu:
-      return x / (vexp<S>(-x) + S(1));
-    case Activation::tanh:
-      return vtanh<S>(x);
-    case Activation::quick_gelu:
-      return x / (vexp<S>(x * S(-1.702)) + S(1));
-    case Activation::gelu_new: {
-      const Vec<S> h = x * S(0.5);
-      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
-    }
-    case Activation::sigmoid:
-      return S(1) / (vexp<S>(-x) + S(1));
-  }
-  return x;
-}
-
-/// Derivative at x.
-///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
-template <Activation act, class S>
-MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
-  switch (act) {
-    case Activation::none:
-      return splat(S(1));
-    case Activation::relu:
-      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
-    case Activation::gelu: {
-      const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
-      return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
-    }
-    case Activation::silu: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
-      return s + x * s * (S(1) - s);
-    }
-    case Activation::tanh: {
-      const Vec<S> t = vtanh<S>(x);
-      return S(1) - t * t;
-    }
-    case Activation::quick_gelu: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
-      return s + x * s * (S(1) - s) * S(1.702);
-    }
-    case Activation::gelu_new: {
-      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
-      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
-    }
-    case Activation::sigmoid: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
-      return s * (S(1) - s);
-    }
-  }
-  return splat(S(1));
-}
-
-/// f.operator()<act>().
-template <class F>
-void with_activation(Activation act, const F& f) {
-  switch (act) {
-    case Activation::none:
-      return f.template operator()<Activation::none>();
-    case Activation::relu:
-      return f.template operator()<Activation::relu>();
-    case Activation::gelu:
-      return f.template operator()<Activation::gelu>();
-    case Activation::silu:
-      return f.template operator()<Activation::silu>();
-    case Activation::tanh:
-      return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu:
-      return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new:
-      return f.template operator()<Activation::gelu_new>();
-    case Activation::sigmoid:
-      return f.template operator()<Activation::sigmoid>();
-  }
-}
-
-/// y = act(x) for so many rows of `width` numbers, which begin ldx and ldy apart; y may be x.
-template <class S>
-void activate_rows(const S* x, Index ldx, Index rows, Index width, Activation act, S* y, Index ldy) {
-  constexpr int l = lanes<S>;
-  with_activation(act, [=]<Activation a>() {
-    for (Index r = 0; r < rows; ++r) {
-      const S* from = x + r * ldx;
-      S* to = y + r * ldy;
-      Index i = 0;
-      for (; i + l <= width; i += l) store(to + i, apply_activation<a, S>(load(from + i)));
-      if (i < width) store_some(to + i, apply_activation<a, S>(load_some(from + i, width - i)), width - i);
-    }
-  });
-}
-template <class S>
-void activate(const S* x, Index n, Activation act, S* y) {
-  activate_rows(x, n, 1, n, act, y, n);
-}
-/// dx = dy act'(x) for n numbers.
-template <class S>
-void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
-  constexpr int l = lanes<S>;
-  with_activation(act, [=]<Activation a>() {
-    Index i = 0;
-    for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<a, S>(load(x + i)));
-    if (i < n) store_some(dx + i, load_some(dy + i, n - i) * activation_slope<a, S>(load_some(x + i, n - i)), n - i);
-  });
-}
-//
-// Matrix product with packed right-hand side: register tiles, cache blocks, epilogue in the tile.
-//
-//   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
-//   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
-//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
-//            well. (All panels at a time where A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
-//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
-//            result's rows are written, one after the other: the lines under them, which come from memory first, the
-//            processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
-//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
-//            the next rows of A.
-//   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
-
-template <class S>
-inline constexpr Index panel_width = 2 * lanes<S>;
-inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 1024;
-inline constexpr Index panel_block = 8;
-inline constexpr Index most_tiles = 16;        // of rows in a block
-inline constexpr Index near_caches = 4 << 20;  // bytes
-// for rows of A, and as much for a group of panels
-inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
-template <class S>
-// of a tile of a transposed A, copied
-inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
-
-template <class S>
-constexpr Index bytes(Index count) {
-  return count * static_cast<Index>(sizeof(S));
-}
-template <class S>
-const std::byte* as_bytes(const S* x) {
-  return reinterpret_cast<const std::byte*>(x);
-}
-
-/// Rows of A, `row_bytes` each, in a block of so many bytes: at most most_tiles tiles.
-constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
-  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
-}
-
-/// Rows k0 ... k1-1 of all panels of B, whose element (k, n) is b[k * stride + n].
-template <class S>
-void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels) {
-  constexpr Index w = panel_width<S>, l = lanes<S>;
-  constexpr Index ahead = 8;  // rows
-  for (Index i = k0; i < k1; ++i) {
-    const S* in = b + i * stride;
-    S* out = panels + i * w;
-    for (Index columns = n; columns > 0; columns -= w, in += w, out += k * w) {
-      __builtin_prefetch(in + ahead * stride), __builtin_prefetch(in + ahead * stride + l);
-      store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
-    }
-  }
-}
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
-template <class S, bool looks>
-bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
-  constexpr Index w = panel_width<S>, l = lanes<S>;
-  Mask<S> found{};
-  for (Index j = first; j < last; ++j) {
-    S* out = panels + j * k * w;
-    const Index columns = n - j * w;
-    const S* in = b + j * w * stride;
-    for (Index i = 0; i < k; i += l) {
-      const Index rows = k - i < l ? k - i : l;
-      for (Index c = 0; c < w; c += l) {
-        Vec<S> square[lanes<S>];
-#pragma GCC unroll 16
-        for (int q = 0; q < lanes<S>; ++q) {
-          const S* from = in + (c + q) * stride + i;
-          square[q] = load_first(from, c + q < columns ? rows : 0);
-          if constexpr (looks) find_not_finite<S>(square[q], found);
-        }
-        transpose_lanes<S>(square);
-        for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
-      }
-    }
-  }
-  return !any_negative<S>(found);
-}
-
-/// Rows of A, whose element (i, k) is at[i * stride + k], or, when transposed, at[i + k * stride].
-template <class S>
-struct Rows {
-  const S* at;
-  Index stride;
-  bool transposed;
-
-  Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
-  Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
-};
-
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for
-/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
-/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
-/// which fetches by itself lines that follow each other (20 % slower from memory).
-struct Ahead {
-  const std::byte* at = nullptr;
-  Index step = 0;
-
-  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between
-  /// them.
-  MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
-    const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
-    return {next + i * step * steps, step};
-  }
-  MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
-};
-
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
-template <class S>
-struct Epilogue {
-  bool accumulate = false;
-  const S* bias = nullptr;      // of the panel's first column
-  const S* residual = nullptr;  // of the tile's first element
-  Index residual_stride = 0;
-  Activation act = Activation::none;
-
-  /// Of the tile that begins at a row and column of a product; `first` and `last`: of the blocks of k.
-  static Epilogue of(const Gemm<S>& g, Index row, Index column, bool first, bool last) {
-    Epilogue e{.accumulate = !first};
-    if (!last) return e;
-    e.act = g.act;
-    if (g.bias != nullptr) e.bias = g.bias + column;
-    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
-    return e;
-  }
-  Epilogue from_column(Index column) const {
-    Epilogue e = *this;
-    if (bias != nullptr) e.bias += column;
-    if (residual != nullptr) e.residual += column;
-    return e;
-  }
-  Epilogue from_row(Index row) const {
-    Epilogue e = *this;
-    if (residual != nullptr) e.residual += row * residual_stride;
-    return e;
-  }
-};
-
-/// Asks for the rows of c and of the residual that a tile is put into.
-template <class S, int R>
-MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
-  constexpr int l = lanes<S>;
-  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
-  if (e.residual == nullptr) return;
-  for (int i = 0; i < R; ++i) {
-    const S* row = e.residual + i * e.residual_stride;
-    __builtin_prefetch(row), __builtin_prefetch(row + l);
-  }
-}
-
-/// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
-template <class S>
-[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
-                                         const Epilogue<S>& e) {
-  constexpr Index l = lanes<S>;
-  for (Index r = 0; r < rows; ++r) {
-    for (Index i = 0; i < columns; i += l) {
-      const Index n = columns - i;
-      S* out = c + r * ldc + i;
-      Vec<S> x = sums[2 * r + i / l];
-      if (e.accumulate) x += load_first(out, n);
-      if (e.bias != nullptr) x += load_first(e.bias + i, n);
-      if (e.residual != nullptr) x += load_first(e.residual + r * e.residual_stride + i, n);
-      store_first(out, x, n);
-    }
-  }
-}
-
-/// c (R x columns) = the sums of a tile, c0 and c1 being its two vectors of columns.
-template <class S, int R>
-MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
-  constexpr int l = lanes<S>;
-  if (columns >= 2 * l) {
-    const Vec<S> z0 = e.bias == nullptr ? Vec<S>{} : load(e.bias), z1 = e.bias == nullptr ? Vec<S>{} : load(e.bias + l);
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      S* out = c + i * ldc;
-      if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
-      c0[i] += z0, c1[i] += z1;
-      if (e.residual != nullptr)
-        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
-      store(out, c0[i]), store(out + l, c1[i]);
-    }
-  } else {
-    Vec<S> sums[static_cast<std::size_t>(2 * R)];
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) sums[2 * i] = c0[i], sums[2 * i + 1] = c1[i];
-    put_narrow_result(sums, R, c, ldc, columns, e);
-  }
-  if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
-}
-
-/// What kind of tile: of A as it lies, of a transposed A, or of A as it lies times the first half of a panel only.
-enum class TileKind { plain, transposed, half };
-
-/// c (R x columns) = a (R x k) panel.
-template <class S, int R, TileKind kind>
-void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
-          Ahead ahead) {
-  constexpr Index w = panel_width<S>;
-  constexpr int l = lanes<S>;
-  constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
-  Vec<S> c0[R], c1[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
-  fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
-  // strides is known to be 1, which saves additions (1 to 4 % of the time).
-  const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
-  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
-          *p4 = p0 + 12 * row_stride;
-#pragma GCC unroll 2
-  for (Index at = 0; at < k; ++at) {
-    if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
-    const Vec<S> b0 = load(panel), b1 = half ? Vec<S>{} : load(panel + l);
-    panel += w;
-    __builtin_prefetch(panel + 16 * w);
-    __builtin_prefetch(panel + 16 * w + l);
-    ahead.fetch();
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const S x = i < 3    ? p0[i * row_stride]
-                  : i < 6  ? p1[(i - 3) * row_stride]
-                  : i < 9  ? p2[(i - 6) * row_stride]
-                  : i < 12 ? p3[(i - 9) * row_stride]
-                           : p4[(i - 12) * row_stride];
-      c0[i] += x * b0;
-      if constexpr (!half) c1[i] += x * b1;
-    }
-    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
-  }
-  put_result<S, R>(c0, c1, c, ldc, columns, e);
-}
-
-template <class S>
-using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
-/// The tile of so many rows for what is left of the columns.
-template <class S>
-TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
-  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-    return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
-                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
-                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
-  }
-  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
-  const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
-  return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
-}
-
-/// First row of part i of n nearly equal parts.
-MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
-
-/// How a product over k is split: pieces of k, and rows of A at a time.
-template <class S>
-struct Blocks {
-  Index count, rows;
-
-  explicit Blocks(Index k)
-      : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
-        rows(rows_at_once(bytes<S>((k + count - 1) / count), tile_rows, half_cache)) {}
-};
-template <class S>
-Index gemm_rows(Index k) {
-  return Blocks<S>(k).rows;
-}
-/// Numbers of scratch that gemm_block needs.
-template <class S>
-Index gemm_scratch(Index k) {
-  return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
-}
-
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
-/// other. `readable`: rows that A has from here on.
-template <class S>
-void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
-  constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
-  const Index tiles = (rows + tile_rows - 1) / tile_rows;
-  for (Index k = 0; k < depth; ++k, a += lda, out += pitch) {
-    if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
-    for (Index t = 0; t < tiles; ++t) {
-      const Index first = part(rows, t, tiles);
-      for (Index i = 0; i < pitch; i += l)
-        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
-    }
-  }
-}
-
-/// What is made at a time: of k the part k0 ... k1-1 of rows top ... below-1 times panels left ... right-1.
-template <class S>
-struct GemmPiece {
-  static constexpr Index w = panel_width<S>;
-  const Gemm<S>& g;
-  S* scratch;
-  bool copies, far;                   // rows of A are copied as they are; the result is larger than the nearer caches
-  Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
-  Index left = 0, right = 0;
-  Index k0 = 0, k1 = 0;
-  // panels that are read after it: at last the first ones once more, if nothing else is known
-  const std::byte* next = nullptr;
-  Index next_bytes = std::numeric_limits<Index>::max();
-
-  Index depth() const { return k1 - k0; }
-  Index pitch() const { return depth() + 16; }
-  const S* slice(Index panel) const { return g.panels + (panel * g.k + k0) * w; }
-
-  Rows<S> rows_of(Index tile, Index row) const {
-    if (g.a_transposed) return {scratch + tile * depth() * tile_pitch<S>, tile_pitch<S>, true};
-    if (copies) return {scratch + (row - top) * pitch(), pitch(), false};
-    return {g.a + row * g.lda + k0, g.lda, false};
-  }
-  void copy_rows(Index first, Index last) const {
-    for (Index r = first; r < last; ++r) {
-      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
-    }
-  }
-
-  void multiply() const {
-    const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
-    const bool whole = depth == g.k, transposed = g.a_transposed;
-    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
-    const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
-    // tile's when it is next.
-    if (transposed)
-      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
-    else if (copies && !far)
-      copy_rows(top, below);
-    for (Index group = 0; group < groups; ++group) {
-      const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
-      const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
-      const std::byte* next_panels = j1 < right ? as_bytes(slice(j1)) : next;
-      const Index next_panel_bytes = j1 < right ? panel_bytes : std::min(panel_bytes, next_bytes);
-      for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
-        height = top + part(below - top, t + 1, tiles) - row;
-        const Index next_row = row + height;
-        if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
-        // none.)
-        const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
-        const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
-        const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
-        for (Index i = 0; i < panels; ++i) {
-          const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead =
-              i < row_panels
-                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
-                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
-          S* c = g.c + row * g.ldc + j * w;
-          const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
-          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
-        }
-      }
-    }
-  }
-};
-
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
-template <class S>
-void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
-  const Blocks<S> split(g.k);
-  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
-  // once.
-  const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
-  const bool all_panels = copies || g.a_transposed || blocks == 1;
-  const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
-  const bool far = bytes<S>(g.m * g.n) > near_caches;
-  for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
-    const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
-    GemmPiece<S> piece{.g = g,
-                       .scratch = scratch,
-                       .copies = copies,
-                       .far = far,
-                       .top = r0 + part(r1 - r0, row_block, row_blocks),
-                       .below = r0 + part(r1 - r0, row_block + 1, row_blocks),
-                       .end = r1,
-                       .left = left,
-                       .right = std::min(j1, left + wide),
-                       .k0 = part(g.k, block, blocks),
-                       .k1 = part(g.k, block + 1, blocks)};
-    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
-               last = next_rows && piece.below == r1;
-    const S* next = g.panels + ((next_rows      ? j0
-                                 : next_columns ? piece.right
-                                                : left) *
-                                    g.k +
-                                (next_columns ? 0 : piece.k1)) *
-                                   piece.w;
-    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
-    if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
-    piece.multiply();
-  }
-}
-//
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
-// or one head (backward), never for a batch.
-//
-//   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
-//   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
-
-/// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
-/// none waits.
-template <class S, int R>
-MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
-  constexpr int l = lanes<S>;
-  const Index padded = (n + l - 1) / l * l;
-  constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
-  Vec<S> largest[R], sum[R], inverse[R];
-  S shift[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) {
-    for (Index c = visible[i]; c < padded; ++c) rows[i * pitch + c] = hidden;
-    largest[i] = splat(hidden), sum[i] = Vec<S>{};
-  }
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) largest[i] = vmax<S>(largest[i], load(rows + i * pitch + c));
-  }
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) shift[i] = reduce_max<S>(largest[i]) * scale;
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const Vec<S> e = vexp<S>(load(rows + i * pitch + c) * scale - shift[i]);
-      store(rows + i * pitch + c, e);
-      sum[i] += e;
-    }
-  }
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) inverse[i] = splat(S(1) / reduce_add<S>(sum[i]));
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) store(rows + i * pitch + c, load(rows + i * pitch + c) * inverse[i]);
-  }
-}
-inline constexpr int softmax_group = 4;  // of rows
-/// The same for `count` rows, the first of which is query `first`; causal: row i sees keys up to its own number.
-template <class S>
-void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bool causal, S scale) {
-  for (Index r = 0; r < count;) {
-    Index visible[softmax_group];
-    for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
-    if (r + softmax_group <= count)
-      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
-    else
-      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
-  }
-}
-
-/// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
-template <class S>
-void dropout(const S* x, Index n, Index first, const Dropout& d, S* y) {
-  typedef std::uint32_t Bits __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-  constexpr Index l = MOTIONLANG_VECTOR_BYTES / 4;
-  const std::uint32_t limit = d.limit();
-  const auto key0 = static_cast<std::uint32_t>(d.key) +
-                    static_cast<std::uint32_t>(static_cast<std::uint64_t>(first) >> 32) * 0x27D4EB2Fu;
-  const auto key1 = static_cast<std::uint32_t>(d.key >> 32);
-  const S keep = static_cast<S>(1.0 / (1.0 - d.p));
-  Bits counter;
-  for (Index i = 0; i < l; ++i) counter[i] = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(i);
-  for (Index i = 0; i < n; i += l, counter += static_cast<std::uint32_t>(l)) {
-    Bits h = counter * 0x9E3779B1u + key0;
-    h = (h ^ (h >> 16)) * 0x85EBCA6Bu + key1;
-    h = (h ^ (h >> 13)) * 0xC2B2AE35u;
-    h = h ^ (h >> 16);
-    if (sizeof(S) == 4 && i + l <= n) {
-      const Vec<S> kept = load(x + i) * keep;
-      store(y + i, (Mask<S>)(h >= limit) ? kept : Vec<S>{});
-    } else {
-      for (Index c = 0; c < l && i + c < n; ++c) y[i + c] = h[c] >= limit ? x[i + c] * keep : S(0);
-    }
-  }
-}
-
-template <class S>
-MOTIONLANG_INLINE Index padded_panels(Index n) {
-  return (n + panel_width<S> - 1) / panel_width<S>;
-}
-
-/// The products of attention in S. (Bf16Products is the other kind.)
-template <class S>
-struct FloatProducts {
-  using Number = S;
-  static constexpr Index rows = tile_rows;  // that products are fastest with
-  static void begin() {}
-  static void end() {}
-  /// Columns that products write of n.
-  static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
-  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
-  static Index panels(Index k, Index n) { return columns(n) * k; }
-  static Index scratch(Index) { return 0; }
-
-  static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    if (stride_n == 1)
-      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else
-      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
-  }
-  /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
-  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
-                       bool whole_panels) {
-    constexpr Index w = panel_width<S>;
-    const Index tiles = (count + tile_rows - 1) / tile_rows;
-    const Epilogue<S> plain;
-    for (Index j = 0; j < padded_panels<S>(n); ++j) {
-      for (Index t = 0; t < tiles; ++t) {
-        const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
-      }
-    }
-  }
-};
-
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
-/// columns of.
-template <class S>
-struct AttentionHead {
-  const Attention<S>& t;
-  Index head, q0, k0, queries, keys;
-  const S *q, *k, *v;
-
-  AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
-      : t(a),
-        head(head_number),
-        q0(a.q_offsets[sequence]),
-        k0(a.k_offsets[sequence]),
-        queries(a.q_offsets[sequence + 1] - q0),
-        keys(a.k_offsets[sequence + 1] - k0),
-        q(a.q + q0 * a.q_stride + head * a.width),
-        k(a.k + k0 * a.k_stride + head * a.width),
-        v(a.v + k0 * a.v_stride + head * a.width) {}
-
-  S scale() const { return S(1) / std::sqrt(static_cast<S>(t.width)); }
-  /// Scores of `count` queries from `first` on, q k^T, become their rows of P: relative scores, softmax, dropout.
-  void weights(Index first, Index count, S* rows, Index pitch) const {
-    const S unscale = std::sqrt(static_cast<S>(t.width));
-    for (Index r = 0; r < count && t.relative_scores != nullptr; ++r) {
-      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
-      for (Index c = 0; c < keys; ++c) rows[r * pitch + c] += relative[c] * unscale;
-    }
-    softmax_rows_of(rows, pitch, count, keys, first, t.causal, scale());
-    for (Index r = 0; r < count && t.dropout.p > 0; ++r)
-      dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
-  }
-  Index mask_at(Index query) const {
-    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
-  }
-};
-
-/// Distance of rows of scores, whose columns up to the end of a panel are written.
-template <class P>
-Index score_pitch(Index keys) {
-  return P::columns(keys) + 16;
-}
-/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
-template <class P>
-Index attention_scratch(Index keys, Index width) {
-  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
-         P::scratch(std::max(keys, width));
-}
-/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
-template <class P>
-Index attention_vjp_scratch(Index queries, Index keys, Index width) {
-  const Index longest = std::max(keys, queries);
-  return P::panels(width, keys) + P::panels(longest, width) + 2 * queries * score_pitch<P>(keys) +
-         P::scratch(std::max(longest, width));
-}
-
-/// Output of one head, for one of so many pieces of its queries.
-template <class P, class S = typename P::Number>
-void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
-  const AttentionHead<S> h(t, sequence, head);
-  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
-              end = part(tiles, piece + 1, pieces);
-  if (begin == end) return;
-  const Index pitch = score_pitch<P>(h.keys);
-  S* vp = kt + P::panels(t.width, h.keys);
-  S* scores = vp + P::panels(h.keys, t.width);
-  S* scratch = scores + P::rows * pitch;
-  S* o = t.o + h.q0 * t.o_stride + head * t.width;
-  P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
-  P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
-  P::begin();
-  for (Index i = begin; i < end; ++i) {
-    const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
-    P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
-    h.weights(first, rows, scores, pitch);
-    P::multiply({scores, pitch, false}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
-  }
-  P::end();
-}
-
-/// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
-template <class P, class S = typename P::Number>
-void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* a) {
-  constexpr int l = lanes<S>;
-  const AttentionHead<S> h(t, sequence, head);
-  const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
-  const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
-  const S scale = h.scale();
-  S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
-  S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
-  S* ds = p + queries * pitch;                           // dP, later dS
-  S* scratch = ds + queries * pitch;
-  P::begin();
-  P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
-  P::multiply({h.q, t.q_stride, false}, queries, width, a, keys, p, pitch, scratch, true);
-  P::pack(h.v, width, keys, Index{1}, t.v_stride, a);
-  P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
-  for (Index r = 0; r < queries; ++r) {
-    S *pr = p + r * pitch, *dr = ds + r * pitch;
-    if (r % softmax_group == 0)
-      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
-    if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
-    Vec<S> sum{};
-    for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
-    const S mean = reduce_add<S>(sum);
-    for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
-    if (t.dropout.p > 0) dropout(pr, keys, h.mask_at(r), t.dropout, pr);
-  }
-  S* dq = g.d_q + h.q0 * t.q_stride + head * width;
-  S* dk = g.d_k + h.k0 * t.k_stride + head * width;
-  S* dv = g.d_v + h.k0 * t.v_stride + head * width;
-  P::pack(h.k, keys, width, t.k_stride, Index{1}, b);
-  P::multiply({ds, pitch, false}, queries, keys, b, width, dq, t.q_stride, scratch, false);
-  P::pack(h.q, queries, width, t.q_stride, Index{1}, b);
-  P::multiply({ds, pitch, true}, keys, queries, b, width, dk, t.k_stride, scratch, false);
-  P::pack(d_o, queries, width, t.o_stride, Index{1}, b);
-  P::multiply({p, pitch, true}, keys, queries, b, width, dv, t.v_stride, scratch, false);
-  P::end();
-}
-//
-// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
-
-inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
-/// many chains of sums: none waits.
-template <class S, int R>
-MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
-  constexpr int l = lanes<S>;
-  const Index whole = n / l * l;
-  Vec<S> sum[R], square[R];
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) sum[r] = square[r] = Vec<S>{};
-  for (Index i = 0; i < whole; i += l) {
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) sum[r] += load(x + r * n + i);
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    S total = reduce_add<S>(sum[r]);
-    for (Index i = whole; i < n; ++i) total += x[r * n + i];
-    mean[r] = total / static_cast<S>(n);
-  }
-  for (Index i = 0; i < whole; i += l) {
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> d = load(x + r * n + i) - mean[r];
-      square[r] += d * d;
-    }
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    S variance = reduce_add<S>(square[r]);
-    for (Index i = whole; i < n; ++i) variance += (x[r * n + i] - mean[r]) * (x[r * n + i] - mean[r]);
-    rstd[r] = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
-  }
-}
-
-/// layer_norm_rows of R rows.
-template <class S, int R>
-MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  const S* x = t.x + first * n;
-  S* y = t.y + first * n;
-  if (t.residual != nullptr) {
-    const S* z = t.residual + first * n;
-    for (Index i = 0; i < R * n; i += l)
-      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
-    x = y;
-  }
-  S mean[R], rstd[R];
-  row_moments<S, R>(x, n, t.eps, mean, rstd);
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i), bias = load(t.bias + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      __builtin_prefetch(x + (R + r) * n + i);  // of the next rows
-      store(y + r * n + i, (load(x + r * n + i) - mean[r]) * rstd[r] * weight + bias);
-    }
-  }
-  for (Index i = whole; i < n; ++i) {
-    for (int r = 0; r < R; ++r) y[r * n + i] = (x[r * n + i] - mean[r]) * rstd[r] * t.weight[i] + t.bias[i];
-  }
-}
-/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
-template <class S>
-void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
-  for (; first + norm_group <= last; first += norm_group) normalize_rows<S, norm_group>(t, first);
-  for (; first < last; ++first) normalize_rows<S, 1>(t, first);
-}
-
-/// layer_norm_rows_vjp of R rows.
-template <class S, int R>
-MOTIONLANG_INLINE void normalize_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  const S *x = t.x + first * n, *g = dy + first * n;
-  S* d = dx + first * n;
-  S mean[R], rstd[R], h0[R], h1[R];
-  row_moments<S, R>(x, n, t.eps, mean, rstd);
-  Vec<S> sum_h[R], sum_hx[R];
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) sum_h[r] = sum_hx[r] = Vec<S>{};
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> h = load(g + r * n + i) * weight;
-      sum_h[r] += h;
-      sum_hx[r] += h * ((load(x + r * n + i) - mean[r]) * rstd[r]);
-    }
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    h0[r] = reduce_add<S>(sum_h[r]), h1[r] = reduce_add<S>(sum_hx[r]);
-    for (Index i = whole; i < n; ++i) {
-      const S h = g[r * n + i] * t.weight[i];
-      h0[r] += h;
-      h1[r] += h * ((x[r * n + i] - mean[r]) * rstd[r]);
-    }
-    h0[r] /= static_cast<S>(n);
-    h1[r] /= static_cast<S>(n);
-  }
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> xhat = (load(x + r * n + i) - mean[r]) * rstd[r];
-      store(d + r * n + i, (load(g + r * n + i) * weight - h0[r] - xhat * h1[r]) * rstd[r]);
-    }
-  }
-  for (int r = 0; r < R; ++r) {
-    for (Index i = whole; i < n; ++i) {
-      d[r * n + i] = (g[r * n + i] * t.weight[i] - h0[r] - (x[r * n + i] - mean[r]) * rstd[r] * h1[r]) * rstd[r];
-    }
-    moments[2 * (first + r)] = mean[r], moments[2 * (first + r) + 1] = rstd[r];
-  }
-}
-/// dx = rstd (h - mean(h) - xhat mean(h xhat)),  h = dy weight,  xhat = (x - mean) rstd
-template <class S>
-void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first, Index last) {
-  for (; first + norm_group <= last; first += norm_group) normalize_rows_vjp<S, norm_group>(t, dy, dx, moments, first);
-  for (; first < last; ++first) normalize_rows_vjp<S, 1>(t, dy, dx, moments, first);
-}
-/// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
-template <class S>
-void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
-                            Index first, Index last) {
-  for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
-  for (Index r = 0; r < rows; ++r) {
-    const S mean = moments[2 * r], rstd = moments[2 * r + 1];
-    const S *x = t.x + r * t.width, *g = dy + r * t.width;
-    for (Index i = first; i < last; ++i) {
-      dweight[i] += g[i] * ((x[i] - mean) * rstd);
-      dbias[i] += g[i];
-    }
-  }
-}
-
-/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
-template <class S>
-void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
-  for (Index r = first; r < last; ++r) {
-    std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
-    softmax_rows_at<S, 1>(scratch, n, n, &n, S(1));
-    std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
-  }
-}
-
-/// Columns first ... last-1 of y; first is a multiple of `lanes`.
-template <class S>
-void transpose(const Transposed<S>& t, Index first, Index last) {
-  constexpr Index l = lanes<S>;
-  for (Index j = first; j < last; j += l) {
-    const Index n = std::min(l, last - j);
-    const bool whole = n == l;
-    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
-    for (Index r = 0; r < t.rows; ++r) {
-      const S* z = t.z + j * t.rows + r;
-      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
-      S* y = t.y + r * t.width + j;
-      Vec<S> x{};
-      if (whole) {
-#pragma GCC unroll 16
-        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
-        x += bias;
-        if (residual != nullptr) x += load(residual);
-        store(y, x);
-      } else {
-        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
-        x += bias;
-        if (residual != nullptr) x += load_some(residual, n);
-        store_some(y, x, n);
-      }
-    }
-    if (t.act != Activation::none) activate_rows(t.y + j, t.width, t.rows, n, t.act, t.y + j, t.width);
-  }
-}
-
-template <BinaryOp op, class S>
-MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
-  switch (op) {
-    case BinaryOp::add:
-      return a + b;
-    case BinaryOp::sub:
-      return a - b;
-    case BinaryOp::mul:
-      return a * b;
-    case BinaryOp::div:
-      return a / b;
-    case BinaryOp::maximum:
-      return a < b ? b : a;
-  }
-  return a;
-}
-/// A repeated operand is read again and again from one vector of copies.
-template <BinaryOp op, class S>
-MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
-  constexpr int l = lanes<S>;
-  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
-  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a,
-          *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
-  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
-  Index i = 0;
-  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
-  const Index n = t.count - i;
-  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
-}
-template <class S>
-void binary(const Binary<S>& t) {
-  switch (t.op) {
-    case BinaryOp::add:
-      return binary_loop<BinaryOp::add>(t);
-    case BinaryOp::sub:
-      return binary_loop<BinaryOp::sub>(t);
-    case BinaryOp::mul:
-      return binary_loop<BinaryOp::mul>(t);
-    case BinaryOp::div:
-      return binary_loop<BinaryOp::div>(t);
-    case BinaryOp::maximum:
-      return binary_loop<BinaryOp::maximum>(t);
-  }
-}
-
-template <class S>
-void error_function(const S* x, Index n, S* y) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(y + i, verf<S>(load(x + i)));
-  store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
-}
-
-/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
-template <class S>
-void row_sums(const S* x, Index n, Index first, Index last, S* y) {
-  constexpr int l = lanes<S>;
-  for (Index r = first; r < last; ++r) {
-    const S* row = x + r * n;
-    Vec<S> sums[4] = {};
-    Index i = 0;
-    for (; i + 4 * l <= n; i += 4 * l) {
-#pragma GCC unroll 4
-      for (int c = 0; c < 4; ++c) sums[c] += load(row + i + c * l);
-    }
-    for (; i < n; i += l) sums[0] += load_first(row + i, n - i);
-    y[r] = reduce_add<S>(sums[0] + sums[1] + (sums[2] + sums[3]));
-  }
-}
-/// Sums of the columns first ... last-1 over all rows.
-template <class S>
-void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
-  for (Index i = first; i < last; ++i) y[i] = S(0);
-  for (Index r = 0; r < rows; ++r) {
-    for (Index i = first; i < last; ++i) y[i] += x[r * width + i];
-  }
-}
-
-template <class S>
-MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
-                                      Vec<S>& v) {
-  const Vec<S> g = gradient * t.gradient_scale;
-  m = m * t.beta1 + g * t.rest1;
-  v = v * t.beta2 + g * g * t.rest2;
-  return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
-}
-/// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
-template <class S>
-void adamw(const AdamwStep<S>& t, Index first, Index last) {
-  constexpr int l = lanes<S>;
-  Index i = first;
-  for (; i + l <= last; i += l) {
-    Vec<S> m = load(t.m + i), v = load(t.v + i);
-    store(t.p + i, adamw_update<S>(t, load(t.p + i), load(t.g + i), m, v));
-    store(t.m + i, m), store(t.v + i, v);
-  }
-  const Index n = last - i;
-  Vec<S> m = load_some(t.m + i, n), v = load_some(t.v + i, n);
-  store_some(t.p + i, adamw_update<S>(t, load_some(t.p + i, n), load_some(t.g + i, n), m, v), n);
-  store_some(t.m + i, m, n), store_some(t.v + i, v, n);
-}
-
-#define MOTIONLANG_STRING_OF(x) #x
-#define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
-
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
-// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
-//
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
-//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
-//            which some round to 0.
-//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
-//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
-//            number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
-//            thread.
-
-typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
-typedef std::uint16_t Halves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2)));
-typedef std::uint16_t LooseHalves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2), aligned(2), may_alias));
-inline constexpr Index word_lanes = MOTIONLANG_VECTOR_BYTES / 4;
-
-/// The nearest bfloat16, ties to even, in the upper half of each word; NaN stays NaN.
-MOTIONLANG_INLINE Words round_to_bf16(const Vec<float>& x) {
-  const Words w = (Words)x, rounded = w + (w >> 16 & 1u) + 0x7FFFu;
-  return ((w & 0x7FFFFFFFu) > 0x7F800000u ? w | 0x400000u : rounded) & 0xFFFF0000u;
-}
-MOTIONLANG_INLINE void store_rounded(float* y, const Words& w) { store(y, (Vec<float>)w); }
-MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
-  *reinterpret_cast<LooseHalves*>(y) = __builtin_convertvector(w >> 16, Halves);
-}
-
-/// A vector of numbers, rounded; zeros from the n-th on.
-MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
-/// Of two vectors of rounded numbers: pairs of bfloat16.
-MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
-MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
-
-/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
-/// squares of lanes are transposed.
-template <class Element>
-void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
-  constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
-  for (Index r = 0; r < rows; r += l) {
-    const Index n = std::min(rows - r, l);
-    for (Index i = 0; i < padded; i += depth) {
-      Vec<float> square[lanes<float>];
-#pragma GCC unroll 16
-      for (int q = 0; q < lanes<float>; ++q) {
-        const auto row = [&](Index at) {
-          // no prefetcher follows pieces so far apart
-          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
-          return rounded(a + at * lda + r, at < k ? n : 0);
-        };
-        if constexpr (sizeof(Element) == 4) {
-          square[q] = (Vec<float>)row(i + q);
-        } else {
-          square[q] = (Vec<float>)pairs(row(i + 2 * q), row(i + 2 * q + 1));
-        }
-      }
-      transpose_lanes<float>(square);
-      for (Index c = 0; c < n; ++c) std::memcpy(y + (r + c) * pitch + i, &square[c], sizeof square[c]);
-    }
-  }
-}
-
-/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
-/// time, through as many panels as lie in different parts of the cache.
-template <class Tile>
-void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
-  constexpr Index ahead = 8;  // rows
-  const Index depth = bf16_depth(k), count = (n + bf16_columns - 1) / bf16_columns;
-  for (Index left = 0; left < count; left += panel_block) {
-    for (Index i = k0; i < k1; i += 2) {
-      const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
-      std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-      for (Index j = left; j < std::min(count, left + panel_block);
-           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-        fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
-        const Index columns = n - j * bf16_columns;
-        Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
-      }
-    }
-  }
-}
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
-template <class Tile, bool looks>
-bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
-                          std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
-  const Index depth = bf16_depth(k);
-  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
-  Mask<float> found{};
-  for (Index j = first; j < last; ++j) {
-    std::uint16_t* out = panels + j * depth * bf16_columns;
-    const float* in = b + j * bf16_columns * stride;
-    const Index columns = n - j * bf16_columns;
-    for (Index i0 = 0; i0 < depth; i0 += block) {
-      const Index length = std::min(block, depth - i0);
-      for (Index c = 0; c < bf16_columns; ++c) {
-        const float* row = in + c * stride + i0;
-        const Index there = c < columns ? std::min(k - i0, length) : 0;
-        if constexpr (looks) {
-          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
-        }
-        Tile::round_row(row, there, length, lines + c * pitch);
-      }
-      for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
-        for (Index c = 0; c < bf16_columns; c += l) {
-          Vec<float> square[lanes<float>];  // column, pair
-#pragma GCC unroll 16
-          for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
-          transpose_lanes<float>(square);
-          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
-        }
-      }
-    }
-  }
-  return !any_negative<float>(found);
-}
-
-/// Bytes of a pair of k in a panel.
-inline constexpr Index pair_bytes = 4 * bf16_columns;
-
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
-/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
-/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
-/// same cache set.
-inline bool streams(const Gemm<float>& g) {
-  constexpr Index all = 16 << 20;
-  const bool whole_lines =
-      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
-  return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
-}
-/// Rows of one panel's width, from where a tile has put them.
-inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
-  for (Index r = 0; r < rows; ++r, from += bf16_columns, to += ldc) {
-    for (Index i = 0; i < bf16_columns; i += lanes<float>) store_stream(to + i, load(from + i));
-  }
-}
-
-class PanelSplit;
-
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
-/// over `depth` of k.
-template <class Element>
-struct TileProduct {
-  const Element* a;
-  Index pitch, height;
-  const std::uint16_t* panel;
-  Index depth;
-  float* c;
-  Index ldc, columns;
-  Epilogue<float> e{};
-  Ahead ahead{};
-  bool panel_stays = true;         // in the cache, for the next tile; else the rows stay
-  bool stream = false;             // c is written past the caches
-  Index number = 0;                // of the tile among those of this panel
-  bool first = true, last = true;  // piece of k
-  PanelSplit* next = nullptr;      // of floats in parts: the panel that is split meanwhile
-};
-
-/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
-///     round_row(x, n, padded, y)       y = n numbers, rounded, then zeros up to `padded`, a multiple of 32
-///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
-template <class Tile>
-struct RegisterTile {
-  static constexpr bool even = true;                                 // rows are split evenly among tiles
-  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
-  static constexpr Index pieces(Index, Index) { return 1; }          // of k
-  static void begin() {}
-  static void end() {}
-
-  template <class Element>
-  void multiply(const TileProduct<Element>& t) {
-    static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-      return std::array{&Tile::template rows_of<R + 1>...};
-    }
-    (std::make_integer_sequence<int, Tile::rows>{});
-    const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
-    if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
-    alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
-    rows_of(t.a, t.pitch, t.panel, t.depth, result, bf16_columns, t.columns, t.e, t.ahead);
-    stream_rows(result, t.height, t.c, t.ldc);
-  }
-  void finish() {}
-};
-
-/// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
-struct WideningTile : RegisterTile<WideningTile> {
-  using Element = float;
-  static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
-  static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
-  template <class Number>
-  static void round_row(const float* x, Index n, Index padded, Number* y) {
-    for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
-  }
-  static void round_pairs(const float* x, Index nx, const float* y, Index ny, std::uint16_t* out) {
-    for (Index c = 0; c < bf16_columns; c += word_lanes) {
-      store_words(out + 2 * c, pairs(rounded(x + c, nx - c), rounded(y + c, ny - c)));
-    }
-  }
-
-  template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
-                      Index columns, const Epilogue<float>& e, Ahead ahead) {
-    constexpr int l = lanes<float>;
-    for (Index column = 0; column < columns; column += 2 * l) {
-      const Epilogue<float> piece = e.from_column(column);
-      fetch_result<float, R>(c + column, ldc, piece);
-      if (column > 0) ahead.step = 0;  // once is enough
-      Vec<float> c0[R], c1[R];
-#pragma GCC unroll 16
-      for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
-      const std::uint16_t* b = panel + 2 * column;
-      for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
-        ahead.fetch();
-        const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
-        const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
-        const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
-#pragma GCC unroll 16
-        for (int i = 0; i < R; ++i) {
-          const float x = a[i * pitch + k], y = a[i * pitch + k + 1];
-          c0[i] += x * even0;
-          c1[i] += x * even1;
-          c0[i] += y * odd0;
-          c1[i] += y * odd1;
-        }
-      }
-      put_result<float, R>(c0, c1, c + column, ldc, columns - column, piece);
-    }
-  }
-};
-
-/// The first `count` rows of A, side by side.
-template <class Tile>
-void round_rows(const Rows<float>& a, Index count, Index k, Index depth, typename Tile::Element* y, Index pitch) {
-  if (a.transposed) return round_columns(a.at, a.stride, count, k, depth, y, pitch);
-  for (Index r = 0; r < count; ++r) Tile::round_row(a.from(r).at, k, depth, y + r * pitch);
-}
-
-/// Rows of A in scratch at once, and their distance.
-template <class Tile>
-Index bf16_rows(Index k) {
-  return rows_at_once(bytes<typename Tile::Element>(bf16_depth(k)), Tile::rows, half_cache / 2 * 3);
-}
-template <class Tile>
-constexpr Index bf16_pitch(Index depth) {
-  return depth + 64 / static_cast<Index>(sizeof(typename Tile::Element));
-}
-/// Numbers of scratch that bf16_gemm_block needs.
-template <class Tile>
-Index bf16_scratch(Index k) {
-  return bf16_rows<Tile>(k) * bf16_pitch<Tile>(bf16_depth(k));
-}
-
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
-template <class Tile>
-void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
-                     float* scratch) {
-  using Element = typename Tile::Element;
-  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
-  Element* a = reinterpret_cast<Element*>(scratch);
-  const bool stream = streams(g);
-  Tile tile;
-  Tile::begin();
-  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
-  const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
-  for (Index block = 0; block < row_blocks; ++block) {
-    const Index top = r0 + unit * part(units, block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
-                tiles = (rows + Tile::rows - 1) / Tile::rows;
-    const Index pieces = Tile::pieces(depth, tiles);
-    round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
-    for (Index j = j0; j < j1; ++j) {
-      const std::uint16_t* panel = panels + j * depth * bf16_columns;
-      const bool last = j + 1 == j1 && top + rows == r1;
-      const std::byte* next = as_bytes(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
-      const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
-      for (Index step = 0; step < pieces * tiles; ++step) {
-        const Index piece = step / tiles, t = step % tiles;
-        const Index k0 = 32 * part(depth / 32, piece, pieces),
-                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
-        const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
-        const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        const Index row = top + first, column = j * bf16_columns;
-        const auto ahead =
-            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
-        TileProduct<Element> product{.a = a + first * pitch + k0,
-                                     .pitch = pitch,
-                                     .height = height,
-                                     .panel = panel + k0 * bf16_columns,
-                                     .depth = k1 - k0,
-                                     .c = g.c + row * g.ldc + column,
-                                     .ldc = g.ldc,
-                                     .columns = std::min(g.n - column, bf16_columns),
-                                     .e = Epilogue<float>::of(g, row, column, true, true),
-                                     .ahead = ahead,
-                                     .panel_stays = tiles > 1,
-                                     .stream = stream,
-                                     .number = t,
-                                     .first = piece == 0,
-                                     .last = piece + 1 == pieces};
-        tile.multiply(product);
-      }
-    }
-  }
-  tile.finish();
-  if (stream) end_of_streams();
-  Tile::end();
-}
-
-/// The products of attention (attention.inc) in bfloat16; scores and softmax stay in float.
-template <class Tile>
-struct Bf16Products {
-  using Number = float;
-  using Element = typename Tile::Element;
-  static constexpr Index rows = Tile::rows;
-  static void begin() { Tile::begin(); }
-  static void end() { Tile::end(); }
-  static Index columns(Index n) { return bf16_depth(n); }
-  static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
-  static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
-
-  static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
-    auto* out = reinterpret_cast<std::uint16_t*>(panels);
-    if (stride_n == 1)
-      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else
-      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
-  }
-  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
-                       float* scratch, bool whole_panels) {
-    const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
-    auto* rounded_rows = reinterpret_cast<Element*>(scratch);
-    Tile tile;
-    for (Index first = 0; first < count; first += Tile::rows) {
-      const Index height = std::min<Index>(Tile::rows, count - first);
-      round_rows<Tile>(a.from(first), height, k, depth, rounded_rows, pitch);
-      for (Index j = 0; j < n; j += bf16_columns) {
-        const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
-        tile.multiply(TileProduct<Element>{.a = rounded_rows,
-                                           .pitch = pitch,
-                                           .height = height,
-                                           .panel = panel,
-                                           .depth = Tile::depth(k),
-                                           .c = c + first * ldc + j,
-                                           .ldc = ldc,
-                                           .columns = whole_panels ? bf16_columns : std::min(n - j, bf16_columns),
-                                           .ahead = {as_bytes(panel)},
-                                           .panel_stays = false});
-      }
-    }
-    tile.finish();
-  }
-};
-
-template <class Tile>
-const Bf16Kernels& bf16_table() {
-  static constexpr Bf16Kernels t{.name = Tile::name,
-                                 .tile_rows = Tile::rows,
-                                 .gemm_rows = &bf16_rows<Tile>,
-                                 .gemm_scratch = &bf16_scratch<Tile>,
-                                 .pack_rows = &bf16_pack_rows<Tile>,
-                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
-                                 .gemm_block = &bf16_gemm_block<Tile>,
-                                 .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
-                                 .attention_head = &attention_head<Bf16Products<Tile>>,
-                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
-                                 .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
-  return t;
-}
-
-template <class S>
-const Kernels<S>& table() {
-  static constexpr Kernels<S> t{
-      .isa = Isa::MOTIONLANG_ISA,
-      .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
-      .panel_width = panel_width<S>,
-      .tile_rows = tile_rows,
-      .gemm_rows = &gemm_rows<S>,
-      .gemm_scratch = &gemm_scratch<S>,
-      .pack_rows = &pack_rows<S>,
-      .pack_transposed = &pack_transposed<S, true>,
-      .gemm_block = &gemm_block<S>,
-      .attention_scratch = &attention_scratch<FloatProducts<S>>,
-      .attention_head = &attention_head<FloatProducts<S>>,
-      .dropout = &dropout<S>,
-      .layer_norm_rows = &layer_norm_rows<S>,
-      .softmax_rows = &softmax_rows<S>,
-      .transpose = &transpose<S>,
-      .activate = &activate<S>,
-      .binary = &binary<S>,
-      .error_function = &error_function<S>,
-      .row_sums = &row_sums<S>,
-      .column_sums = &column_sums<S>,
-  };
-  return t;
-}
-template <class S>
-const GradientKernels<S>& gradient_table() {
-  static constexpr GradientKernels<S> t{
-      .attention_scratch = &attention_vjp_scratch<FloatProducts<S>>,
-      .attention_head = &attention_head_vjp<FloatProducts<S>>,
-      .layer_norm_rows = &layer_norm_rows_vjp<S>,
-      .layer_norm_columns = &layer_norm_columns_vjp<S>,
-      .activate = &activate_vjp<S>,
-      .adamw = &adamw<S>,
-  };
-  return t;
-}
-
-#undef MOTIONLANG_STRING
-#undef MOTIONLANG_STRING_OF
-#undef MOTIONLANG_INLINE
-
-}  // namespace detail::MOTIONLANG_ISA
-MOTIONLANG_NAMESPACE_END
+#define MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC
+#include "motionlang.hpp"
+#undef MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
@@ -39284,7 +35352,7 @@ class PanelSplit {
   PanelSplit(const float* panel, Index k, const std::byte* following, std::uint16_t* out)
       : from_(panel), following_(following), k_(k), depth_(bf16_depth(k)), begin_(out) {}
   const std::uint16_t* begin() const { return begin_; }
-  /// Whether all numbers so far were finite.
+  /// True if all numbers so far were finite.
   bool sound() const { return !any_nan(left_); }
 
   /// The next pairs of k.
@@ -39924,8 +35992,8 @@ template <class S>
 void pack_into(Panels<S>& p, const S* b, Index stride_k, Index stride_n, std::atomic<bool>* finite = nullptr) {
   const Index k = p.k, n = p.n;
   const bool bf16 = p.kernels == nullptr;
-  // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B. A column
-  // is both, but only as transposed is it looked at.
+  // The rows that a task reads lie together: rows of B as stored (in pairs, for bfloat16), panels of a transposed B. A
+  // column is both, but only as transposed is it looked at.
   const bool as_it_lies = stride_n == 1 && finite == nullptr;
   const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
   const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;
@@ -39955,7 +36023,7 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
   return p;
 }
 
-/// Whether a product of m x k and k x n is split.
+/// True if a product of m x k and k x n is split.
 inline bool worth_threads(Index m, Index n, Index k) { return m * n * k >= 100'000; }
 
 /// The kernels whose panels are wanted of weights; none: bfloat16.
@@ -39963,7 +36031,7 @@ template <class S>
 const Kernels<S>* wanted_kernels() {
   return precision_of<S>() == Precision::bf16 ? nullptr : &kernels<S>();
 }
-/// What was prepared of a weight, if it is what is wanted now.
+/// The prepared form of a weight, if it is the form that is wanted now.
 template <class S>
 const PreparedPanels<S>* prepared_panels(const Dense<S>& weight, Index n, Index k, Index taps) {
   const auto* p = static_cast<const PreparedPanels<S>*>(weight.attached());
@@ -39988,7 +36056,7 @@ const FloatTiles* float_tiles(Index m, Index n, Index k) {
   const bool pays = rows >= 128 && n >= 128 && k >= 128 && rows * n >= (k < 256 ? 131072 : 32768);
   return pays ? tile_products.load(std::memory_order_relaxed)(kernels<float>()) : nullptr;
 }
-/// Scratch of products of at most so many rows with such panels.
+/// Scratch of products of at most this many rows with such panels.
 template <class S>
 Scratch<S> gemm_scratch(const Panels<S>& p, Index rows) {
   if constexpr (std::is_same_v<S, float>) {
@@ -39997,7 +36065,7 @@ Scratch<S> gemm_scratch(const Panels<S>& p, Index rows) {
   const FloatTiles* tiles = float_tiles<S>(rows, p.n, p.k);
   return Scratch<S>(std::max(tiles == nullptr ? 0 : tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
 }
-/// Whether every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that
+/// True if every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that
 /// threads share. Its rows a thread finds where it wrote them, in its cache. Those of others come slowly: with 16
 /// threads a byte costs about what five of panels do, which are fetched ahead. Not if the rows are few and there is
 /// much more of the panels, or the rows do not fill tiles.
@@ -40009,10 +36077,10 @@ inline bool takes_own_rows(Index each, Index a_bytes, Index panel_bytes, Index r
 struct Sharing {
   Index rows_at_once;     // in a block
   bool own_rows = false;  // takes_own_rows
-  // Of a thread's part: what a slower thread (another kind of core, a busy one) has not begun, others take.
+  // Each thread has a part. Other threads take what a slower thread (another kind of core, a busy one) left over.
   Index pieces = 1;
 };
-/// Calls block(r0, r1, j0, j1) for parts of a product of so many rows and panels.
+/// Calls block(r0, r1, j0, j1) for parts of a product of this many rows and panels.
 template <class F>
 void for_blocks(Index rows, Index panels, bool split, const Sharing& how, const F& block) {
   const Index threads = split ? parallel_width() : 1, blocks = threads == 1 ? 1 : parts(rows, how.rows_at_once);
@@ -40622,382 +36690,25 @@ MOTIONLANG_NAMESPACE_END
 
 #define MOTIONLANG_INLINE inline __attribute__((always_inline))
 #define MOTIONLANG_ISA portable
-// Kernels of a scan for one instruction set. Included by scan_kernels.hpp, several times, behind those of
-// backend/detail/kernels.inc.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail::MOTIONLANG_ISA {
-
-/// Numbers that scans ask for ahead of what they read, 1 KB: further than some processors do by themselves (Intel: 12 %
-/// more a second).
-template <class Number>
-inline constexpr Index scan_ahead = 1024 / static_cast<Index>(sizeof(Number));
-
-/// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along
-/// four.
-template <class S>
-void dot_rows(const S* rows, Index count, Index width, const S* query, S* out) {
-  constexpr int l = lanes<S>;
-  for (Index r = 0; r < count; ++r) {
-    const S* x = rows + r * width;
-    Vec<S> s0{}, s1{}, s2{}, s3{};
-    Index i = 0;
-    for (; i + 4 * l <= width; i += 4 * l) {
-      fetch(x + i + scan_ahead<S>, 4 * l);
-      s0 += load(x + i) * load(query + i), s1 += load(x + i + l) * load(query + i + l);
-      s2 += load(x + i + 2 * l) * load(query + i + 2 * l), s3 += load(x + i + 3 * l) * load(query + i + 3 * l);
-    }
-    for (; i + l <= width; i += l) s0 += load(x + i) * load(query + i);
-    S t = reduce_add<S>((s0 + s1) + (s2 + s3));
-    for (; i < width; ++i) t += x[i] * query[i];
-    out[r] = t;
-  }
-}
-
-/// Two bfloat16 in each word: `even` has the lower ones.
-template <class S>
-MOTIONLANG_INLINE void widen_pairs(const std::uint16_t* x, Vec<S>& even, Vec<S>& odd) {
-  Mask<S> words;
-  std::memcpy(&words, x, sizeof words);
-  even = (Vec<S>)(words << 16);
-  odd = (Vec<S>)(words & static_cast<std::int32_t>(0xFFFF0000u));
-}
-
-/// out[r] = <row r, query> of rows in bfloat16. Of every 2 * lanes numbers of the query, `pairs` has the even ones,
-/// then the odd ones; behind the last whole group they stand as they are.
-template <class S>
-void dot_half_rows(const std::uint16_t* rows, Index count, Index width, const S* pairs, S* out) {
-  constexpr int l = lanes<S>;
-  const Index whole = width / (2 * l) * (2 * l);
-  for (Index r = 0; r < count; ++r) {
-    const std::uint16_t* x = rows + r * width;
-    Vec<S> s0{}, s1{};
-    for (Index i = 0; i < whole; i += 2 * l) {
-      fetch(x + i + scan_ahead<std::uint16_t>, 2 * l);
-      Vec<S> even, odd;
-      widen_pairs<S>(x + i, even, odd);
-      s0 += even * load(pairs + i), s1 += odd * load(pairs + i + l);
-    }
-    S t = reduce_add<S>(s0 + s1);
-    for (Index i = whole; i < width; ++i) t += bfloat16_to_float(x[i]) * pairs[i];
-    out[r] = t;
-  }
-}
-
-/// The order that dot_half_rows wants.
-template <class S>
-void split_pairs(const S* query, Index width, S* pairs) {
-  constexpr int l = lanes<S>;
-  const Index whole = width / (2 * l) * (2 * l);
-  for (Index i = 0; i < whole; i += 2 * l) {
-    for (Index j = 0; j < l; ++j) pairs[i + j] = query[i + 2 * j], pairs[i + l + j] = query[i + 2 * j + 1];
-  }
-  for (Index i = whole; i < width; ++i) pairs[i] = query[i];
-}
-
-template <class S>
-void widen_row(const std::uint16_t* x, Index width, S* y) {
-  constexpr Index l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= width; i += l) {
-    const auto halves = *reinterpret_cast<const LooseHalves*>(x + i);
-    store(y + i, (Vec<S>)(__builtin_convertvector(halves, Words) << 16));
-  }
-  for (; i < width; ++i) y[i] = bfloat16_to_float(x[i]);
-}
-
-/// out[j] = the largest of column j of c, whose rows are `pitch` apart; columns is a multiple of 2 * lanes.
-template <class S>
-void column_maxima(const S* c, Index rows, Index pitch, Index columns, S* out) {
-  constexpr int l = lanes<S>;
-  for (Index j = 0; j < columns; j += 2 * l) {
-    Vec<S> m0 = load(c + j), m1 = load(c + j + l);
-    for (Index r = 1; r < rows; ++r)
-      m0 = vmax<S>(load(c + r * pitch + j), m0), m1 = vmax<S>(load(c + r * pitch + j + l), m1);
-    store(out + j, m0), store(out + j + l, m1);
-  }
-}
-
-/// Index of the first of x[from ... n-1] that is above the limit, or n.
-template <class S>
-Index first_above(const S* x, Index from, Index n, S limit) {
-  constexpr int l = lanes<S>;
-  Index i = from;
-  for (; i + 4 * l <= n; i += 4 * l) {
-    const Vec<S> m = vmax<S>(vmax<S>(load(x + i), load(x + i + l)), vmax<S>(load(x + i + 2 * l), load(x + i + 3 * l)));
-    if (reduce_max<S>(m) > limit) break;
-  }
-  while (i < n && !(x[i] > limit)) ++i;
-  return i;
-}
-
-template <class S>
-const ScanKernels<S>& scan_table() {
-  static constexpr ScanKernels<S> t{.dot_rows = &dot_rows<S>,
-                                    .dot_half_rows = &dot_half_rows<S>,
-                                    .split_pairs = &split_pairs<S>,
-                                    .widen_row = &widen_row<S>,
-                                    .column_maxima = &column_maxima<S>,
-                                    .first_above = &first_above<S>};
-  return t;
-}
-
-}  // namespace detail::MOTIONLANG_ISA
-MOTIONLANG_NAMESPACE_END
+#define MOTIONLANG_TEXT_SEARCH_DETAIL_SCAN_INC
+#include "motionlang.hpp"
+#undef MOTIONLANG_TEXT_SEARCH_DETAIL_SCAN_INC
 #undef MOTIONLANG_ISA
 
 #ifdef MOTIONLANG_WIDE_KERNELS
 MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
 #define MOTIONLANG_ISA avx2
-// Kernels of a scan for one instruction set. Included by scan_kernels.hpp, several times, behind those of
-// backend/detail/kernels.inc.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail::MOTIONLANG_ISA {
-
-/// Numbers that scans ask for ahead of what they read, 1 KB: further than some processors do by themselves (Intel: 12 %
-/// more a second).
-template <class Number>
-inline constexpr Index scan_ahead = 1024 / static_cast<Index>(sizeof(Number));
-
-/// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along
-/// four.
-template <class S>
-void dot_rows(const S* rows, Index count, Index width, const S* query, S* out) {
-  constexpr int l = lanes<S>;
-  for (Index r = 0; r < count; ++r) {
-    const S* x = rows + r * width;
-    Vec<S> s0{}, s1{}, s2{}, s3{};
-    Index i = 0;
-    for (; i + 4 * l <= width; i += 4 * l) {
-      fetch(x + i + scan_ahead<S>, 4 * l);
-      s0 += load(x + i) * load(query + i), s1 += load(x + i + l) * load(query + i + l);
-      s2 += load(x + i + 2 * l) * load(query + i + 2 * l), s3 += load(x + i + 3 * l) * load(query + i + 3 * l);
-    }
-    for (; i + l <= width; i += l) s0 += load(x + i) * load(query + i);
-    S t = reduce_add<S>((s0 + s1) + (s2 + s3));
-    for (; i < width; ++i) t += x[i] * query[i];
-    out[r] = t;
-  }
-}
-
-/// Two bfloat16 in each word: `even` has the lower ones.
-template <class S>
-MOTIONLANG_INLINE void widen_pairs(const std::uint16_t* x, Vec<S>& even, Vec<S>& odd) {
-  Mask<S> words;
-  std::memcpy(&words, x, sizeof words);
-  even = (Vec<S>)(words << 16);
-  odd = (Vec<S>)(words & static_cast<std::int32_t>(0xFFFF0000u));
-}
-
-/// out[r] = <row r, query> of rows in bfloat16. Of every 2 * lanes numbers of the query, `pairs` has the even ones,
-/// then the odd ones; behind the last whole group they stand as they are.
-template <class S>
-void dot_half_rows(const std::uint16_t* rows, Index count, Index width, const S* pairs, S* out) {
-  constexpr int l = lanes<S>;
-  const Index whole = width / (2 * l) * (2 * l);
-  for (Index r = 0; r < count; ++r) {
-    const std::uint16_t* x = rows + r * width;
-    Vec<S> s0{}, s1{};
-    for (Index i = 0; i < whole; i += 2 * l) {
-      fetch(x + i + scan_ahead<std::uint16_t>, 2 * l);
-      Vec<S> even, odd;
-      widen_pairs<S>(x + i, even, odd);
-      s0 += even * load(pairs + i), s1 += odd * load(pairs + i + l);
-    }
-    S t = reduce_add<S>(s0 + s1);
-    for (Index i = whole; i < width; ++i) t += bfloat16_to_float(x[i]) * pairs[i];
-    out[r] = t;
-  }
-}
-
-/// The order that dot_half_rows wants.
-template <class S>
-void split_pairs(const S* query, Index width, S* pairs) {
-  constexpr int l = lanes<S>;
-  const Index whole = width / (2 * l) * (2 * l);
-  for (Index i = 0; i < whole; i += 2 * l) {
-    for (Index j = 0; j < l; ++j) pairs[i + j] = query[i + 2 * j], pairs[i + l + j] = query[i + 2 * j + 1];
-  }
-  for (Index i = whole; i < width; ++i) pairs[i] = query[i];
-}
-
-template <class S>
-void widen_row(const std::uint16_t* x, Index width, S* y) {
-  constexpr Index l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= width; i += l) {
-    const auto halves = *reinterpret_cast<const LooseHalves*>(x + i);
-    store(y + i, (Vec<S>)(__builtin_convertvector(halves, Words) << 16));
-  }
-  for (; i < width; ++i) y[i] = bfloat16_to_float(x[i]);
-}
-
-/// out[j] = the largest of column j of c, whose rows are `pitch` apart; columns is a multiple of 2 * lanes.
-template <class S>
-void column_maxima(const S* c, Index rows, Index pitch, Index columns, S* out) {
-  constexpr int l = lanes<S>;
-  for (Index j = 0; j < columns; j += 2 * l) {
-    Vec<S> m0 = load(c + j), m1 = load(c + j + l);
-    for (Index r = 1; r < rows; ++r)
-      m0 = vmax<S>(load(c + r * pitch + j), m0), m1 = vmax<S>(load(c + r * pitch + j + l), m1);
-    store(out + j, m0), store(out + j + l, m1);
-  }
-}
-
-/// Index of the first of x[from ... n-1] that is above the limit, or n.
-template <class S>
-Index first_above(const S* x, Index from, Index n, S limit) {
-  constexpr int l = lanes<S>;
-  Index i = from;
-  for (; i + 4 * l <= n; i += 4 * l) {
-    const Vec<S> m = vmax<S>(vmax<S>(load(x + i), load(x + i + l)), vmax<S>(load(x + i + 2 * l), load(x + i + 3 * l)));
-    if (reduce_max<S>(m) > limit) break;
-  }
-  while (i < n && !(x[i] > limit)) ++i;
-  return i;
-}
-
-template <class S>
-const ScanKernels<S>& scan_table() {
-  static constexpr ScanKernels<S> t{.dot_rows = &dot_rows<S>,
-                                    .dot_half_rows = &dot_half_rows<S>,
-                                    .split_pairs = &split_pairs<S>,
-                                    .widen_row = &widen_row<S>,
-                                    .column_maxima = &column_maxima<S>,
-                                    .first_above = &first_above<S>};
-  return t;
-}
-
-}  // namespace detail::MOTIONLANG_ISA
-MOTIONLANG_NAMESPACE_END
+#define MOTIONLANG_TEXT_SEARCH_DETAIL_SCAN_INC
+#include "motionlang.hpp"
+#undef MOTIONLANG_TEXT_SEARCH_DETAIL_SCAN_INC
 #undef MOTIONLANG_ISA
 MOTIONLANG_TARGET_POP
 
 MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512)
 #define MOTIONLANG_ISA avx512
-// Kernels of a scan for one instruction set. Included by scan_kernels.hpp, several times, behind those of
-// backend/detail/kernels.inc.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail::MOTIONLANG_ISA {
-
-/// Numbers that scans ask for ahead of what they read, 1 KB: further than some processors do by themselves (Intel: 12 %
-/// more a second).
-template <class Number>
-inline constexpr Index scan_ahead = 1024 / static_cast<Index>(sizeof(Number));
-
-/// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along
-/// four.
-template <class S>
-void dot_rows(const S* rows, Index count, Index width, const S* query, S* out) {
-  constexpr int l = lanes<S>;
-  for (Index r = 0; r < count; ++r) {
-    const S* x = rows + r * width;
-    Vec<S> s0{}, s1{}, s2{}, s3{};
-    Index i = 0;
-    for (; i + 4 * l <= width; i += 4 * l) {
-      fetch(x + i + scan_ahead<S>, 4 * l);
-      s0 += load(x + i) * load(query + i), s1 += load(x + i + l) * load(query + i + l);
-      s2 += load(x + i + 2 * l) * load(query + i + 2 * l), s3 += load(x + i + 3 * l) * load(query + i + 3 * l);
-    }
-    for (; i + l <= width; i += l) s0 += load(x + i) * load(query + i);
-    S t = reduce_add<S>((s0 + s1) + (s2 + s3));
-    for (; i < width; ++i) t += x[i] * query[i];
-    out[r] = t;
-  }
-}
-
-/// Two bfloat16 in each word: `even` has the lower ones.
-template <class S>
-MOTIONLANG_INLINE void widen_pairs(const std::uint16_t* x, Vec<S>& even, Vec<S>& odd) {
-  Mask<S> words;
-  std::memcpy(&words, x, sizeof words);
-  even = (Vec<S>)(words << 16);
-  odd = (Vec<S>)(words & static_cast<std::int32_t>(0xFFFF0000u));
-}
-
-/// out[r] = <row r, query> of rows in bfloat16. Of every 2 * lanes numbers of the query, `pairs` has the even ones,
-/// then the odd ones; behind the last whole group they stand as they are.
-template <class S>
-void dot_half_rows(const std::uint16_t* rows, Index count, Index width, const S* pairs, S* out) {
-  constexpr int l = lanes<S>;
-  const Index whole = width / (2 * l) * (2 * l);
-  for (Index r = 0; r < count; ++r) {
-    const std::uint16_t* x = rows + r * width;
-    Vec<S> s0{}, s1{};
-    for (Index i = 0; i < whole; i += 2 * l) {
-      fetch(x + i + scan_ahead<std::uint16_t>, 2 * l);
-      Vec<S> even, odd;
-      widen_pairs<S>(x + i, even, odd);
-      s0 += even * load(pairs + i), s1 += odd * load(pairs + i + l);
-    }
-    S t = reduce_add<S>(s0 + s1);
-    for (Index i = whole; i < width; ++i) t += bfloat16_to_float(x[i]) * pairs[i];
-    out[r] = t;
-  }
-}
-
-/// The order that dot_half_rows wants.
-template <class S>
-void split_pairs(const S* query, Index width, S* pairs) {
-  constexpr int l = lanes<S>;
-  const Index whole = width / (2 * l) * (2 * l);
-  for (Index i = 0; i < whole; i += 2 * l) {
-    for (Index j = 0; j < l; ++j) pairs[i + j] = query[i + 2 * j], pairs[i + l + j] = query[i + 2 * j + 1];
-  }
-  for (Index i = whole; i < width; ++i) pairs[i] = query[i];
-}
-
-template <class S>
-void widen_row(const std::uint16_t* x, Index width, S* y) {
-  constexpr Index l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= width; i += l) {
-    const auto halves = *reinterpret_cast<const LooseHalves*>(x + i);
-    store(y + i, (Vec<S>)(__builtin_convertvector(halves, Words) << 16));
-  }
-  for (; i < width; ++i) y[i] = bfloat16_to_float(x[i]);
-}
-
-/// out[j] = the largest of column j of c, whose rows are `pitch` apart; columns is a multiple of 2 * lanes.
-template <class S>
-void column_maxima(const S* c, Index rows, Index pitch, Index columns, S* out) {
-  constexpr int l = lanes<S>;
-  for (Index j = 0; j < columns; j += 2 * l) {
-    Vec<S> m0 = load(c + j), m1 = load(c + j + l);
-    for (Index r = 1; r < rows; ++r)
-      m0 = vmax<S>(load(c + r * pitch + j), m0), m1 = vmax<S>(load(c + r * pitch + j + l), m1);
-    store(out + j, m0), store(out + j + l, m1);
-  }
-}
-
-/// Index of the first of x[from ... n-1] that is above the limit, or n.
-template <class S>
-Index first_above(const S* x, Index from, Index n, S limit) {
-  constexpr int l = lanes<S>;
-  Index i = from;
-  for (; i + 4 * l <= n; i += 4 * l) {
-    const Vec<S> m = vmax<S>(vmax<S>(load(x + i), load(x + i + l)), vmax<S>(load(x + i + 2 * l), load(x + i + 3 * l)));
-    if (reduce_max<S>(m) > limit) break;
-  }
-  while (i < n && !(x[i] > limit)) ++i;
-  return i;
-}
-
-template <class S>
-const ScanKernels<S>& scan_table() {
-  static constexpr ScanKernels<S> t{.dot_rows = &dot_rows<S>,
-                                    .dot_half_rows = &dot_half_rows<S>,
-                                    .split_pairs = &split_pairs<S>,
-                                    .widen_row = &widen_row<S>,
-                                    .column_maxima = &column_maxima<S>,
-                                    .first_above = &first_above<S>};
-  return t;
-}
-
-}  // namespace detail::MOTIONLANG_ISA
-MOTIONLANG_NAMESPACE_END
+#define MOTIONLANG_TEXT_SEARCH_DETAIL_SCAN_INC
+#include "motionlang.hpp"
+#undef MOTIONLANG_TEXT_SEARCH_DETAIL_SCAN_INC
 #undef MOTIONLANG_ISA
 MOTIONLANG_TARGET_POP
 #endif
@@ -41305,7 +37016,7 @@ struct MotionHit {
 /// order. A window that is longer than the clip is the whole clip.
 std::vector<FrameSlice> indexed_moments(Index frames, const IndexModel& model);
 
-/// Of moments in the order of their scores those that stand apart: one that overlaps a better one of the same clip by
+/// Keeps moments that stand apart, in the order of their scores: one that overlaps a better one of its clip by
 /// an intersection over union above `most_iou` is dropped (greedy non-maximum suppression). At most k are kept.
 std::vector<Neighbour> separate_moments(std::span<const Neighbour> best_first,
                                         std::span<const MotionIndex::Moment> moments, double most_iou, Index k);
@@ -41467,7 +37178,7 @@ class SearchEncoder {
   virtual const IndexModel& model() const = 0;
   /// (texts, width).
   virtual std::vector<float> encode_texts(std::span<const std::string> texts) const = 0;
-  /// What the model sees of a clip on any skeleton that can be retargeted: normalised features, (frames, features).
+  /// The model's input for a clip on any skeleton that can be retargeted: normalised features, (frames, features).
   virtual std::vector<float> rows_of(const Motion& motion) const = 0;
   /// The frames of such rows.
   virtual Index frames(std::span<const float> rows) const = 0;
@@ -41518,4 +37229,1870 @@ MOTIONLANG_BODY std::vector<float> encode_motion(const SearchEncoder& encoder, c
 MOTIONLANG_NAMESPACE_END
 #endif
 #endif
+#endif
+
+#endif
+#elif defined(MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC)  // <motionlang/backend/detail/kernels.inc>
+// All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::MOTIONLANG_ISA {
+
+// Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
+// Included once for every instruction set by kernels.hpp; no include guard on purpose.
+
+template <class S>
+struct VectorOf {
+  typedef S type __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+  typedef S loose __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(sizeof(S)), may_alias));
+  using bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
+  typedef bits mask __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+};
+template <class S>
+using Vec = typename VectorOf<S>::type;
+template <class S>
+using Mask = typename VectorOf<S>::mask;
+template <class S>
+inline constexpr int lanes = MOTIONLANG_VECTOR_BYTES / static_cast<int>(sizeof(S));
+
+// Everything below is inlined: passing such vectors between functions would depend on the caller's instruction set.
+#define MOTIONLANG_INLINE inline __attribute__((always_inline))
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> load(const S* p) {
+  return *reinterpret_cast<const typename VectorOf<S>::loose*>(p);
+}
+template <class S>
+MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
+  *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
+}
+/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
+template <class S>
+MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
+#if defined(__clang__)
+  __builtin_nontemporal_store(v, reinterpret_cast<Vec<S>*>(p));
+#elif defined(__x86_64__)
+  auto* at = reinterpret_cast<float*>(p);
+#if MOTIONLANG_VECTOR_BYTES == 64
+  __builtin_ia32_movntps512(at, (Vec<float>)v);
+#elif MOTIONLANG_VECTOR_BYTES == 32
+  __builtin_ia32_movntps256(at, (Vec<float>)v);
+#else
+  __builtin_ia32_movntps(at, (Vec<float>)v);
+#endif
+#else
+  store(p, v);
+#endif
+}
+/// Asks for n numbers that are read soon.
+template <class Number>
+MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
+  for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
+}
+MOTIONLANG_INLINE void end_of_streams() {
+#if defined(__x86_64__)
+  __builtin_ia32_sfence();
+#endif
+}
+template <class S>
+MOTIONLANG_INLINE Vec<S> splat(S x) {
+  return x - Vec<S>{};
+}
+template <class S>
+MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above are 0
+  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)] = {};
+  for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
+  return load(t);
+}
+/// The first n numbers (all lanes if there are that many), then zeros; nothing is read if n <= 0.
+template <class S>
+MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
+  return n >= lanes<S> ? load(p) : load_some(p, n);
+}
+template <class S>
+MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
+  for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
+}
+template <class S>
+MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
+  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
+}
+// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
+// (Where one of them is a constant, GCC 12 makes two instructions of it for vectors of 64 bytes.)
+template <class S>
+MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
+#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
+  if constexpr (sizeof(S) == 4) {
+    Vec<S> r;
+    asm("vmaxps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
+    return r;
+  }
+#endif
+  return a > b ? a : b;
+}
+template <class S>
+MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
+#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
+  if constexpr (sizeof(S) == 4) {
+    Vec<S> r;
+    asm("vminps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
+    return r;
+  }
+#endif
+  return a < b ? a : b;
+}
+/// Lanes of `found` become negative where x is NaN or infinite: all bits of its exponent are set.
+template <class S>
+MOTIONLANG_INLINE void find_not_finite(const Vec<S>& x, Mask<S>& found) {
+  constexpr auto exponent = detail::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
+  found |= (~(Mask<S>)x & exponent) - 1;
+}
+template <class S>
+MOTIONLANG_INLINE bool any_negative(const Mask<S>& v) {
+  bool any = false;
+  for (int i = 0; i < lanes<S>; ++i) any |= v[i] < 0;
+  return any;
+}
+/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
+  return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
+}
+// Halves are put together until one lane is left: sums have a fixed order.
+template <class S, int half = lanes<S> / 2>
+MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+}
+template <class S, int half = lanes<S> / 2>
+MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
+}
+
+/// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE void swap_blocks(Vec<S>& a, Vec<S>& b, std::integer_sequence<int, l...>) {
+  constexpr int n = lanes<S>;
+  const Vec<S> upper = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l - half : l)...);
+  b = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l : l + half)...);
+  a = upper;
+}
+/// v[i][j] becomes v[j][i]: blocks of 1, 2, 4, ... lanes are swapped.
+template <class S, int half = 1>
+MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
+  if constexpr (half < lanes<S>) {
+#pragma GCC unroll 16
+    for (int i = 0; i < lanes<S>; ++i) {
+      if ((i & half) == 0) swap_blocks<S, half>(v[i], v[i + half], std::make_integer_sequence<int, lanes<S>>{});
+    }
+    transpose_lanes<S, 2 * half>(v);
+  }
+}
+
+/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
+/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
+  constexpr bool single = sizeof(S) == 4;
+  constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
+  const Vec<S> c = vmin<S>(splat(high), x);
+  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
+  // lowest bits.
+  const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
+  const Vec<S> shifted = c * S(1.4426950408889634) + magic;
+  const Vec<S> n = shifted - magic;
+  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
+                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
+  Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
+  if constexpr (!single) {
+    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
+      p = p * f + S(k);
+  }
+  for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
+  const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
+  return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
+}
+
+/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
+/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+template <class S>
+MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
+  Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
+  p = p * y + S(6.364869382952854e-06);
+  q = q * y + S(7.602274008301123e-05);
+  p = p * y + S(0.00017693884114677917);
+  q = q * y + S(0.0019305587808950675);
+  p = p * y + S(0.004725908484413717);
+  q = q * y + S(0.029119172061619288);
+  p = p * y + S(0.0346923636272431);
+  q = q * y + S(0.25362643899642984);
+  p = p * y + S(0.3989422129894181);
+  q = q * y + S(1);
+  return p / q;
+}
+/// erf(x) = 2 Phi(sqrt(2) x) - 1. Float: absolute error below 5e-7. Double: libm.
+template <class S>
+MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
+    return c * phi_ratio<S>(c * c * S(2)) * S(2.8284271247461901);
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
+    return r;
+  }
+}
+#if MOTIONLANG_VECTOR_BYTES == 64
+/// 32 numbers: lane i of the result is that which the lowest five bits of index[i] say.
+MOTIONLANG_INLINE Vec<float> look_up(const float* table, const Vec<float>& index) {
+  Vec<float> r = load(table);
+  asm("vpermt2ps %2, %1, %0" : "+v"(r) : "v"(index), "v"(load(table + 16)));
+  return r;
+}
+/// By gelu_table.hpp: absolute error below 1e-7 for x < 0, relative error below 5e-7 for x > 0.
+MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
+  static_assert(GeluTable::cells == 32 && GeluTable::width == 0.25);
+  constexpr auto last = static_cast<float>(GeluTable::width * (GeluTable::cells - 1));
+  Vec<float> c, d;
+  asm("vrangeps $0xa, %2, %1, %0" : "=v"(c) : "v"(x), "v"(splat(last)));  // min(|x|, last)
+  asm("vreduceps $0x24, %1, %0" : "=v"(d) : "v"(c));                      // c - i / 4, i = round(4 c)
+  const Vec<float> i = c + 3145728.f;                                     // 1.5 * 2^21: i in the lowest bits
+  const auto& table = gelu_table.by_power;
+  Vec<float> g = look_up(table[GeluTable::degree], i);
+#pragma GCC unroll 8
+  for (int n = GeluTable::degree; n-- > 0;) g = g * d + look_up(table[n], i);
+  return vmax<float>(Vec<float>{}, x) - g;
+}
+#endif
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
+/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
+#if MOTIONLANG_VECTOR_BYTES == 64
+  if constexpr (sizeof(S) == 4) return gelu_by_table(x);
+#endif
+  const Vec<S> h = x * S(0.5);
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    return h + (y < splat(S(32)) ? y * phi_ratio<S>(y) : (Vec<S>)((Mask<S>)h & 0x7fffffff));
+  } else {
+    return h + h * verf<S>(x * S(0.70710678118654752));
+  }
+}
+
+/// Square root of x >= 0: Newton's iteration for 1/sqrt(x) from an estimate by shifting the exponent; within 1 ulp.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
+  constexpr bool single = sizeof(S) == 4;
+  using Bits = typename VectorOf<S>::bits;
+  Vec<S> y = (Vec<S>)(static_cast<Bits>(single ? 0x5F375A86 : 0x5FE6EB50C7B537A9) - ((Mask<S>)x >> 1));
+  for (int i = 0; i < (single ? 3 : 5); ++i) y = y * (S(1.5) - x * S(0.5) * y * y);
+  const Vec<S> r = x * y;
+  return r + S(0.5) * y * (x - r * r);
+}
+
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
+/// Double: libm.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
+    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
+    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
+    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
+    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
+    return r;
+  }
+}
+//
+// Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
+
+template <Activation act, class S>
+MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
+  switch (act) {
+    case Activation::none:
+      return x;
+    case Activation::relu:
+      return vmax<S>(Vec<S>{}, x);
+    case Activation::gelu:
+      return vgelu<S>(x);
+    case Activation::silu:
+      return x / (vexp<S>(-x) + S(1));
+    case Activation::tanh:
+      return vtanh<S>(x);
+    case Activation::quick_gelu:
+      return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::gelu_new: {
+      const Vec<S> h = x * S(0.5);
+      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
+    }
+    case Activation::sigmoid:
+      return S(1) / (vexp<S>(-x) + S(1));
+  }
+  return x;
+}
+
+/// Derivative at x.
+///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
+template <Activation act, class S>
+MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
+  switch (act) {
+    case Activation::none:
+      return splat(S(1));
+    case Activation::relu:
+      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
+    case Activation::gelu: {
+      const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
+      return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
+    }
+    case Activation::silu: {
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
+      return s + x * s * (S(1) - s);
+    }
+    case Activation::tanh: {
+      const Vec<S> t = vtanh<S>(x);
+      return S(1) - t * t;
+    }
+    case Activation::quick_gelu: {
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
+      return s + x * s * (S(1) - s) * S(1.702);
+    }
+    case Activation::gelu_new: {
+      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
+      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
+    }
+    case Activation::sigmoid: {
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
+      return s * (S(1) - s);
+    }
+  }
+  return splat(S(1));
+}
+
+/// f.operator()<act>().
+template <class F>
+void with_activation(Activation act, const F& f) {
+  switch (act) {
+    case Activation::none:
+      return f.template operator()<Activation::none>();
+    case Activation::relu:
+      return f.template operator()<Activation::relu>();
+    case Activation::gelu:
+      return f.template operator()<Activation::gelu>();
+    case Activation::silu:
+      return f.template operator()<Activation::silu>();
+    case Activation::tanh:
+      return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu:
+      return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new:
+      return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid:
+      return f.template operator()<Activation::sigmoid>();
+  }
+}
+
+/// y = act(x) for this many rows of `width` numbers, which begin ldx and ldy apart; y may be x.
+template <class S>
+void activate_rows(const S* x, Index ldx, Index rows, Index width, Activation act, S* y, Index ldy) {
+  constexpr int l = lanes<S>;
+  with_activation(act, [=]<Activation a>() {
+    for (Index r = 0; r < rows; ++r) {
+      const S* from = x + r * ldx;
+      S* to = y + r * ldy;
+      Index i = 0;
+      for (; i + l <= width; i += l) store(to + i, apply_activation<a, S>(load(from + i)));
+      if (i < width) store_some(to + i, apply_activation<a, S>(load_some(from + i, width - i)), width - i);
+    }
+  });
+}
+template <class S>
+void activate(const S* x, Index n, Activation act, S* y) {
+  activate_rows(x, n, 1, n, act, y, n);
+}
+/// dx = dy act'(x) for n numbers.
+template <class S>
+void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
+  constexpr int l = lanes<S>;
+  with_activation(act, [=]<Activation a>() {
+    Index i = 0;
+    for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<a, S>(load(x + i)));
+    if (i < n) store_some(dx + i, load_some(dy + i, n - i) * activation_slope<a, S>(load_some(x + i, n - i)), n - i);
+  });
+}
+//
+// Matrix product with packed right-hand side: register tiles, cache blocks, epilogue in the tile.
+//
+//   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
+//   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
+//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
+//            well. (All panels at a time where A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
+//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
+//            result's rows are written, one after the other: the lines under them, which come from memory first, the
+//            processor fetches by itself, and fewer pages are in use.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
+//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
+//            the next rows of A.
+//   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
+
+template <class S>
+inline constexpr Index panel_width = 2 * lanes<S>;
+inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
+inline constexpr Index depth_block = 1024;
+inline constexpr Index panel_block = 8;
+inline constexpr Index most_tiles = 16;        // of rows in a block
+inline constexpr Index near_caches = 4 << 20;  // bytes
+// for rows of A, and as much for a group of panels
+inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
+template <class S>
+// of a tile of a transposed A, copied
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
+
+template <class S>
+constexpr Index bytes(Index count) {
+  return count * static_cast<Index>(sizeof(S));
+}
+template <class S>
+const std::byte* as_bytes(const S* x) {
+  return reinterpret_cast<const std::byte*>(x);
+}
+
+/// Rows of A, `row_bytes` each, in a block of this many bytes: at most most_tiles tiles.
+constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
+  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
+}
+
+/// Rows k0 ... k1-1 of all panels of B, whose element (k, n) is b[k * stride + n].
+template <class S>
+void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels) {
+  constexpr Index w = panel_width<S>, l = lanes<S>;
+  constexpr Index ahead = 8;  // rows
+  for (Index i = k0; i < k1; ++i) {
+    const S* in = b + i * stride;
+    S* out = panels + i * w;
+    for (Index columns = n; columns > 0; columns -= w, in += w, out += k * w) {
+      __builtin_prefetch(in + ahead * stride), __builtin_prefetch(in + ahead * stride + l);
+      store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
+    }
+  }
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
+template <class S, bool looks>
+bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
+  constexpr Index w = panel_width<S>, l = lanes<S>;
+  Mask<S> found{};
+  for (Index j = first; j < last; ++j) {
+    S* out = panels + j * k * w;
+    const Index columns = n - j * w;
+    const S* in = b + j * w * stride;
+    for (Index i = 0; i < k; i += l) {
+      const Index rows = k - i < l ? k - i : l;
+      for (Index c = 0; c < w; c += l) {
+        Vec<S> square[lanes<S>];
+#pragma GCC unroll 16
+        for (int q = 0; q < lanes<S>; ++q) {
+          const S* from = in + (c + q) * stride + i;
+          square[q] = load_first(from, c + q < columns ? rows : 0);
+          if constexpr (looks) find_not_finite<S>(square[q], found);
+        }
+        transpose_lanes<S>(square);
+        for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
+      }
+    }
+  }
+  return !any_negative<S>(found);
+}
+
+/// Rows of A, whose element (i, k) is at[i * stride + k], or, when transposed, at[i + k * stride].
+template <class S>
+struct Rows {
+  const S* at;
+  Index stride;
+  bool transposed;
+
+  Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
+  Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
+};
+
+/// Memory that is read after a tile. It is fetched into the second-level cache: `step` bytes, a line at most, for
+/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
+/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
+/// which fetches by itself lines that follow each other (20 % slower from memory).
+struct Ahead {
+  const std::byte* at = nullptr;
+  Index step = 0;
+
+  /// Share i of n of `bytes` that begin at `next`, in this many steps: shares rather overlap than leave bytes between
+  /// them.
+  MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
+    const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
+    return {next + i * step * steps, step};
+  }
+  MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
+};
+
+/// The end of a tile: add earlier sums (if k is split), bias and residual, then apply the nonlinearity.
+template <class S>
+struct Epilogue {
+  bool accumulate = false;
+  const S* bias = nullptr;      // of the panel's first column
+  const S* residual = nullptr;  // of the tile's first element
+  Index residual_stride = 0;
+  Activation act = Activation::none;
+
+  /// The epilogue of the tile at a row and column of a product; `first` and `last` mark blocks of k.
+  static Epilogue of(const Gemm<S>& g, Index row, Index column, bool first, bool last) {
+    Epilogue e{.accumulate = !first};
+    if (!last) return e;
+    e.act = g.act;
+    if (g.bias != nullptr) e.bias = g.bias + column;
+    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
+    return e;
+  }
+  Epilogue from_column(Index column) const {
+    Epilogue e = *this;
+    if (bias != nullptr) e.bias += column;
+    if (residual != nullptr) e.residual += column;
+    return e;
+  }
+  Epilogue from_row(Index row) const {
+    Epilogue e = *this;
+    if (residual != nullptr) e.residual += row * residual_stride;
+    return e;
+  }
+};
+
+/// Asks for the rows of c and of the residual that a tile is put into.
+template <class S, int R>
+MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
+  constexpr int l = lanes<S>;
+  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  if (e.residual == nullptr) return;
+  for (int i = 0; i < R; ++i) {
+    const S* row = e.residual + i * e.residual_stride;
+    __builtin_prefetch(row), __builtin_prefetch(row + l);
+  }
+}
+
+/// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
+template <class S>
+[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
+                                         const Epilogue<S>& e) {
+  constexpr Index l = lanes<S>;
+  for (Index r = 0; r < rows; ++r) {
+    for (Index i = 0; i < columns; i += l) {
+      const Index n = columns - i;
+      S* out = c + r * ldc + i;
+      Vec<S> x = sums[2 * r + i / l];
+      if (e.accumulate) x += load_first(out, n);
+      if (e.bias != nullptr) x += load_first(e.bias + i, n);
+      if (e.residual != nullptr) x += load_first(e.residual + r * e.residual_stride + i, n);
+      store_first(out, x, n);
+    }
+  }
+}
+
+/// c (R x columns) = the sums of a tile, c0 and c1 being its two vectors of columns.
+template <class S, int R>
+MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+  constexpr int l = lanes<S>;
+  if (columns >= 2 * l) {
+    const Vec<S> z0 = e.bias == nullptr ? Vec<S>{} : load(e.bias), z1 = e.bias == nullptr ? Vec<S>{} : load(e.bias + l);
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      S* out = c + i * ldc;
+      if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
+      c0[i] += z0, c1[i] += z1;
+      if (e.residual != nullptr)
+        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
+      store(out, c0[i]), store(out + l, c1[i]);
+    }
+  } else {
+    Vec<S> sums[static_cast<std::size_t>(2 * R)];
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) sums[2 * i] = c0[i], sums[2 * i + 1] = c1[i];
+    put_narrow_result(sums, R, c, ldc, columns, e);
+  }
+  if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
+}
+
+/// The kinds of tiles: A as stored, A transposed, or A as stored times only the first half of a panel.
+enum class TileKind { plain, transposed, half };
+
+/// c (R x columns) = a (R x k) panel.
+template <class S, int R, TileKind kind>
+void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
+  constexpr Index w = panel_width<S>;
+  constexpr int l = lanes<S>;
+  constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
+  Vec<S> c0[R], c1[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  fetch_result<S, R>(c, ldc, e);
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
+  // strides is known to be 1, which saves additions (1 to 4 % of the time).
+  const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
+  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
+          *p4 = p0 + 12 * row_stride;
+#pragma GCC unroll 2
+  for (Index at = 0; at < k; ++at) {
+    if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
+    const Vec<S> b0 = load(panel), b1 = half ? Vec<S>{} : load(panel + l);
+    panel += w;
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    ahead.fetch();
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const S x = i < 3    ? p0[i * row_stride]
+                  : i < 6  ? p1[(i - 3) * row_stride]
+                  : i < 9  ? p2[(i - 6) * row_stride]
+                  : i < 12 ? p3[(i - 9) * row_stride]
+                           : p4[(i - 12) * row_stride];
+      c0[i] += x * b0;
+      if constexpr (!half) c1[i] += x * b1;
+    }
+    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
+  }
+  put_result<S, R>(c0, c1, c, ldc, columns, e);
+}
+
+template <class S>
+using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
+/// The tile of this many rows for what is left of the columns.
+template <class S>
+TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
+  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+    return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
+  }
+  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
+  const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
+  return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
+}
+
+/// First row of part i of n nearly equal parts.
+MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
+
+/// How a product over k is split: pieces of k, and rows of A at a time.
+template <class S>
+struct Blocks {
+  Index count, rows;
+
+  explicit Blocks(Index k)
+      : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
+        rows(rows_at_once(bytes<S>((k + count - 1) / count), tile_rows, half_cache)) {}
+};
+template <class S>
+Index gemm_rows(Index k) {
+  return Blocks<S>(k).rows;
+}
+/// Numbers of scratch that gemm_block needs.
+template <class S>
+Index gemm_scratch(Index k) {
+  return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
+}
+
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
+/// other. `readable`: rows that A has from here on.
+template <class S>
+void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
+  constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
+  const Index tiles = (rows + tile_rows - 1) / tile_rows;
+  for (Index k = 0; k < depth; ++k, a += lda, out += pitch) {
+    if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
+    for (Index t = 0; t < tiles; ++t) {
+      const Index first = part(rows, t, tiles);
+      for (Index i = 0; i < pitch; i += l)
+        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+    }
+  }
+}
+
+/// The block that is computed at a time: of k the part k0 ... k1-1 of rows top ... below-1 times panels left ...
+/// right-1.
+template <class S>
+struct GemmPiece {
+  static constexpr Index w = panel_width<S>;
+  const Gemm<S>& g;
+  S* scratch;
+  bool copies, far;                   // rows of A are copied as they are; the result is larger than the nearer caches
+  Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
+  Index left = 0, right = 0;
+  Index k0 = 0, k1 = 0;
+  // panels that are read after it: at last the first ones once more, if nothing else is known
+  const std::byte* next = nullptr;
+  Index next_bytes = std::numeric_limits<Index>::max();
+
+  Index depth() const { return k1 - k0; }
+  Index pitch() const { return depth() + 16; }
+  const S* slice(Index panel) const { return g.panels + (panel * g.k + k0) * w; }
+
+  Rows<S> rows_of(Index tile, Index row) const {
+    if (g.a_transposed) return {scratch + tile * depth() * tile_pitch<S>, tile_pitch<S>, true};
+    if (copies) return {scratch + (row - top) * pitch(), pitch(), false};
+    return {g.a + row * g.lda + k0, g.lda, false};
+  }
+  void copy_rows(Index first, Index last) const {
+    for (Index r = first; r < last; ++r) {
+      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
+    }
+  }
+
+  void multiply() const {
+    const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
+    const bool whole = depth == g.k, transposed = g.a_transposed;
+    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
+    const Index groups = (right - left + together - 1) / together;
+    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
+    // tile's when it is next.
+    if (transposed)
+      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
+    else if (copies && !far)
+      copy_rows(top, below);
+    for (Index group = 0; group < groups; ++group) {
+      const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
+      const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
+      const std::byte* next_panels = j1 < right ? as_bytes(slice(j1)) : next;
+      const Index next_panel_bytes = j1 < right ? panel_bytes : std::min(panel_bytes, next_bytes);
+      for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
+        height = top + part(below - top, t + 1, tiles) - row;
+        const Index next_row = row + height;
+        if (copies && far && group == 0) copy_rows(row, next_row);
+        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
+        // none.)
+        const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
+        const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
+        const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
+        for (Index i = 0; i < panels; ++i) {
+          const Index j = j0 + i, columns = g.n - j * w;
+          const Ahead ahead =
+              i < row_panels
+                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          S* c = g.c + row * g.ldc + j * w;
+          const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
+          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
+        }
+      }
+    }
+  }
+};
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
+template <class S>
+void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
+  const Blocks<S> split(g.k);
+  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
+  // once.
+  const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
+  const bool all_panels = copies || g.a_transposed || blocks == 1;
+  const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
+  const bool far = bytes<S>(g.m * g.n) > near_caches;
+  for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
+    const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
+    GemmPiece<S> piece{.g = g,
+                       .scratch = scratch,
+                       .copies = copies,
+                       .far = far,
+                       .top = r0 + part(r1 - r0, row_block, row_blocks),
+                       .below = r0 + part(r1 - r0, row_block + 1, row_blocks),
+                       .end = r1,
+                       .left = left,
+                       .right = std::min(j1, left + wide),
+                       .k0 = part(g.k, block, blocks),
+                       .k1 = part(g.k, block + 1, blocks)};
+    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
+               last = next_rows && piece.below == r1;
+    const S* next = g.panels + ((next_rows      ? j0
+                                 : next_columns ? piece.right
+                                                : left) *
+                                    g.k +
+                                (next_columns ? 0 : piece.k1)) *
+                                   piece.w;
+    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
+    if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
+    piece.multiply();
+  }
+}
+//
+// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
+// or one head (backward), never for a batch.
+//
+//   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
+//   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
+
+/// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
+/// none waits.
+template <class S, int R>
+MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
+  constexpr int l = lanes<S>;
+  const Index padded = (n + l - 1) / l * l;
+  constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
+  Vec<S> largest[R], sum[R], inverse[R];
+  S shift[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) {
+    for (Index c = visible[i]; c < padded; ++c) rows[i * pitch + c] = hidden;
+    largest[i] = splat(hidden), sum[i] = Vec<S>{};
+  }
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) largest[i] = vmax<S>(largest[i], load(rows + i * pitch + c));
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) shift[i] = reduce_max<S>(largest[i]) * scale;
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const Vec<S> e = vexp<S>(load(rows + i * pitch + c) * scale - shift[i]);
+      store(rows + i * pitch + c, e);
+      sum[i] += e;
+    }
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) inverse[i] = splat(S(1) / reduce_add<S>(sum[i]));
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) store(rows + i * pitch + c, load(rows + i * pitch + c) * inverse[i]);
+  }
+}
+inline constexpr int softmax_group = 4;  // of rows
+/// The same for `count` rows, the first of which is query `first`; causal: row i sees keys up to its own number.
+template <class S>
+void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bool causal, S scale) {
+  for (Index r = 0; r < count;) {
+    Index visible[softmax_group];
+    for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
+    if (r + softmax_group <= count)
+      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else
+      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+  }
+}
+
+/// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
+template <class S>
+void dropout(const S* x, Index n, Index first, const Dropout& d, S* y) {
+  typedef std::uint32_t Bits __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+  constexpr Index l = MOTIONLANG_VECTOR_BYTES / 4;
+  const std::uint32_t limit = d.limit();
+  const auto key0 = static_cast<std::uint32_t>(d.key) +
+                    static_cast<std::uint32_t>(static_cast<std::uint64_t>(first) >> 32) * 0x27D4EB2Fu;
+  const auto key1 = static_cast<std::uint32_t>(d.key >> 32);
+  const S keep = static_cast<S>(1.0 / (1.0 - d.p));
+  Bits counter;
+  for (Index i = 0; i < l; ++i) counter[i] = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(i);
+  for (Index i = 0; i < n; i += l, counter += static_cast<std::uint32_t>(l)) {
+    Bits h = counter * 0x9E3779B1u + key0;
+    h = (h ^ (h >> 16)) * 0x85EBCA6Bu + key1;
+    h = (h ^ (h >> 13)) * 0xC2B2AE35u;
+    h = h ^ (h >> 16);
+    if (sizeof(S) == 4 && i + l <= n) {
+      const Vec<S> kept = load(x + i) * keep;
+      store(y + i, (Mask<S>)(h >= limit) ? kept : Vec<S>{});
+    } else {
+      for (Index c = 0; c < l && i + c < n; ++c) y[i + c] = h[c] >= limit ? x[i + c] * keep : S(0);
+    }
+  }
+}
+
+template <class S>
+MOTIONLANG_INLINE Index padded_panels(Index n) {
+  return (n + panel_width<S> - 1) / panel_width<S>;
+}
+
+/// The products of attention in S. (Bf16Products is the other kind.)
+template <class S>
+struct FloatProducts {
+  using Number = S;
+  static constexpr Index rows = tile_rows;  // that products are fastest with
+  static void begin() {}
+  static void end() {}
+  /// Columns that products write of n.
+  static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
+  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
+  static Index panels(Index k, Index n) { return columns(n) * k; }
+  static Index scratch(Index) { return 0; }
+
+  static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
+    if (stride_n == 1)
+      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else
+      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+  }
+  /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
+  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
+                       bool whole_panels) {
+    constexpr Index w = panel_width<S>;
+    const Index tiles = (count + tile_rows - 1) / tile_rows;
+    const Epilogue<S> plain;
+    for (Index j = 0; j < padded_panels<S>(n); ++j) {
+      for (Index t = 0; t < tiles; ++t) {
+        const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
+      }
+    }
+  }
+};
+
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
+/// columns of.
+template <class S>
+struct AttentionHead {
+  const Attention<S>& t;
+  Index head, q0, k0, queries, keys;
+  const S *q, *k, *v;
+
+  AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
+      : t(a),
+        head(head_number),
+        q0(a.q_offsets[sequence]),
+        k0(a.k_offsets[sequence]),
+        queries(a.q_offsets[sequence + 1] - q0),
+        keys(a.k_offsets[sequence + 1] - k0),
+        q(a.q + q0 * a.q_stride + head * a.width),
+        k(a.k + k0 * a.k_stride + head * a.width),
+        v(a.v + k0 * a.v_stride + head * a.width) {}
+
+  S scale() const { return S(1) / std::sqrt(static_cast<S>(t.width)); }
+  /// Scores of `count` queries from `first` on, q k^T, become their rows of P: relative scores, softmax, dropout.
+  void weights(Index first, Index count, S* rows, Index pitch) const {
+    const S unscale = std::sqrt(static_cast<S>(t.width));
+    for (Index r = 0; r < count && t.relative_scores != nullptr; ++r) {
+      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+      for (Index c = 0; c < keys; ++c) rows[r * pitch + c] += relative[c] * unscale;
+    }
+    softmax_rows_of(rows, pitch, count, keys, first, t.causal, scale());
+    for (Index r = 0; r < count && t.dropout.p > 0; ++r)
+      dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
+  }
+  Index mask_at(Index query) const {
+    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
+  }
+};
+
+/// Distance of rows of scores, whose columns up to the end of a panel are written.
+template <class P>
+Index score_pitch(Index keys) {
+  return P::columns(keys) + 16;
+}
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+template <class P>
+Index attention_scratch(Index keys, Index width) {
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
+         P::scratch(std::max(keys, width));
+}
+/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
+template <class P>
+Index attention_vjp_scratch(Index queries, Index keys, Index width) {
+  const Index longest = std::max(keys, queries);
+  return P::panels(width, keys) + P::panels(longest, width) + 2 * queries * score_pitch<P>(keys) +
+         P::scratch(std::max(longest, width));
+}
+
+/// Output of one head, for one of this many pieces of its queries.
+template <class P, class S = typename P::Number>
+void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
+  const AttentionHead<S> h(t, sequence, head);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
+              end = part(tiles, piece + 1, pieces);
+  if (begin == end) return;
+  const Index pitch = score_pitch<P>(h.keys);
+  S* vp = kt + P::panels(t.width, h.keys);
+  S* scores = vp + P::panels(h.keys, t.width);
+  S* scratch = scores + P::rows * pitch;
+  S* o = t.o + h.q0 * t.o_stride + head * t.width;
+  P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
+  P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
+  P::begin();
+  for (Index i = begin; i < end; ++i) {
+    const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
+    P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
+    h.weights(first, rows, scores, pitch);
+    P::multiply({scores, pitch, false}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
+  }
+  P::end();
+}
+
+/// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
+template <class P, class S = typename P::Number>
+void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* a) {
+  constexpr int l = lanes<S>;
+  const AttentionHead<S> h(t, sequence, head);
+  const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
+  const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
+  const S scale = h.scale();
+  S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
+  S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
+  S* ds = p + queries * pitch;                           // dP, later dS
+  S* scratch = ds + queries * pitch;
+  P::begin();
+  P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
+  P::multiply({h.q, t.q_stride, false}, queries, width, a, keys, p, pitch, scratch, true);
+  P::pack(h.v, width, keys, Index{1}, t.v_stride, a);
+  P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
+  for (Index r = 0; r < queries; ++r) {
+    S *pr = p + r * pitch, *dr = ds + r * pitch;
+    if (r % softmax_group == 0)
+      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
+    if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
+    Vec<S> sum{};
+    for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
+    const S mean = reduce_add<S>(sum);
+    for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
+    if (t.dropout.p > 0) dropout(pr, keys, h.mask_at(r), t.dropout, pr);
+  }
+  S* dq = g.d_q + h.q0 * t.q_stride + head * width;
+  S* dk = g.d_k + h.k0 * t.k_stride + head * width;
+  S* dv = g.d_v + h.k0 * t.v_stride + head * width;
+  P::pack(h.k, keys, width, t.k_stride, Index{1}, b);
+  P::multiply({ds, pitch, false}, queries, keys, b, width, dq, t.q_stride, scratch, false);
+  P::pack(h.q, queries, width, t.q_stride, Index{1}, b);
+  P::multiply({ds, pitch, true}, keys, queries, b, width, dk, t.k_stride, scratch, false);
+  P::pack(d_o, queries, width, t.o_stride, Index{1}, b);
+  P::multiply({p, pitch, true}, keys, queries, b, width, dv, t.v_stride, scratch, false);
+  P::end();
+}
+//
+// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
+
+inline constexpr int norm_group = 4;  // rows at a time in layer norm
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
+/// many chains of sums: none waits.
+template <class S, int R>
+MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
+  constexpr int l = lanes<S>;
+  const Index whole = n / l * l;
+  Vec<S> sum[R], square[R];
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) sum[r] = square[r] = Vec<S>{};
+  for (Index i = 0; i < whole; i += l) {
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) sum[r] += load(x + r * n + i);
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+    S total = reduce_add<S>(sum[r]);
+    for (Index i = whole; i < n; ++i) total += x[r * n + i];
+    mean[r] = total / static_cast<S>(n);
+  }
+  for (Index i = 0; i < whole; i += l) {
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      const Vec<S> d = load(x + r * n + i) - mean[r];
+      square[r] += d * d;
+    }
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+    S variance = reduce_add<S>(square[r]);
+    for (Index i = whole; i < n; ++i) variance += (x[r * n + i] - mean[r]) * (x[r * n + i] - mean[r]);
+    rstd[r] = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
+  }
+}
+
+/// layer_norm_rows of R rows.
+template <class S, int R>
+MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  const S* x = t.x + first * n;
+  S* y = t.y + first * n;
+  if (t.residual != nullptr) {
+    const S* z = t.residual + first * n;
+    for (Index i = 0; i < R * n; i += l)
+      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
+    x = y;
+  }
+  S mean[R], rstd[R];
+  row_moments<S, R>(x, n, t.eps, mean, rstd);
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> weight = load(t.weight + i), bias = load(t.bias + i);
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      __builtin_prefetch(x + (R + r) * n + i);  // of the next rows
+      store(y + r * n + i, (load(x + r * n + i) - mean[r]) * rstd[r] * weight + bias);
+    }
+  }
+  for (Index i = whole; i < n; ++i) {
+    for (int r = 0; r < R; ++r) y[r * n + i] = (x[r * n + i] - mean[r]) * rstd[r] * t.weight[i] + t.bias[i];
+  }
+}
+/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
+template <class S>
+void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
+  for (; first + norm_group <= last; first += norm_group) normalize_rows<S, norm_group>(t, first);
+  for (; first < last; ++first) normalize_rows<S, 1>(t, first);
+}
+
+/// layer_norm_rows_vjp of R rows.
+template <class S, int R>
+MOTIONLANG_INLINE void normalize_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  const S *x = t.x + first * n, *g = dy + first * n;
+  S* d = dx + first * n;
+  S mean[R], rstd[R], h0[R], h1[R];
+  row_moments<S, R>(x, n, t.eps, mean, rstd);
+  Vec<S> sum_h[R], sum_hx[R];
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) sum_h[r] = sum_hx[r] = Vec<S>{};
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> weight = load(t.weight + i);
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      const Vec<S> h = load(g + r * n + i) * weight;
+      sum_h[r] += h;
+      sum_hx[r] += h * ((load(x + r * n + i) - mean[r]) * rstd[r]);
+    }
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+    h0[r] = reduce_add<S>(sum_h[r]), h1[r] = reduce_add<S>(sum_hx[r]);
+    for (Index i = whole; i < n; ++i) {
+      const S h = g[r * n + i] * t.weight[i];
+      h0[r] += h;
+      h1[r] += h * ((x[r * n + i] - mean[r]) * rstd[r]);
+    }
+    h0[r] /= static_cast<S>(n);
+    h1[r] /= static_cast<S>(n);
+  }
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> weight = load(t.weight + i);
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      const Vec<S> xhat = (load(x + r * n + i) - mean[r]) * rstd[r];
+      store(d + r * n + i, (load(g + r * n + i) * weight - h0[r] - xhat * h1[r]) * rstd[r]);
+    }
+  }
+  for (int r = 0; r < R; ++r) {
+    for (Index i = whole; i < n; ++i) {
+      d[r * n + i] = (g[r * n + i] * t.weight[i] - h0[r] - (x[r * n + i] - mean[r]) * rstd[r] * h1[r]) * rstd[r];
+    }
+    moments[2 * (first + r)] = mean[r], moments[2 * (first + r) + 1] = rstd[r];
+  }
+}
+/// dx = rstd (h - mean(h) - xhat mean(h xhat)),  h = dy weight,  xhat = (x - mean) rstd
+template <class S>
+void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first, Index last) {
+  for (; first + norm_group <= last; first += norm_group) normalize_rows_vjp<S, norm_group>(t, dy, dx, moments, first);
+  for (; first < last; ++first) normalize_rows_vjp<S, 1>(t, dy, dx, moments, first);
+}
+/// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
+template <class S>
+void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
+                            Index first, Index last) {
+  for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
+  for (Index r = 0; r < rows; ++r) {
+    const S mean = moments[2 * r], rstd = moments[2 * r + 1];
+    const S *x = t.x + r * t.width, *g = dy + r * t.width;
+    for (Index i = first; i < last; ++i) {
+      dweight[i] += g[i] * ((x[i] - mean) * rstd);
+      dbias[i] += g[i];
+    }
+  }
+}
+
+/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
+template <class S>
+void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
+  for (Index r = first; r < last; ++r) {
+    std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
+    softmax_rows_at<S, 1>(scratch, n, n, &n, S(1));
+    std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
+  }
+}
+
+/// Columns first ... last-1 of y; first is a multiple of `lanes`.
+template <class S>
+void transpose(const Transposed<S>& t, Index first, Index last) {
+  constexpr Index l = lanes<S>;
+  for (Index j = first; j < last; j += l) {
+    const Index n = std::min(l, last - j);
+    const bool whole = n == l;
+    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
+    for (Index r = 0; r < t.rows; ++r) {
+      const S* z = t.z + j * t.rows + r;
+      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
+      S* y = t.y + r * t.width + j;
+      Vec<S> x{};
+      if (whole) {
+#pragma GCC unroll 16
+        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load(residual);
+        store(y, x);
+      } else {
+        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load_some(residual, n);
+        store_some(y, x, n);
+      }
+    }
+    if (t.act != Activation::none) activate_rows(t.y + j, t.width, t.rows, n, t.act, t.y + j, t.width);
+  }
+}
+
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
+  switch (op) {
+    case BinaryOp::add:
+      return a + b;
+    case BinaryOp::sub:
+      return a - b;
+    case BinaryOp::mul:
+      return a * b;
+    case BinaryOp::div:
+      return a / b;
+    case BinaryOp::maximum:
+      return a < b ? b : a;
+  }
+  return a;
+}
+/// A repeated operand is read again and again from one vector of copies.
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
+  constexpr int l = lanes<S>;
+  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a,
+          *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
+  Index i = 0;
+  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
+  const Index n = t.count - i;
+  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
+}
+template <class S>
+void binary(const Binary<S>& t) {
+  switch (t.op) {
+    case BinaryOp::add:
+      return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub:
+      return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul:
+      return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div:
+      return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum:
+      return binary_loop<BinaryOp::maximum>(t);
+  }
+}
+
+template <class S>
+void error_function(const S* x, Index n, S* y) {
+  constexpr int l = lanes<S>;
+  Index i = 0;
+  for (; i + l <= n; i += l) store(y + i, verf<S>(load(x + i)));
+  store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
+}
+
+/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
+template <class S>
+void row_sums(const S* x, Index n, Index first, Index last, S* y) {
+  constexpr int l = lanes<S>;
+  for (Index r = first; r < last; ++r) {
+    const S* row = x + r * n;
+    Vec<S> sums[4] = {};
+    Index i = 0;
+    for (; i + 4 * l <= n; i += 4 * l) {
+#pragma GCC unroll 4
+      for (int c = 0; c < 4; ++c) sums[c] += load(row + i + c * l);
+    }
+    for (; i < n; i += l) sums[0] += load_first(row + i, n - i);
+    y[r] = reduce_add<S>(sums[0] + sums[1] + (sums[2] + sums[3]));
+  }
+}
+/// Sums of the columns first ... last-1 over all rows.
+template <class S>
+void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
+  for (Index i = first; i < last; ++i) y[i] = S(0);
+  for (Index r = 0; r < rows; ++r) {
+    for (Index i = first; i < last; ++i) y[i] += x[r * width + i];
+  }
+}
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
+                                      Vec<S>& v) {
+  const Vec<S> g = gradient * t.gradient_scale;
+  m = m * t.beta1 + g * t.rest1;
+  v = v * t.beta2 + g * g * t.rest2;
+  return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
+}
+/// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
+template <class S>
+void adamw(const AdamwStep<S>& t, Index first, Index last) {
+  constexpr int l = lanes<S>;
+  Index i = first;
+  for (; i + l <= last; i += l) {
+    Vec<S> m = load(t.m + i), v = load(t.v + i);
+    store(t.p + i, adamw_update<S>(t, load(t.p + i), load(t.g + i), m, v));
+    store(t.m + i, m), store(t.v + i, v);
+  }
+  const Index n = last - i;
+  Vec<S> m = load_some(t.m + i, n), v = load_some(t.v + i, n);
+  store_some(t.p + i, adamw_update<S>(t, load_some(t.p + i, n), load_some(t.g + i, n), m, v), n);
+  store_some(t.m + i, m, n), store_some(t.v + i, v, n);
+}
+
+#define MOTIONLANG_STRING_OF(x) #x
+#define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
+
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
+// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+//
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
+//            which some round to 0.
+//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
+//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
+//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
+//            number of a sum.)
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
+//            thread.
+
+typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
+typedef std::uint16_t Halves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2)));
+typedef std::uint16_t LooseHalves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2), aligned(2), may_alias));
+inline constexpr Index word_lanes = MOTIONLANG_VECTOR_BYTES / 4;
+
+/// The nearest bfloat16, ties to even, in the upper half of each word; NaN stays NaN.
+MOTIONLANG_INLINE Words round_to_bf16(const Vec<float>& x) {
+  const Words w = (Words)x, rounded = w + (w >> 16 & 1u) + 0x7FFFu;
+  return ((w & 0x7FFFFFFFu) > 0x7F800000u ? w | 0x400000u : rounded) & 0xFFFF0000u;
+}
+MOTIONLANG_INLINE void store_rounded(float* y, const Words& w) { store(y, (Vec<float>)w); }
+MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
+  *reinterpret_cast<LooseHalves*>(y) = __builtin_convertvector(w >> 16, Halves);
+}
+
+/// A vector of numbers, rounded; zeros from the n-th on.
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
+/// Packs two vectors of rounded numbers into pairs of bfloat16.
+MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
+MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
+
+/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// squares of lanes are transposed.
+template <class Element>
+void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
+  constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
+  for (Index r = 0; r < rows; r += l) {
+    const Index n = std::min(rows - r, l);
+    for (Index i = 0; i < padded; i += depth) {
+      Vec<float> square[lanes<float>];
+#pragma GCC unroll 16
+      for (int q = 0; q < lanes<float>; ++q) {
+        const auto row = [&](Index at) {
+          // no prefetcher follows pieces so far apart
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
+          return rounded(a + at * lda + r, at < k ? n : 0);
+        };
+        if constexpr (sizeof(Element) == 4) {
+          square[q] = (Vec<float>)row(i + q);
+        } else {
+          square[q] = (Vec<float>)pairs(row(i + 2 * q), row(i + 2 * q + 1));
+        }
+      }
+      transpose_lanes<float>(square);
+      for (Index c = 0; c < n; ++c) std::memcpy(y + (r + c) * pitch + i, &square[c], sizeof square[c]);
+    }
+  }
+}
+
+/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
+/// time, through as many panels as lie in different parts of the cache.
+template <class Tile>
+void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
+  constexpr Index ahead = 8;  // rows
+  const Index depth = bf16_depth(k), count = (n + bf16_columns - 1) / bf16_columns;
+  for (Index left = 0; left < count; left += panel_block) {
+    for (Index i = k0; i < k1; i += 2) {
+      const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
+      std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
+      for (Index j = left; j < std::min(count, left + panel_block);
+           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+        fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
+        const Index columns = n - j * bf16_columns;
+        Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
+      }
+    }
+  }
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
+template <class Tile, bool looks>
+bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
+                          std::uint16_t* panels) {
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
+  const Index depth = bf16_depth(k);
+  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
+  Mask<float> found{};
+  for (Index j = first; j < last; ++j) {
+    std::uint16_t* out = panels + j * depth * bf16_columns;
+    const float* in = b + j * bf16_columns * stride;
+    const Index columns = n - j * bf16_columns;
+    for (Index i0 = 0; i0 < depth; i0 += block) {
+      const Index length = std::min(block, depth - i0);
+      for (Index c = 0; c < bf16_columns; ++c) {
+        const float* row = in + c * stride + i0;
+        const Index there = c < columns ? std::min(k - i0, length) : 0;
+        if constexpr (looks) {
+          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        }
+        Tile::round_row(row, there, length, lines + c * pitch);
+      }
+      for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          Vec<float> square[lanes<float>];  // column, pair
+#pragma GCC unroll 16
+          for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
+          transpose_lanes<float>(square);
+          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
+        }
+      }
+    }
+  }
+  return !any_negative<float>(found);
+}
+
+/// Bytes of a pair of k in a panel.
+inline constexpr Index pair_bytes = 4 * bf16_columns;
+
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
+/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
+/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
+/// same cache set.
+inline bool streams(const Gemm<float>& g) {
+  constexpr Index all = 16 << 20;
+  const bool whole_lines =
+      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
+}
+/// Rows of one panel's width, from where a tile has put them.
+inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
+  for (Index r = 0; r < rows; ++r, from += bf16_columns, to += ldc) {
+    for (Index i = 0; i < bf16_columns; i += lanes<float>) store_stream(to + i, load(from + i));
+  }
+}
+
+class PanelSplit;
+
+/// The task of a tile: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
+/// over `depth` of k.
+template <class Element>
+struct TileProduct {
+  const Element* a;
+  Index pitch, height;
+  const std::uint16_t* panel;
+  Index depth;
+  float* c;
+  Index ldc, columns;
+  Epilogue<float> e{};
+  Ahead ahead{};
+  bool panel_stays = true;         // in the cache, for the next tile; else the rows stay
+  bool stream = false;             // c is written past the caches
+  Index number = 0;                // of the tile among those of this panel
+  bool first = true, last = true;  // piece of k
+  PanelSplit* next = nullptr;      // of floats in parts: the panel that is split meanwhile
+};
+
+/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
+///     round_row(x, n, padded, y)       y = n numbers, rounded, then zeros up to `padded`, a multiple of 32
+///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
+template <class Tile>
+struct RegisterTile {
+  static constexpr bool even = true;                                 // rows are split evenly among tiles
+  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
+  static constexpr Index pieces(Index, Index) { return 1; }          // of k
+  static void begin() {}
+  static void end() {}
+
+  template <class Element>
+  void multiply(const TileProduct<Element>& t) {
+    static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+      return std::array{&Tile::template rows_of<R + 1>...};
+    }
+    (std::make_integer_sequence<int, Tile::rows>{});
+    const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
+    if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
+    alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
+    rows_of(t.a, t.pitch, t.panel, t.depth, result, bf16_columns, t.columns, t.e, t.ahead);
+    stream_rows(result, t.height, t.c, t.ldc);
+  }
+  void finish() {}
+};
+
+/// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
+struct WideningTile : RegisterTile<WideningTile> {
+  using Element = float;
+  static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
+  static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
+  template <class Number>
+  static void round_row(const float* x, Index n, Index padded, Number* y) {
+    for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
+  }
+  static void round_pairs(const float* x, Index nx, const float* y, Index ny, std::uint16_t* out) {
+    for (Index c = 0; c < bf16_columns; c += word_lanes) {
+      store_words(out + 2 * c, pairs(rounded(x + c, nx - c), rounded(y + c, ny - c)));
+    }
+  }
+
+  template <int R>
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                      Index columns, const Epilogue<float>& e, Ahead ahead) {
+    constexpr int l = lanes<float>;
+    for (Index column = 0; column < columns; column += 2 * l) {
+      const Epilogue<float> piece = e.from_column(column);
+      fetch_result<float, R>(c + column, ldc, piece);
+      if (column > 0) ahead.step = 0;  // once is enough
+      Vec<float> c0[R], c1[R];
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
+      const std::uint16_t* b = panel + 2 * column;
+      for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
+        ahead.fetch();
+        const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
+        const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
+        const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
+#pragma GCC unroll 16
+        for (int i = 0; i < R; ++i) {
+          const float x = a[i * pitch + k], y = a[i * pitch + k + 1];
+          c0[i] += x * even0;
+          c1[i] += x * even1;
+          c0[i] += y * odd0;
+          c1[i] += y * odd1;
+        }
+      }
+      put_result<float, R>(c0, c1, c + column, ldc, columns - column, piece);
+    }
+  }
+};
+
+/// The first `count` rows of A, side by side.
+template <class Tile>
+void round_rows(const Rows<float>& a, Index count, Index k, Index depth, typename Tile::Element* y, Index pitch) {
+  if (a.transposed) return round_columns(a.at, a.stride, count, k, depth, y, pitch);
+  for (Index r = 0; r < count; ++r) Tile::round_row(a.from(r).at, k, depth, y + r * pitch);
+}
+
+/// Rows of A in scratch at once, and their distance.
+template <class Tile>
+Index bf16_rows(Index k) {
+  return rows_at_once(bytes<typename Tile::Element>(bf16_depth(k)), Tile::rows, half_cache / 2 * 3);
+}
+template <class Tile>
+constexpr Index bf16_pitch(Index depth) {
+  return depth + 64 / static_cast<Index>(sizeof(typename Tile::Element));
+}
+/// Numbers of scratch that bf16_gemm_block needs.
+template <class Tile>
+Index bf16_scratch(Index k) {
+  return bf16_rows<Tile>(k) * bf16_pitch<Tile>(bf16_depth(k));
+}
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
+template <class Tile>
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
+                     float* scratch) {
+  using Element = typename Tile::Element;
+  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
+  Element* a = reinterpret_cast<Element*>(scratch);
+  const bool stream = streams(g);
+  Tile tile;
+  Tile::begin();
+  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
+  const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
+  for (Index block = 0; block < row_blocks; ++block) {
+    const Index top = r0 + unit * part(units, block, row_blocks);
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
+                tiles = (rows + Tile::rows - 1) / Tile::rows;
+    const Index pieces = Tile::pieces(depth, tiles);
+    round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
+    for (Index j = j0; j < j1; ++j) {
+      const std::uint16_t* panel = panels + j * depth * bf16_columns;
+      const bool last = j + 1 == j1 && top + rows == r1;
+      const std::byte* next = as_bytes(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
+      const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
+      for (Index step = 0; step < pieces * tiles; ++step) {
+        const Index piece = step / tiles, t = step % tiles;
+        const Index k0 = 32 * part(depth / 32, piece, pieces),
+                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
+        const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
+        const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        const Index row = top + first, column = j * bf16_columns;
+        const auto ahead =
+            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
+        TileProduct<Element> product{.a = a + first * pitch + k0,
+                                     .pitch = pitch,
+                                     .height = height,
+                                     .panel = panel + k0 * bf16_columns,
+                                     .depth = k1 - k0,
+                                     .c = g.c + row * g.ldc + column,
+                                     .ldc = g.ldc,
+                                     .columns = std::min(g.n - column, bf16_columns),
+                                     .e = Epilogue<float>::of(g, row, column, true, true),
+                                     .ahead = ahead,
+                                     .panel_stays = tiles > 1,
+                                     .stream = stream,
+                                     .number = t,
+                                     .first = piece == 0,
+                                     .last = piece + 1 == pieces};
+        tile.multiply(product);
+      }
+    }
+  }
+  tile.finish();
+  if (stream) end_of_streams();
+  Tile::end();
+}
+
+/// The products of attention (attention.inc) in bfloat16; scores and softmax stay in float.
+template <class Tile>
+struct Bf16Products {
+  using Number = float;
+  using Element = typename Tile::Element;
+  static constexpr Index rows = Tile::rows;
+  static void begin() { Tile::begin(); }
+  static void end() { Tile::end(); }
+  static Index columns(Index n) { return bf16_depth(n); }
+  static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
+  static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
+
+  static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
+    auto* out = reinterpret_cast<std::uint16_t*>(panels);
+    if (stride_n == 1)
+      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else
+      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+  }
+  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
+                       float* scratch, bool whole_panels) {
+    const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
+    auto* rounded_rows = reinterpret_cast<Element*>(scratch);
+    Tile tile;
+    for (Index first = 0; first < count; first += Tile::rows) {
+      const Index height = std::min<Index>(Tile::rows, count - first);
+      round_rows<Tile>(a.from(first), height, k, depth, rounded_rows, pitch);
+      for (Index j = 0; j < n; j += bf16_columns) {
+        const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
+        tile.multiply(TileProduct<Element>{.a = rounded_rows,
+                                           .pitch = pitch,
+                                           .height = height,
+                                           .panel = panel,
+                                           .depth = Tile::depth(k),
+                                           .c = c + first * ldc + j,
+                                           .ldc = ldc,
+                                           .columns = whole_panels ? bf16_columns : std::min(n - j, bf16_columns),
+                                           .ahead = {as_bytes(panel)},
+                                           .panel_stays = false});
+      }
+    }
+    tile.finish();
+  }
+};
+
+template <class Tile>
+const Bf16Kernels& bf16_table() {
+  static constexpr Bf16Kernels t{.name = Tile::name,
+                                 .tile_rows = Tile::rows,
+                                 .gemm_rows = &bf16_rows<Tile>,
+                                 .gemm_scratch = &bf16_scratch<Tile>,
+                                 .pack_rows = &bf16_pack_rows<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
+                                 .gemm_block = &bf16_gemm_block<Tile>,
+                                 .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
+                                 .attention_head = &attention_head<Bf16Products<Tile>>,
+                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
+                                 .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
+  return t;
+}
+
+template <class S>
+const Kernels<S>& table() {
+  static constexpr Kernels<S> t{
+      .isa = Isa::MOTIONLANG_ISA,
+      .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
+      .panel_width = panel_width<S>,
+      .tile_rows = tile_rows,
+      .gemm_rows = &gemm_rows<S>,
+      .gemm_scratch = &gemm_scratch<S>,
+      .pack_rows = &pack_rows<S>,
+      .pack_transposed = &pack_transposed<S, true>,
+      .gemm_block = &gemm_block<S>,
+      .attention_scratch = &attention_scratch<FloatProducts<S>>,
+      .attention_head = &attention_head<FloatProducts<S>>,
+      .dropout = &dropout<S>,
+      .layer_norm_rows = &layer_norm_rows<S>,
+      .softmax_rows = &softmax_rows<S>,
+      .transpose = &transpose<S>,
+      .activate = &activate<S>,
+      .binary = &binary<S>,
+      .error_function = &error_function<S>,
+      .row_sums = &row_sums<S>,
+      .column_sums = &column_sums<S>,
+  };
+  return t;
+}
+template <class S>
+const GradientKernels<S>& gradient_table() {
+  static constexpr GradientKernels<S> t{
+      .attention_scratch = &attention_vjp_scratch<FloatProducts<S>>,
+      .attention_head = &attention_head_vjp<FloatProducts<S>>,
+      .layer_norm_rows = &layer_norm_rows_vjp<S>,
+      .layer_norm_columns = &layer_norm_columns_vjp<S>,
+      .activate = &activate_vjp<S>,
+      .adamw = &adamw<S>,
+  };
+  return t;
+}
+
+#undef MOTIONLANG_STRING
+#undef MOTIONLANG_STRING_OF
+#undef MOTIONLANG_INLINE
+
+}  // namespace detail::MOTIONLANG_ISA
+MOTIONLANG_NAMESPACE_END
+#elif defined(MOTIONLANG_TEXT_SEARCH_DETAIL_SCAN_INC)  // <motionlang/search/detail/scan.inc>
+// Kernels of a scan for one instruction set. Included by scan_kernels.hpp, several times, behind those of
+// backend/detail/kernels.inc.
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::MOTIONLANG_ISA {
+
+/// Numbers that scans ask for ahead of what they read, 1 KB: further than some processors do by themselves (Intel: 12 %
+/// more a second).
+template <class Number>
+inline constexpr Index scan_ahead = 1024 / static_cast<Index>(sizeof(Number));
+
+/// out[r] = <row r, query>. One row after the other: the processor reads ahead along one stream of memory, not along
+/// four.
+template <class S>
+void dot_rows(const S* rows, Index count, Index width, const S* query, S* out) {
+  constexpr int l = lanes<S>;
+  for (Index r = 0; r < count; ++r) {
+    const S* x = rows + r * width;
+    Vec<S> s0{}, s1{}, s2{}, s3{};
+    Index i = 0;
+    for (; i + 4 * l <= width; i += 4 * l) {
+      fetch(x + i + scan_ahead<S>, 4 * l);
+      s0 += load(x + i) * load(query + i), s1 += load(x + i + l) * load(query + i + l);
+      s2 += load(x + i + 2 * l) * load(query + i + 2 * l), s3 += load(x + i + 3 * l) * load(query + i + 3 * l);
+    }
+    for (; i + l <= width; i += l) s0 += load(x + i) * load(query + i);
+    S t = reduce_add<S>((s0 + s1) + (s2 + s3));
+    for (; i < width; ++i) t += x[i] * query[i];
+    out[r] = t;
+  }
+}
+
+/// Two bfloat16 in each word: `even` has the lower ones.
+template <class S>
+MOTIONLANG_INLINE void widen_pairs(const std::uint16_t* x, Vec<S>& even, Vec<S>& odd) {
+  Mask<S> words;
+  std::memcpy(&words, x, sizeof words);
+  even = (Vec<S>)(words << 16);
+  odd = (Vec<S>)(words & static_cast<std::int32_t>(0xFFFF0000u));
+}
+
+/// out[r] = <row r, query> of rows in bfloat16. Of every 2 * lanes numbers of the query, `pairs` has the even ones,
+/// then the odd ones; behind the last whole group they stand as they are.
+template <class S>
+void dot_half_rows(const std::uint16_t* rows, Index count, Index width, const S* pairs, S* out) {
+  constexpr int l = lanes<S>;
+  const Index whole = width / (2 * l) * (2 * l);
+  for (Index r = 0; r < count; ++r) {
+    const std::uint16_t* x = rows + r * width;
+    Vec<S> s0{}, s1{};
+    for (Index i = 0; i < whole; i += 2 * l) {
+      fetch(x + i + scan_ahead<std::uint16_t>, 2 * l);
+      Vec<S> even, odd;
+      widen_pairs<S>(x + i, even, odd);
+      s0 += even * load(pairs + i), s1 += odd * load(pairs + i + l);
+    }
+    S t = reduce_add<S>(s0 + s1);
+    for (Index i = whole; i < width; ++i) t += bfloat16_to_float(x[i]) * pairs[i];
+    out[r] = t;
+  }
+}
+
+/// The order that dot_half_rows wants.
+template <class S>
+void split_pairs(const S* query, Index width, S* pairs) {
+  constexpr int l = lanes<S>;
+  const Index whole = width / (2 * l) * (2 * l);
+  for (Index i = 0; i < whole; i += 2 * l) {
+    for (Index j = 0; j < l; ++j) pairs[i + j] = query[i + 2 * j], pairs[i + l + j] = query[i + 2 * j + 1];
+  }
+  for (Index i = whole; i < width; ++i) pairs[i] = query[i];
+}
+
+template <class S>
+void widen_row(const std::uint16_t* x, Index width, S* y) {
+  constexpr Index l = lanes<S>;
+  Index i = 0;
+  for (; i + l <= width; i += l) {
+    const auto halves = *reinterpret_cast<const LooseHalves*>(x + i);
+    store(y + i, (Vec<S>)(__builtin_convertvector(halves, Words) << 16));
+  }
+  for (; i < width; ++i) y[i] = bfloat16_to_float(x[i]);
+}
+
+/// out[j] = the largest of column j of c, whose rows are `pitch` apart; columns is a multiple of 2 * lanes.
+template <class S>
+void column_maxima(const S* c, Index rows, Index pitch, Index columns, S* out) {
+  constexpr int l = lanes<S>;
+  for (Index j = 0; j < columns; j += 2 * l) {
+    Vec<S> m0 = load(c + j), m1 = load(c + j + l);
+    for (Index r = 1; r < rows; ++r)
+      m0 = vmax<S>(load(c + r * pitch + j), m0), m1 = vmax<S>(load(c + r * pitch + j + l), m1);
+    store(out + j, m0), store(out + j + l, m1);
+  }
+}
+
+/// Index of the first of x[from ... n-1] that is above the limit, or n.
+template <class S>
+Index first_above(const S* x, Index from, Index n, S limit) {
+  constexpr int l = lanes<S>;
+  Index i = from;
+  for (; i + 4 * l <= n; i += 4 * l) {
+    const Vec<S> m = vmax<S>(vmax<S>(load(x + i), load(x + i + l)), vmax<S>(load(x + i + 2 * l), load(x + i + 3 * l)));
+    if (reduce_max<S>(m) > limit) break;
+  }
+  while (i < n && !(x[i] > limit)) ++i;
+  return i;
+}
+
+template <class S>
+const ScanKernels<S>& scan_table() {
+  static constexpr ScanKernels<S> t{.dot_rows = &dot_rows<S>,
+                                    .dot_half_rows = &dot_half_rows<S>,
+                                    .split_pairs = &split_pairs<S>,
+                                    .widen_row = &widen_row<S>,
+                                    .column_maxima = &column_maxima<S>,
+                                    .first_above = &first_above<S>};
+  return t;
+}
+
+}  // namespace detail::MOTIONLANG_ISA
+MOTIONLANG_NAMESPACE_END
 #endif

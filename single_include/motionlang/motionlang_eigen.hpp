@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// motionlang 0.1.0, generated from include/ by tests/tools/amalgamate.cpp. Changes belong there.
+/// motionlang 0.2.0, generated from include/ by tests/tools/amalgamate.cpp. Changes belong there.
 #pragma once
 
 #include <motionlang/motionlang.hpp>
@@ -13,7 +13,7 @@
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP  // <motionlang/backend/detail/eigen_class.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP
-/// What a model needs of the Eigen backend: its operations, and of the bodies those of the kernels, arithmetic among
+/// The part of the Eigen backend that a model needs: its operations, and bodies of the kernels, arithmetic among
 /// them. Those that include Eigen, functions and maxima, come with <motionlang/backend/eigen.hpp>.
 
 MOTIONLANG_NAMESPACE_BEGIN

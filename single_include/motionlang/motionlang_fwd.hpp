@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// motionlang 0.1.0, generated from include/ by tests/tools/amalgamate.cpp. Changes belong there.
+/// motionlang 0.2.0, generated from include/ by tests/tools/amalgamate.cpp. Changes belong there.
 #pragma once
 
 #ifndef MOTIONLANG_HAS_FWD_HPP  // <motionlang/fwd.hpp>
@@ -42,9 +42,9 @@
 #endif
 
 #define MOTIONLANG_VERSION_MAJOR 0
-#define MOTIONLANG_VERSION_MINOR 1
+#define MOTIONLANG_VERSION_MINOR 2
 #define MOTIONLANG_VERSION_PATCH 0
-#define MOTIONLANG_VERSION "0.1.0"
+#define MOTIONLANG_VERSION "0.2.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
 /// layouts, and without exceptions, so that object files built with different options do not link silently against each
@@ -89,8 +89,8 @@ inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
-/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10, whose last digit often is
-/// another than the C library's. For published tables of frequencies: thousands of frames later it decides the fourth
+/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10. Its last digit often differs
+/// from that of the C library. Published tables of frequencies need it: after thousands of frames it decides the fourth
 /// digit.
 inline float torch_exp(float x) {
   if (!(x >= -104.0f)) return x < 0 ? 0.0f : x;  // NaN stays
@@ -104,8 +104,8 @@ inline float torch_exp(float x) {
   return std::ldexp(1.0f + std::fma(f * f, p, f), static_cast<int>(n));
 }
 
-/// `a < b ? x : y`. The one branch that also works element by element: both x and y are always computed, so neither may
-/// be NaN where it is not taken if the result is to be differentiated.
+/// `a < b ? x : y`, which also works element by element. Both x and y are always computed. If the result is to be
+/// differentiated, neither may be NaN, even where it is not taken.
 constexpr double where_less(double a, double b, double x, double y) { return a < b ? x : y; }
 constexpr float where_less(float a, float b, float x, float y) { return a < b ? x : y; }
 
@@ -128,7 +128,7 @@ MOTIONLANG_NAMESPACE_END
 /// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless
 /// MOTIONLANG_THROW(exception) is defined, the same in all units: it gets the exception as an object (an error,
 /// std::bad_alloc, cancelled), on whichever thread it happens, and must not return; std::_Exit ends a program from any
-/// thread. What is caught otherwise (a value in a file of weights that cannot be read is passed over) ends it too.
+/// thread. What is caught otherwise (a value in a file of weights that cannot be read is skipped) ends it too.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
@@ -144,8 +144,9 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP  // <motionlang/core/standard_library.hpp>
 #define MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP
-/// What libc++ lacks of C++20, on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14), `from_chars` and
-/// `to_chars` of floating-point values. The same bits and the same characters as with every other standard library.
+/// The parts of C++20 that libc++ lacks, on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14),
+/// `from_chars` and `to_chars` of floating-point values. The same bits and the same characters as with every other
+/// standard library.
 
 #include <bit>       // bit_cast
 #include <charconv>  // from_chars, to_chars
@@ -274,7 +275,7 @@ std::from_chars_result read_decimal(const char* first, const char* last, F& valu
   return {p, std::errc{}};
 }
 
-/// What printf wrote, with a point in place of the locale's, which may have several bytes.
+/// The text that printf wrote, with a point in place of the locale's, which may have several bytes.
 inline std::string with_point(std::string_view printed) {
   std::string out;
   bool inside = false;
@@ -355,7 +356,7 @@ inline std::string fixed_text(const Decimal& d, double x) {
   return out.insert(out.size() - places, ".");
 }
 
-/// What `std::to_chars` writes without a precision: fixed, scientific or, if not told, the shorter of the two.
+/// The text of `std::to_chars` without a precision: fixed, scientific or, by default, the shorter of the two.
 template <class F>
 std::string shortest_text(F x, std::chars_format format = {}) {
   using enum std::chars_format;
@@ -369,7 +370,7 @@ std::string shortest_text(F x, std::chars_format format = {}) {
   const bool shorter = format != fixed && with_exponent.size() < without.size();
   return sign + (format == scientific || shorter ? with_exponent : without);
 }
-/// What it writes with a number of decimal places: fixed or scientific.
+/// The text of `std::to_chars` with a number of decimal places: fixed or scientific.
 template <class F>
 std::string text_with_places(F x, std::chars_format format, int places) {
   using enum std::chars_format;
@@ -479,7 +480,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What `decode_utf8` returns for bytes that are not UTF-8.
+/// The result of `decode_utf8` for bytes that are not UTF-8.
 inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
 
 /// The code point that starts at text[at]; moves `at` behind it. Bytes that are not UTF-8 (stray or missing
@@ -503,7 +504,7 @@ constexpr char32_t decode_utf8(std::string_view text, std::size_t& at) {
   return c;
 }
 
-/// Whether the whole text is UTF-8.
+/// True if the whole text is UTF-8.
 constexpr bool is_utf8(std::string_view text) {
   for (std::size_t at = 0; at < text.size();) {
     if (decode_utf8(text, at) == invalid_code_point) return false;
@@ -511,7 +512,7 @@ constexpr bool is_utf8(std::string_view text) {
   return true;
 }
 
-/// The longest beginning of a text that has at most so many bytes and ends between two characters.
+/// The longest beginning of a text that has at most this many bytes and ends between two characters.
 constexpr std::string_view utf8_head(std::string_view text, std::size_t bytes) {
   if (text.size() <= bytes) return text;
   for (std::size_t start = bytes - (bytes < 3 ? bytes : 3); start < bytes; ++start) {
@@ -1043,8 +1044,8 @@ concept ScalarLike = std::copyable<S> && requires(const S& a, const S& b) {
 /// backend only computes. Everything else (softmax, attention, ...) has a default in these primitives; a backend may
 /// add its own version under the same name (see tensor/fused.hpp).
 ///
-/// tensor    can be made without anything, copied and moved. One that is made so is no tensor yet: its shape is (0) and
-///           to_span gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
+/// tensor    can be default-constructed, copied and moved. A default-constructed tensor has the shape (0), and to_span
+///           gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
 ///           an operation of the backend sees it. A list of no values has the shape (0) too; `bool defined() const`,
 ///           if the tensor has it, tells one from the other
 /// Minimum   data      full, from_span, to_span, shape

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// motionlang 0.1.0, generated from include/ by tests/tools/amalgamate.cpp. Changes belong there.
+/// motionlang 0.2.0, generated from include/ by tests/tools/amalgamate.cpp. Changes belong there.
 #pragma once
 
 #include <motionlang/motionlang.hpp>
@@ -78,7 +78,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// A file mapped into memory for reading. Pages are loaded when they are touched (on Windows, all when it is opened).
 class MappedFile {
  public:
-  /// Throws io_error 401.
+  /// Throws io_error 401, also for a pointer of Git LFS, which stands in a repository for a file that was not fetched.
   static std::shared_ptr<const MappedFile> open(const FilePath& path);
   /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read
   /// again. Null if there is no place for it.
@@ -107,7 +107,11 @@ class MappedFile {
   MappedFile* next_ = nullptr;  // of all that are mapped
 };
 
-/// The whole file as text. Throws io_error 401.
+/// Throws io_error 401 if the bytes of a file are a pointer of Git LFS.
+/// Source  the specification of Git LFS, "The Pointer"
+void refuse_lfs_pointer(std::span<const std::byte> bytes, std::string_view name);
+
+/// The whole file as text. Throws io_error 401, also for a pointer of Git LFS.
 std::string read_file(const FilePath& path);
 
 /// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is, which has its
@@ -133,7 +137,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_DETAIL_SYSTEM_FILE_HPP  // <motionlang/file/detail/system_file.hpp>
 #define MOTIONLANG_HAS_FILE_DETAIL_SYSTEM_FILE_HPP
-/// What the system does with files: POSIX, and Windows by what MinGW's C library has of it. errno says why a call
+/// File calls of the system: POSIX, and on Windows those of MinGW's C library. errno says why a call
 /// failed.
 
 #include <fcntl.h>     // open
@@ -271,7 +275,7 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return fd_; }
-  /// Whether all bytes could be written; errno says why not.
+  /// True if all bytes could be written; errno says why not.
   bool write(std::span<const std::byte> bytes) const {
     while (!bytes.empty()) {
       const auto n = ::write(fd_, bytes.data(), static_cast<unsigned>(std::min<std::size_t>(bytes.size(), 1u << 30)));
@@ -294,7 +298,19 @@ class Descriptor {
 }  // namespace detail
 
 MOTIONLANG_BODY std::shared_ptr<const MappedFile> MappedFile::open(const FilePath& path) {
-  return std::shared_ptr<const MappedFile>(new MappedFile(path));
+  auto file = std::shared_ptr<const MappedFile>(new MappedFile(path));
+  refuse_lfs_pointer(file->bytes(), path.string());
+  return file;
+}
+
+MOTIONLANG_BODY void refuse_lfs_pointer(std::span<const std::byte> bytes, std::string_view name) {
+  constexpr std::size_t longest = 1024;
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), longest));
+  if (bytes.size() >= longest || !text.starts_with("version https://git-lfs.github.com/spec/")) return;
+  const std::size_t size = text.find("\nsize ");
+  const std::string_view number = size == text.npos ? "?" : text.substr(size + 6, text.find('\n', size + 6) - size - 6);
+  raise<io_error>(401, name, " is not the file but a Git LFS pointer to it (", number,
+                  " bytes): 'git lfs pull' in its repository fetches the file");
 }
 
 MOTIONLANG_BODY std::shared_ptr<const MappedFile> MappedFile::put_aside(std::span<const std::byte> bytes) {
@@ -372,7 +388,7 @@ MOTIONLANG_BODY void write_file(const FilePath& path, std::span<const std::byte>
   }
   if (std::filesystem::is_other(std::filesystem::status(followed, problem)))
     raise<io_error>(401, "cannot write ", path.string(),
-                    ": it is no file but a device or a pipe, which a file would replace");
+                    ": it is not a file but a device or a pipe, which a file would replace");
   const std::string target = followed.string();
   std::string temporary;
   int opened = -1;
@@ -467,7 +483,7 @@ class JsonView {
   bool is_string() const { return value_->is_string(); }
   bool is_number() const { return value_->is_number(); }
 
-  /// Whether this is an object with that member.
+  /// True if this is an object with that member.
   bool contains(const std::string& key) const;
   JsonView operator[](const std::string& key) const;
   JsonView operator[](Index i) const;
@@ -476,8 +492,8 @@ class JsonView {
   /// Names of the members of an object, sorted.
   std::vector<std::string> keys() const;
 
-  /// bool, integers, float, double, std::string, and vectors and maps of these. A number with a fraction is no integer
-  /// and an integer has to fit.
+  /// bool, integers, float, double, std::string, and vectors and maps of these. A number with a fraction is not
+  /// an integer, and an integer has to fit.
   template <class T>
   T as() const {
     T out{};
@@ -734,7 +750,7 @@ nlohmann::ordered_json config_json(const C& config) {
 }
 
 /// Members that the document has replace those of `config`; others stay.
-/// Throws  config_error 103 for a name that is no member, with the one that is most like it; 107 for a value of the
+/// Throws  config_error 103 for a name that is not a member, with the one that is most like it; 107 for a value of the
 ///         wrong kind; what config.require_sound() throws, if there is such a function. All begin with the path.
 template <Module C>
 void read_config(C& config, const JsonView& view) {
@@ -1020,10 +1036,10 @@ namespace detail {
 /// CRC-32 as in zip, gzip and PNG: reflected polynomial 0xEDB88320.
 std::uint32_t crc32(std::span<const std::byte> bytes);
 
-/// Of zlib streams: two sums modulo 65521.
+/// The checksum of zlib streams: two sums modulo 65521.
 std::uint32_t adler32(std::span<const std::byte> bytes);
 
-/// What inflate gives back: the data, and how many bytes of the stream it took.
+/// The result of inflate: the data, and how many bytes of the stream it took.
 struct Inflated {
   std::vector<std::byte> data;
   std::size_t consumed = 0;
@@ -1380,7 +1396,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Whether an id names a file in the folder of its data set: it has no control characters and does not lead out.
+/// True if an id names a file in the folder of its data set: it has no control characters and does not lead out.
 bool is_clip_id(std::string_view id);
 
 }  // namespace detail
@@ -1424,7 +1440,7 @@ MOTIONLANG_BODY std::vector<std::string> parse_ids(std::string_view text, std::s
   detail::for_each_line(text, [&](std::string_view line, Index number) {
     const std::string_view id = detail::trim(line);
     if (id.empty()) return;
-    if (!detail::is_clip_id(id)) raise<io_error>(403, name, ":", number, ": '", id, "' is no id of a clip");
+    if (!detail::is_clip_id(id)) raise<io_error>(403, name, ":", number, ": '", id, "' is not an id of a clip");
     ids.emplace_back(id);
   });
   return ids;
@@ -1437,7 +1453,7 @@ MOTIONLANG_BODY std::vector<std::string> read_ids(const FilePath& path) {
 MOTIONLANG_BODY void write_ids(const FilePath& path, std::span<const std::string> ids) {
   std::string text;
   for (const std::string& id : ids) {
-    if (!detail::is_clip_id(id)) raise<io_error>(403, path.string(), ": '", id, "' is no id of a clip");
+    if (!detail::is_clip_id(id)) raise<io_error>(403, path.string(), ": '", id, "' is not an id of a clip");
     text += id + '\n';
   }
   write_file(path, text);
@@ -1445,6 +1461,52 @@ MOTIONLANG_BODY void write_ids(const FilePath& path, std::span<const std::string
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
+
+#ifndef MOTIONLANG_HAS_FILE_INPUT_FILES_HPP  // <motionlang/file/input_files.hpp>
+#define MOTIONLANG_HAS_FILE_INPUT_FILES_HPP
+/// The files that work reads, which it must not write: a result would take the place of what it is made from.
+///
+///     const InputFiles inputs{"walk.bvh", "rig.glb"};
+///     inputs.refuse(output);                           // before long work rather than after it
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+class InputFiles {
+ public:
+  InputFiles() = default;
+  InputFiles(std::initializer_list<std::filesystem::path> files) {
+    for (const auto& file : files) add(file);
+  }
+  template <class File>
+  explicit InputFiles(const std::vector<File>& files) {
+    for (const auto& file : files) add(file);
+  }
+
+  /// "": none. Of a folder, what is read of it: its other files may be results of an earlier run.
+  void add(const std::filesystem::path& file) {
+    std::error_code problem;
+    if (!file.empty()) files_.insert(std::filesystem::weakly_canonical(file, problem));
+  }
+
+  /// True if a file is one of them, by whatever name: a path with links, or a hard link.
+  bool has(const std::filesystem::path& file) const {
+    std::error_code problem, missing;
+    const auto is_same = [&](const auto& input) { return std::filesystem::equivalent(input, file, problem); };
+    const bool linked = std::filesystem::hard_link_count(file, missing) > 1 && !missing;
+    return files_.contains(std::filesystem::weakly_canonical(file, problem)) ||
+           (linked && std::any_of(files_.begin(), files_.end(), is_same));
+  }
+  /// Throws option_error 102 if the file is one of them.
+  void refuse(const std::filesystem::path& output) const {
+    if (has(output)) raise<option_error>(102, output.string(), " is an input: name another file for the result");
+  }
+
+ private:
+  std::set<std::filesystem::path> files_;  // absolute, without links
+};
+
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_FILE_JSON_MEMBERS_HPP  // <motionlang/file/json_members.hpp>
@@ -2141,7 +2203,7 @@ class ZipArchive {
   std::span<const std::byte> stored(const ZipEntry& entry) const;
   /// The same after a look at the checksum. Throws io_error 403, 404.
   std::span<const std::byte> checked(const ZipEntry& entry) const;
-  /// The first unpacked bytes of a deflated member, at least `count` of them if it has so many; not checked. Throws
+  /// The first unpacked bytes of a deflated member, at least `count` of them if it has that many; not checked. Throws
   /// io_error 402, 403.
   std::vector<std::byte> head(const ZipEntry& entry, std::size_t count) const;
   /// The unpacked bytes, checked against size and checksum.
@@ -2495,8 +2557,8 @@ MOTIONLANG_NAMESPACE_END
 ///     const auto options = read_options("run/opt.yaml");
 ///     const FileValue* width = find_value(options, "model/latent_dim");
 ///
-/// Of YAML the part that programs write: nested mappings and lists by indentation, plain and quoted texts, numbers,
-/// flat lists and mappings in brackets, tags (which are ignored). No texts of several lines, no anchors.
+/// Reads the part of YAML that programs write: nested mappings and lists by indentation, plain and quoted texts,
+/// numbers, flat lists and mappings in brackets, tags (which are ignored). No texts of several lines, no anchors.
 /// opt.txt is what text-to-motion, TM2T and MotionDiffuse write: a banner of dashes, lines of "key: value", a banner.
 /// A whole number of more than 64 bits is a text, its digits. A name that is duplicated is refused.
 /// OmegaConf's references "${model.latent_dim}" are texts; `find_option` follows them.
@@ -2570,7 +2632,7 @@ inline bool is_quoted(std::string_view text) {
   return text.size() >= 2 && text.front() == text.back() && (text.front() == '"' || text.front() == '\'');
 }
 
-/// What stands between the quotes: '' is one quote in the single kind, a backslash takes the next character in the
+/// The text between the quotes: '' is one quote in the single kind, a backslash takes the next character in the
 /// double kind.
 inline std::string unquoted(std::string_view text) {
   const char quote = text.front();
@@ -2860,16 +2922,14 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// A pickle is a program that builds objects. This reader runs the part that builds plain values (numbers, texts,
 /// lists, dictionaries) and turns every class and every call into an inert `object` that remembers what the file asked
-/// for: name, arguments, state, items. What such an object means is the business of the caller, who looks at the names
-/// that it knows: file/pickle_arrays.hpp does so for NumPy, SciPy and chumpy; tensors of PyTorch come as objects whose
-/// storages are `persistent`.
+/// for: name, arguments, state, items. The caller decides what such an object means by its name. file/pickle_arrays.hpp
+/// does so for NumPy, SciPy and chumpy. Tensors of PyTorch come as objects whose storages are `persistent`.
 ///
 ///     Pickle file = Pickle::open("model.pkl");
 ///     NpyArray weights = to_array(file.root()["weights"]);
 ///
-/// Refused are names that only a program that attacks its reader needs (os.system, eval), and whatever is malformed.
-/// Memory is bounded by the size of the file: lengths are checked before anything is allocated, texts and bytes are
-/// views into the file.
+/// The reader refuses malformed pickles, and names that only an attack needs (os.system, eval). Memory is bounded by
+/// the size of the file: lengths are checked before anything is allocated, texts and bytes are views into the file.
 ///
 /// Source  CPython Lib/pickle.py and pickletools.py
 
@@ -2950,13 +3010,13 @@ namespace detail {
 class PickleMachine;
 }
 
-/// A value in a pickle: a handle, valid as long as its Pickle lives. Graphs may share values and may be cyclic: whoever
-/// descends into one limits the depth.
+/// A handle of a value in a pickle, valid as long as its Pickle lives. Graphs may share values and may be cyclic, so
+/// limit the depth of a descent.
 class PickleValue {
  public:
   PickleKind kind() const { return node().kind; }
   bool is(PickleKind k) const { return kind() == k; }
-  /// The same for handles of the same value.
+  /// Equal for handles of the same value.
   std::uint32_t id() const { return ref_; }
   /// Offset of the byte that made it.
   std::uint64_t at() const { return node().at; }
@@ -2966,33 +3026,33 @@ class PickleValue {
   std::int64_t integer() const;
   bool boolean() const;
   double real() const { return is(PickleKind::real) ? node().real : static_cast<double>(integer()); }
-  /// UTF-8; of a Python-2 string the bytes as they are, which is Latin-1. Throws io_error 407.
+  /// The text as UTF-8; for a Python-2 string its bytes, which are Latin-1. Throws io_error 407.
   std::string_view text() const;
   std::span<const std::byte> bytes() const;
 
   /// Number of elements of a list, a tuple or a set, or of entries of a dictionary; of objects, what was appended or
   /// set.
   std::size_t size() const { return node().items.size() / (node().keyed ? 2 : 1); }
-  /// Whether the elements are entries: of dictionaries, and of objects that behave like one.
+  /// True if the elements are entries: of dictionaries, and of objects that behave like one.
   bool keyed() const { return node().keyed; }
   /// Element of a sequence. Throws io_error 407 if there is no such element.
   PickleValue operator[](std::size_t i) const;
   /// Key and value of entry i < size() of a dictionary. Throws io_error 407 if it is none.
   PickleValue key(std::size_t i) const { return entry(2 * i); }
   PickleValue value(std::size_t i) const { return entry(2 * i + 1); }
-  /// The entry of a dictionary with this text as its key; of several the last, as in Python.
+  /// The entry of a dictionary with this text as its key; the last one of several, as in Python.
   std::optional<PickleValue> find(std::string_view name) const;
   /// Throws io_error 406 if there is none.
   PickleValue operator[](std::string_view name) const;
 
   /// "module.attribute" of a name, and of the class or function that made an object; "" for all others.
   std::string name() const;
-  /// Of an object: what its class or function was called with. Of a persistent value: its id.
+  /// For an object: the arguments of its class or function. For a persistent value: its id.
   PickleValue arguments() const { return related(node().arguments, "arguments"); }
-  /// Of an object: what it was asked to restore itself from.
+  /// For an object: the state from which it restores itself.
   PickleValue state() const { return related(node().state, "a state"); }
   bool has_state() const { return node().state != detail::no_pickle_value; }
-  /// Of an object: the bytes behind it that are not part of the pickle (PickleOptions::inline_bytes).
+  /// For an object: the bytes behind it that are not part of the pickle (PickleOptions::inline_bytes).
   std::span<const std::byte> inline_bytes() const;
 
   /// For the readers of objects: io_error `id` with the file, what is wrong, and where.
@@ -3035,7 +3095,7 @@ class Pickle {
   PickleValue root() const { return {*machine_, root_}; }
   /// The values that stand for something outside of the pickle, in the order of the file.
   std::vector<PickleValue> persistent() const;
-  /// Of the bytes that it was allowed.
+  /// The number of allowed bytes that are left.
   std::uint64_t memory_left() const;
   /// Offset behind the pickle.
   std::uint64_t end() const;
@@ -3063,7 +3123,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 // clang-format off
-/// Of an opcode, as pickletools calls it; empty if there is none.
+/// The name of an opcode as in pickletools; empty if it is unknown.
 inline std::string_view opcode_name(unsigned char opcode) {
   constexpr std::pair<unsigned char, std::string_view> names[] = {
       {'(', "MARK"}, {')', "EMPTY_TUPLE"}, {'.', "STOP"}, {'0', "POP"}, {'1', "POP_MARK"}, {'2', "DUP"}, {'B', "BINBYTES"},
@@ -3756,7 +3816,7 @@ InlineBytes joblib_array_bytes(const PickleValue& object, std::span<const std::b
 /// The array that a value of a pickle means: of NumPy or joblib, a single number, a sparse matrix of SciPy in full
 /// (csc, csr, coo; as real numbers), or the value of a chumpy node.
 /// Throws  io_error 402, 403 if it is damaged, 404 for elements and classes that are not read, 405 for impossible
-///         sizes, 407 if the value is no array
+///         sizes, 407 if the value is not an array
 NpyArray to_array(const PickleValue& value);
 
 MOTIONLANG_NAMESPACE_END
@@ -4197,7 +4257,7 @@ constexpr std::optional<DType> parse_dtype(std::string_view name) {
   }
   return std::nullopt;
 }
-/// Whether values of this type are whole numbers.
+/// True if values of this type are whole numbers.
 constexpr bool is_integer(DType t) { return t <= DType::I64; }
 
 /// The element type that holds a C++ number.
@@ -4388,7 +4448,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 class TensorSet {
  public:
-  /// Of the file, for messages.
+  /// The name of the file, for messages.
   const std::string& name() const { return name_; }
   /// Keeps the bytes of all tensors alive.
   const std::shared_ptr<const void>& owner() const { return owner_; }
@@ -4960,7 +5020,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_TENSOR_MEMORY_HPP  // <motionlang/file/tensor_memory.hpp>
 #define MOTIONLANG_HAS_FILE_TENSOR_MEMORY_HPP
-/// What keeps the bytes of tensors alive, and an account of what a file may cost: whoever reads weights asks here
+/// Keeps the bytes of tensors alive, and accounts for the memory that a file may cost: readers of weights ask here
 /// before it allocates.
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -4975,7 +5035,7 @@ class TensorMemory {
   /// Throws io_error 405 if the file has cost too much already.
   void spend(std::uint64_t bytes);
   void allow(std::uint64_t more) { left_ += more; }
-  /// What may still be spent.
+  /// The bytes that may still be spent.
   std::uint64_t left() const { return left_; }
 
   /// A place for bytes that live as long as this. They have been paid for.
@@ -5072,7 +5132,7 @@ class TorchFile {
   static bool is_tensor(const PickleValue& v);
   /// Not for several threads at once: what is allocated for tensors is counted.
   /// Throws  io_error 403, 405 if the tensor does not fit its storage, 404 if its elements are of no type that is
-  ///         known, 407 if the value is no tensor
+  ///         known, 407 if the value is not a tensor
   TensorView tensor(const PickleValue& v) const;
   /// Keeps the bytes of all tensors alive.
   const std::shared_ptr<TensorMemory>& owner() const { return memory_; }
@@ -5390,11 +5450,11 @@ inline Pickle read_torch_legacy(std::span<const std::byte> bytes, const std::str
 /// A storage that was pickled with the object: an older file of its own, in bytes.
 inline TorchTensors::Storage TorchTensors::nested_storage(const PickleValue& v) const {
   const auto bytes = v.arguments()[0].bytes();
-  if (torch_legacy_magic(as_text(bytes)) == 0) v.fail(403, "bytes that are no storage of PyTorch");
+  if (torch_legacy_magic(as_text(bytes)) == 0) v.fail(403, "bytes that are not a storage of PyTorch");
   memory_->spend(bytes.size());  // for the time it takes, too: many tensors may name the same bytes
   TorchTensors inner(memory_);
   const Pickle object = read_torch_legacy(bytes, v.file(), inner, memory_);
-  if (!object.root().is(PickleKind::persistent)) v.fail(403, "bytes that are no storage of PyTorch");
+  if (!object.root().is(PickleKind::persistent)) v.fail(403, "bytes that are not a storage of PyTorch");
   if (inner.swapped_) v.fail(404, "a big-endian storage in a little-endian file");
   return inner.storage(object.root());
 }
@@ -5527,7 +5587,7 @@ std::optional<double> amass_rate(const NpzArchive& npz);
 /// body_pose, transl, ...). The gender may be a text or an array of one, as in SSM_synced, or that as an object of
 /// Python. Of betas for each frame, the first are taken.
 /// fps     frames per second of a file that does not say them; 0: it is refused
-/// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which are
+/// Throws  io_error 401 to 405, 406 if an array is missing (as in the shape.npz files beside the sequences, which hold
 ///         no motion), 407 if one has another shape, 403 for an impossible frame rate; config_error 102 if the file
 ///         says another rate; numeric_error 301 if a number of betas is not finite
 AmassSequence read_amass_sequence(const FilePath& path, double fps = 0);
@@ -5655,12 +5715,11 @@ MOTIONLANG_BODY AmassSequence amass_sequence(const ZipArchive& zip, double fps) 
   out.trans = trans.to<double>();
   const std::optional<double> own = amass_rate(npz);
   if (!own && fps == 0)
-    raise<io_error>(406, npz.file(), ": no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps': --rate says it");
+    raise<io_error>(406, npz.file(), ": no frame rate 'mocap_frame_rate', 'mocap_framerate' or 'fps': `rate` says it");
   out.fps = own.value_or(fps);
   if (!(out.fps > 0 && out.fps < 1e6)) raise<io_error>(403, npz.file(), ": frame rate ", out.fps);
   if (fps != 0 && fps != out.fps)
-    raise<config_error>(102, npz.file(), ": has ", out.fps, " frames per second, --rate says ", fps,
-                        " (--fps resamples, --speed makes faster)");
+    raise<config_error>(102, npz.file(), ": has ", out.fps, " frames per second, `rate` says ", fps);
   if (npz.has("gender")) out.gender = detail::amass_gender(zip);
   if (npz.has("betas")) {
     const NpyArray betas = npz.read("betas");
@@ -5902,7 +5961,7 @@ void add_amass_parts(const AmassSequence& sequence, const Skeleton& skeleton, Mo
 
 }  // namespace detail
 
-/// Whether betas of a sequence mean the same shape on a body: SMPL and SMPL-H share theirs, SMPL-X has its own.
+/// True if betas of a sequence mean the same shape on a body: SMPL and SMPL-H share theirs, SMPL-X has its own.
 bool has_shapes_of(const AmassSequence& sequence, BodyKind body);
 
 /// A part whose numbers are all 0 in the file is not in it: hands then have the mean pose of the body's, as in
@@ -6005,8 +6064,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// One number of a bone in an AMC frame: along or about an axis (0, 1, 2). A changing length (dof "l") is read, not
-/// used.
+/// One number of a bone in an AMC frame: along or about an axis (0, 1, 2), or its length (dof "l").
 struct AsfChannel {
   enum class Kind { translation, rotation, length };
   Kind kind;
@@ -6055,14 +6113,17 @@ AsfSkeleton read_asf(const FilePath& path);
 /// One joint for each bone, at its start; metres.
 Skeleton to_skeleton(const AsfSkeleton& asf);
 
-/// Reads the text of an AMC file that belongs to the skeleton. Bones that no frame names rest; translations count for
-/// the root only. Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after
+/// Reads the text of an AMC file that belongs to the skeleton. Bones that no frame names rest. Bones keep their length:
+/// one that is translated (tx, ty, tz) begins where it does in the mean, and changing lengths (l) are left out.
+/// notes  gets a sentence for each bone of which something is left out so
+/// Throws io_error 402 (too short), 403 (malformed, unknown bone, frames that are not numbered one after
 /// the other, bones that a frame names twice or, unlike others, not at all), 405 (far more bones than numbers),
 /// config_error 101 (fps), numeric_error 301 (numbers so large that they overflow).
 Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options = {},
-                 std::string_view name = "AMC text");
+                 std::string_view name = "AMC text", std::vector<std::string>* notes = nullptr);
 /// Throws io_error 401 and as parse_amc.
-Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcReadOptions& options = {});
+Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcReadOptions& options = {},
+                std::vector<std::string>* notes = nullptr);
 
 MOTIONLANG_NAMESPACE_END
 
@@ -6085,7 +6146,7 @@ namespace detail {
 
 /// More joints than any file has; keeps searches for names in a hostile one short.
 inline constexpr std::size_t max_text_joints = 4096;
-/// How many rotations (32 bytes each) a text of so many bytes may stand for. Real files have several bytes for each;
+/// How many rotations (32 bytes each) a text of this many bytes may stand for. Real files have several bytes for each;
 /// joints that a frame does not mention could otherwise make much of little.
 constexpr std::size_t max_text_rotations(std::size_t bytes) { return 1'000'000 + 16 * bytes; }
 
@@ -6097,13 +6158,17 @@ constexpr bool same_word(std::string_view a, std::string_view lower_case) {
   return true;
 }
 
-/// A position in a text. Blank is everything up to and including the space, so CR, LF and CRLF end lines alike.
+/// A position in a text in UTF-8, UTF-16 or UTF-32. Blank is everything up to and including the space, so CR, LF and
+/// CRLF end lines alike.
 /// Throws io_error 402 where the text ends too early, 403 where it is malformed; messages begin "name:line:column: ".
 class TextScanner {
  public:
-  TextScanner(std::string_view text, std::string_view name) : text_(text), name_(name) {
+  TextScanner(std::string_view text, std::string_view name)
+      : converted_(from_wide_text(text)), text_(converted_ ? *converted_ : text), name_(name) {
     if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);  // byte order mark
   }
+  TextScanner(const TextScanner&) = delete;
+  TextScanner& operator=(const TextScanner&) = delete;
 
   bool at_end() {
     skip_blanks();
@@ -6140,7 +6205,7 @@ class TextScanner {
     if (!same_word(w, lower_case)) fail(403, "expected '", lower_case, "', found '", shortened(w), "'");
   }
 
-  /// A finite number; a leading plus sign is accepted, a value too small for a double is 0.
+  /// A finite number; a leading plus sign and a decimal comma are accepted, a value too small for a double is 0.
   double number(std::string_view wanted) {
     double value = 0;
     if (plain_decimal(value)) return value;
@@ -6150,10 +6215,14 @@ class TextScanner {
     if (whole && problem == std::errc::result_out_of_range && (w.find("e-") != w.npos || w.find("E-") != w.npos))
       return 0;
     if (problem != std::errc{} || !whole || !std::isfinite(value)) {
-      fail(403, "expected ", wanted, ", found '", shortened(w), "'");
+      if (const auto comma = with_decimal_comma(w)) return *comma;
+      fail(403, "expected ", wanted, ", found '", shortened(w), "'",
+           w.find(',') == w.npos ? "" : "; a number has one decimal point or comma, and nothing between thousands");
     }
     return value;
   }
+  /// The first number that had a decimal comma; empty if none had.
+  const std::string& decimal_comma() const { return decimal_comma_; }
   /// A whole number that is not negative.
   template <std::integral I>
   I count(std::string_view wanted) {
@@ -6166,7 +6235,7 @@ class TextScanner {
     return value;
   }
 
-  /// Whether nothing but blanks stands before the last word on its line.
+  /// True if nothing but blanks stands before the last word on its line.
   bool began_line() const {
     std::size_t at = last_;
     while (at > 0 && is_blank(text_[at - 1]) && !is_line_end(text_[at - 1])) --at;
@@ -6239,6 +6308,20 @@ class TextScanner {
     at_ = static_cast<std::size_t>(p - text_.data());
     return true;
   }
+  /// "0,5" as 0.5: programs write so where the system does.
+  std::optional<double> with_decimal_comma(std::string_view w) {
+    constexpr std::size_t longest = 400;
+    const std::size_t comma = w.find(',');
+    if (comma == w.npos || w.size() > longest || w.find('.') != w.npos) return std::nullopt;
+    std::string with_point(w);
+    with_point[comma] = '.';
+    double value = 0;
+    const auto [end, problem] = from_digits(std::string_view(with_point), value);
+    if (problem != std::errc{} || end != with_point.data() + with_point.size() || !std::isfinite(value))
+      return std::nullopt;
+    if (decimal_comma_.empty()) decimal_comma_ = shortened(w);
+    return value;
+  }
   template <class N>
   static std::from_chars_result from_digits(std::string_view w, N& value) {
     if (w.size() > 1 && w[0] == '+' && w[1] != '-') w.remove_prefix(1);
@@ -6255,8 +6338,10 @@ class TextScanner {
     return {line, offset - start + 1};
   }
 
+  std::optional<std::string> converted_;  // a text in another encoding
   std::string_view text_;
   std::string name_;
+  std::string decimal_comma_{};
   std::size_t at_ = 0;
   std::size_t last_ = 0;  // where the last word began
 };
@@ -6316,7 +6401,7 @@ class AsfParser {
     }
   };
 
-  /// Whether a word follows outside of comments.
+  /// True if a word follows outside of comments.
   bool more() {
     while (scan_.peek().starts_with('#')) scan_.rest_of_line();
     return !scan_.at_end();
@@ -6498,12 +6583,13 @@ class AmcParser {
         asf_(asf),
         limit_(max_text_rotations(text.size())),
         unit_(asf.degrees ? degree : 1),
-        named_(asf.bones.size()) {
+        named_(asf.bones.size()),
+        ways_(asf.bones.size()) {
     motion_.name = name;
     motion_.skeleton = to_skeleton(asf);
   }
 
-  Motion parse(double fps) && {
+  Motion parse(double fps, std::vector<std::string>* notes) && {
     motion_.fps = fps;
     while (!scan_.at_end()) {
       const std::string_view word = scan_.word("a bone");
@@ -6521,11 +6607,39 @@ class AmcParser {
     }
     if (motion_.root.empty()) scan_.fail(402, "no frame");
     require_all_bones();
+    for (std::size_t b = 1; b < ways_.size(); ++b) move_bone(b);
     motion_.validate();
+    if (notes != nullptr) tell(*notes);
     return std::move(motion_);
   }
 
  private:
+  /// The values of a bone's degrees of freedom besides rotations, over all frames.
+  struct Ways {
+    Vec3<double> low{}, high{}, sum{};
+    double shortest = 0, longest = 0;  // dof "l"
+    bool has_length = false;
+  };
+
+  /// A bone that is translated begins where it does in the mean, as a skeleton has constant bones.
+  void move_bone(std::size_t bone) {
+    const Vec3<double> mean = (1 / static_cast<double>(motion_.root.size())) * ways_[bone].sum;
+    Vec3<double>& offset = motion_.skeleton.offsets[bone];
+    offset = offset + asf_.metres_per_unit * rotate(asf_.bones[bone].axis, mean);
+  }
+  void tell(std::vector<std::string>& notes) const {
+    if (const std::string& number = scan_.decimal_comma(); !number.empty())
+      notes.push_back(concat_text("numbers have decimal commas: '", number, "' is read as with a point"));
+    for (std::size_t b = 0; b < ways_.size(); ++b) {
+      const Ways& w = ways_[b];
+      if (const double way = asf_.metres_per_unit * norm(w.high - w.low); b > 0 && way > 1e-6)
+        notes.push_back(concat_text("left out is how '", asf_.bones[b].name, "' is moved (tx, ty, tz) across ", way,
+                                    " m: it keeps its mean place at the bone before"));
+      if (w.has_length)
+        notes.push_back(concat_text("left out are the lengths (l) of '", asf_.bones[b].name, "', from ", w.shortest,
+                                    " to ", w.longest, ": it keeps that of the skeleton"));
+    }
+  }
   void header(std::string_view word) {
     if (same_word(word, ":degrees")) unit_ = degree;
     if (same_word(word, ":radians")) unit_ = 1;
@@ -6566,6 +6680,8 @@ class AmcParser {
       scan_.fail(403, "frame ", number_, " has numbers of '", name, "', unlike those before it");
     frames = motion_.root.size();
     Vec3<double> translation{};
+    Ways& ways = ways_[static_cast<std::size_t>(number)];
+    const bool first = motion_.root.size() == 1;
     Quaternion<double> turn = Quaternion<double>::identity();
     for (const AsfChannel& channel : bone.channels) {
       const double v = scan_.number("a value of the motion");
@@ -6573,6 +6689,17 @@ class AmcParser {
       if (channel.kind == AsfChannel::Kind::translation) {
         (channel.axis == 0 ? translation.x : channel.axis == 1 ? translation.y : translation.z) = v;
       }
+      if (channel.kind == AsfChannel::Kind::length) {
+        ways.shortest = ways.has_length ? std::min(ways.shortest, v) : v;
+        ways.longest = ways.has_length ? std::max(ways.longest, v) : v;
+        ways.has_length = true;
+      }
+    }
+    if (first) ways.low = ways.high = translation;
+    for (double Vec3<double>::*x : {&Vec3<double>::x, &Vec3<double>::y, &Vec3<double>::z}) {
+      ways.low.*x = std::min(ways.low.*x, translation.*x);
+      ways.high.*x = std::max(ways.high.*x, translation.*x);
+      ways.sum.*x += translation.*x;
     }
     motion_.rotations(motion_.frames() - 1)[static_cast<std::size_t>(number)] = bone.axis * turn * inverse(bone.axis);
     if (number == 0) motion_.root.back() = motion_.skeleton.offset(0) + asf_.metres_per_unit * translation;
@@ -6584,18 +6711,20 @@ class AmcParser {
   double unit_;                     // radians per unit of the angles
   std::uint64_t number_ = 0;        // of the frame
   std::vector<std::size_t> named_;  // frames that there were when a bone was named last
+  std::vector<Ways> ways_;          // of each bone
   Motion motion_;
 };
 
 }  // namespace detail
 
 MOTIONLANG_BODY Motion parse_amc(std::string_view text, const AsfSkeleton& asf, const AmcReadOptions& options,
-                                 std::string_view name) {
-  return detail::AmcParser(text, name, asf).parse(options.fps);
+                                 std::string_view name, std::vector<std::string>* notes) {
+  return detail::AmcParser(text, name, asf).parse(options.fps, notes);
 }
 
-MOTIONLANG_BODY Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcReadOptions& options) {
-  return parse_amc(read_file(path), asf, options, path.string());
+MOTIONLANG_BODY Motion read_amc(const FilePath& path, const AsfSkeleton& asf, const AmcReadOptions& options,
+                                std::vector<std::string>* notes) {
+  return parse_amc(read_file(path), asf, options, path.string(), notes);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -6620,7 +6749,7 @@ struct NpyArray;
 
 struct BodyFileOptions {
   Index betas = 10;      // coefficients of shape, which the file must have
-  Index most_betas = 0;  // so many of a file that has more of them than `betas`
+  Index most_betas = 0;  // this many of a file that has more of them than `betas`
   /// SMPL-X: coefficients of expression, which follow those of shape. -1: those that the file has, up to 10.
   Index expressions = -1;
   /// SMPL-X: directions of shape in the file. 0: known of files with 400 directions (300) and 20 (10), in others all of
@@ -7103,7 +7232,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What the shape of a skeleton says about each joint.
+/// The role of each joint by the shape of the skeleton.
 struct Anatomy {
   std::vector<Vec3<double>> rest;
   std::vector<double> reach;  // length of the longest chain of bones below the joint
@@ -7150,7 +7279,7 @@ struct Anatomy {
     for (std::size_t j = 1; j <= first; ++j) hidden[j] = trunk[j];
   }
 
-  /// The first joint with "head" in its name, else the highest joint that is no part of the trunk, if it is above it.
+  /// The first joint with "head" in its name, else the highest joint that is not part of the trunk, if it is above it.
   void find_head(const Skeleton& s) {
     auto is_named = [](std::string name) {
       for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -7762,6 +7891,8 @@ struct Bvh {
   Index frames = 0;
   std::vector<double> values{};  // (frames, channels)
   std::string name{};            // of the file, for messages
+  /// One sentence for each thing that the reader of the text left out or took for something else.
+  std::vector<std::string> notes{};
 
   Index channels() const {
     std::size_t n = 0;
@@ -7774,9 +7905,11 @@ struct Bvh {
 };
 
 /// Reads the text of a BVH file. Accepts any order and number of channels, positions on every joint, keywords in any
-/// case, any line ends, frames broken over lines, names with blanks, names after "End Site", several ROOTs, and joints
-/// without channels. Throws io_error 402 (too short), 403 (malformed; also when numbers are left over), 405 (too many
-/// joints); messages give file, line and column.
+/// case, any line ends, frames broken over lines, names with blanks, names after "End Site", several ROOTs, joints
+/// without channels, UTF-16 and decimal commas. Where every frame is a line, there may be more or fewer of them than
+/// are declared, and something else behind them: `notes` say so.
+/// Throws io_error 402 (too short), 403 (malformed; also when numbers are left over), 405 (too many joints); messages
+/// give file, line and column.
 Bvh parse_bvh(std::string_view text, std::string_view name = "BVH text");
 /// Throws io_error 401 and as parse_bvh.
 Bvh read_bvh(const FilePath& path);
@@ -7809,6 +7942,10 @@ class BvhParser {
     } while (same_word(scan_.peek(), "root"));
     scan_.expect("motion");
     motion();
+    if (const std::string& number = scan_.decimal_comma(); !number.empty())
+      note("numbers have decimal commas: '", number, "' is read as with a point");
+    if (!joined_.empty()) note("names of several words are joined: '", joined_, "'");
+    if (latin1_ > 0) note(counted(latin1_, "name"), latin1_ == 1 ? " is" : " are", " not UTF-8, read as ISO 8859-1");
     return std::move(bvh_);
   }
 
@@ -7842,12 +7979,15 @@ class BvhParser {
   /// Name and opening brace; the number of the new node.
   int node(int parent, bool end_site) {
     std::string name;
+    bool several = false;
     for (std::string_view w = scan_.word("'{'"); w != "{"; w = scan_.word("'{'")) {
       if (w == "}") scan_.fail(403, "expected '{', found '}'");
-      if (!name.empty()) name += '_';
+      if (!name.empty()) name += '_', several = true;
       name += w;
     }
     if (name.empty()) scan_.fail(403, "a joint without a name");
+    if (!is_utf8(name)) name = from_latin1(name), ++latin1_;
+    if (several && !end_site && joined_.empty()) joined_ = TextScanner::shortened(name);
     if (bvh_.nodes.size() == max_text_joints) scan_.fail(405, "more than ", max_text_joints, " joints");
     bvh_.nodes.push_back({.name = std::move(name), .parent = parent, .end_site = end_site});
     has_offset_.push_back(false);
@@ -7878,20 +8018,60 @@ class BvhParser {
     label("time");
     bvh_.frame_time = scan_.number("the frame time");
     if (!(bvh_.frame_time > 0)) scan_.fail(403, "the frame time is ", bvh_.frame_time, " seconds");
-    const auto frames = static_cast<std::size_t>(bvh_.frames), columns = static_cast<std::size_t>(bvh_.channels());
+    rows(static_cast<std::size_t>(bvh_.frames), static_cast<std::size_t>(bvh_.channels()));
+  }
+  /// Some programs write a row more or less than they declare, or something else behind the table. Where every row is a
+  /// line, it is clear what belongs to it: the rest is left out, with a note.
+  void rows(std::size_t frames, std::size_t columns) {
     if (frames != 0 && columns == 0) scan_.fail(403, counted(frames, "frame"), ", but no channels");
+    const std::string declared = concat_text(counted(frames, "declared frame"), " of ", counted(columns, "channel"));
     // each number takes at least two bytes, one of them a blank (which the last may lack)
-    if (frames != 0 && (scan_.bytes_left() + 1) / 2 / columns < frames) {
-      scan_.fail(402, "the text is too short for ", counted(frames, "frame"), " of ", counted(columns, "channel"),
-                 ", which it declares");
+    if (frames != 0) bvh_.values.reserve(std::min(frames, (scan_.bytes_left() + 1) / 2 / columns) * columns);
+    bool are_lines = true, whole = true;
+    std::size_t row = 0;
+    while (whole && columns != 0 && (frames == 0 || row < frames) && at_number()) {
+      for (std::size_t c = 0; c < columns && whole; ++c) {
+        if (scan_.at_end() || (c + 1 < columns && is_cut_off())) {
+          whole = false;
+          continue;
+        }
+        bvh_.values.push_back(scan_.number("a value of the motion"));
+        if (c == 0 && !scan_.began_line()) are_lines = false;
+      }
+      if (whole) ++row;
     }
-    bvh_.values.resize(frames * columns);
-    for (double& v : bvh_.values) v = scan_.number("a value of the motion");
+    if (row < frames && (row == 0 || !are_lines) && scan_.at_end())
+      scan_.fail(402, "the text is too short for the ", declared, ": it has ", counted(bvh_.values.size(), "number"));
+    if (row == 0 && frames != 0) scan_.number("a value of the motion");  // it is none, which is an error
     if (!scan_.at_end()) {
       const std::string_view extra = scan_.word("the end");
-      scan_.fail(403, "'", TextScanner::shortened(extra), "' follows the ", counted(frames, "declared frame"), " of ",
-                 counted(columns, "channel"));
+      if (!are_lines || !scan_.began_line())
+        scan_.fail(403, "'", TextScanner::shortened(extra), "' follows the ",
+                   row < frames ? counted(row, "whole frame") + " among " : "", declared);
+      note("left out is what follows the ", counted(row, "frame"), ", from '", TextScanner::shortened(extra), "' on");
     }
+    if (row != frames) note("it has ", counted(row, "whole frame"), ", not the ", declared);
+    bvh_.frames = static_cast<Index>(row);
+    bvh_.values.resize(row * columns);
+  }
+  /// True if the text ends with the word that follows, which may be half a number; moves behind it then.
+  bool is_cut_off() {
+    constexpr std::size_t longest = 64;
+    if (scan_.bytes_left() > longest) return false;
+    const std::size_t word = scan_.peek().size();  // moves to it
+    if (word < scan_.bytes_left()) return false;
+    scan_.word("a value of the motion");
+    return true;
+  }
+  /// True if a number follows, or the word for one that is not finite.
+  bool at_number() {
+    const std::string_view w = scan_.peek();
+    return !w.empty() && (std::string_view("0123456789.,+-").find(w[0]) != w.npos || same_word(w.substr(0, 3), "nan") ||
+                          same_word(w.substr(0, 3), "inf"));
+  }
+  template <class... T>
+  void note(const T&... text) {
+    bvh_.notes.push_back(concat_text(text...));
   }
   /// "Frames:", "FRAMES :", "frames".
   void label(std::string_view lower_case) {
@@ -7902,6 +8082,8 @@ class BvhParser {
   TextScanner scan_;
   Bvh bvh_;
   std::vector<bool> has_offset_;  // of the nodes that are open
+  std::size_t latin1_ = 0;        // names in another encoding than UTF-8
+  std::string joined_{};          // the first name of several words
 };
 
 }  // namespace detail
@@ -8010,9 +8192,10 @@ struct BvhWriteOptions {
   double end_length = 0.1;
 };
 
-/// What the file means. End sites are the ends of bones, no joints; joints of one name get numbers ("Hand", "Hand_2").
-/// Below the root, positions that change (stretching bones) are replaced by their mean. A root that merely carries
-/// another moving root is joined with it, so that the root of the motion is the one that moves.
+/// The meaning of the file. End sites are the ends of bones, no joints; joints of one name get numbers ("Hand",
+/// "Hand_2"). The root of the motion is that of the body (kinematics/body_root.hpp), with all
+/// movement of what stands above it. Whatever is beside it is left out (joints_beside_body). Below it, positions that
+/// change (stretching bones) are replaced by their mean.
 /// Throws  config_error 101 (scale, number of the root), io_error 405 (far more joints than channels),
 ///         numeric_error 301 (numbers so large that they overflow)
 Motion to_motion(const Bvh& file, const BvhReadOptions& options = {});
@@ -8021,6 +8204,9 @@ int bvh_roots(const Bvh& file);
 /// Names of the joints below a root that move through positions of their own, as bones that stretch do: to_motion
 /// leaves this out. Throws config_error 101 (number of the root).
 std::vector<std::string> stretched_joints(const Bvh& file, int root = 0);
+/// Names of what hangs beside the body under a root: bones for inverse kinematics, props, cameras. Throws config_error
+/// 101 (number of the root).
+std::vector<std::string> joints_beside_body(const Bvh& file, int root = 0);
 /// Throws io_error 401 and as parse_bvh, to_motion.
 Motion read_bvh_motion(const FilePath& path, const BvhReadOptions& options = {});
 
@@ -8034,6 +8220,10 @@ EulerAngles<double> continue_curve(const EulerAngles<double>& angles, const Eule
 std::vector<int> depth_first_order(const Skeleton& skeleton);
 
 }  // namespace detail
+
+/// The names of the joints in a BVH file. They are those of the skeleton, in UTF-8 and with colons. Blanks, control
+/// characters and braces become "_", and a name that another joint has then gets a number.
+std::vector<std::string> bvh_names(const Skeleton& skeleton);
 
 /// The motion as a BVH file: root first with OFFSET 0 and three positions, three rotation channels on every joint, an
 /// end site behind every leaf. Joints come depth first, whatever their order in the skeleton. Angles follow smooth
@@ -8145,7 +8335,7 @@ struct BvhTable {
   Index rows;
 };
 
-/// Whether the positions of a joint change from frame to frame by more than rounding.
+/// True if the positions of a joint change from frame to frame by more than rounding.
 inline bool moves(const BvhJoint& joint, const BvhTable& table) {
   if (!joint.has_positions() || table.rows == 0) return false;
   const Vec3<double> first = joint.translation(table[0]);
@@ -8155,19 +8345,65 @@ inline bool moves(const BvhJoint& joint, const BvhTable& table) {
   return false;
 }
 
-/// Takes away the roots that only carry another root (Bandai-Namco's joint_Root, a "Reference" node): while the first
-/// joint has one child and that child moves through positions of its own.
-inline std::vector<BvhJoint> take_carriers(std::vector<BvhJoint>& joints, const BvhTable& table) {
-  std::vector<BvhJoint> carriers;
-  auto children = [&] {
-    return std::count_if(joints.begin(), joints.end(), [](const BvhJoint& j) { return j.parent == 0; });
-  };
-  while (joints.size() > 1 && children() == 1 && moves(joints[1], table)) {
-    carriers.push_back(joints.front());
-    joints.erase(joints.begin());
-    for (BvhJoint& j : joints) --j.parent;
+/// Across which the positions of a joint go, in units of the file; 0 where they change by no more than rounding.
+inline double way_of(const BvhJoint& joint, const BvhTable& table) {
+  if (!moves(joint, table)) return 0;
+  Vec3<double> low = joint.translation(table[0]), high = low;
+  for (Index f = 1; f < table.rows; ++f) {
+    const Vec3<double> t = joint.translation(table[f]);
+    low = {std::min(low.x, t.x), std::min(low.y, t.y), std::min(low.z, t.z)};
+    high = {std::max(high.x, t.x), std::max(high.y, t.y), std::max(high.z, t.z)};
   }
-  return carriers;
+  return norm(high - low);
+}
+
+inline bool turns(const BvhJoint& joint, const BvhTable& table) {
+  constexpr double rounding = 1e-3;  // degrees
+  for (std::size_t c = 0; c < joint.node->channels.size(); ++c) {
+    if (!is_rotation(joint.node->channels[c])) continue;
+    for (Index f = 1; f < table.rows; ++f) {
+      if (std::abs(table[f][joint.first_channel + c] - table[0][joint.first_channel + c]) > rounding) return true;
+    }
+  }
+  return false;
+}
+
+/// The joints of a tree of the file by what they are to the body in it.
+struct BvhBody {
+  std::vector<BvhJoint> carriers{};  // above the root of the body, from the top: their movement is the root's
+  std::vector<BvhJoint> joints{};    // the root and what is below it
+  std::vector<BvhJoint> beside{};    // no part of the body: bones for inverse kinematics, props, cameras
+};
+
+inline BvhBody bvh_body(std::vector<BvhJoint> all, const BvhTable& table) {
+  Skeleton skeleton;
+  for (const BvhJoint& j : all) {
+    skeleton.names.push_back(j.node->name);
+    skeleton.parents.push_back(j.parent);
+    skeleton.offsets.push_back(j.node->offset);
+  }
+  const SkeletonTable* table_of_names = find_skeleton_table(skeleton);
+  int root = 0;
+  if (table_of_names != nullptr) {
+    root = body_root(skeleton, *table_of_names);
+  } else {
+    std::vector<JointMovement> movements;
+    for (const BvhJoint& j : all) movements.push_back({way_of(j, table), turns(j, table)});
+    root = moving_root(skeleton, movements);
+  }
+  std::vector<bool> in_body(all.size(), false), carries(all.size(), false);
+  for (const int j : joints_from(skeleton, root)) in_body[static_cast<std::size_t>(j)] = true;
+  for (int j = skeleton.parent(root); j >= 0; j = skeleton.parent(j)) carries[static_cast<std::size_t>(j)] = true;
+  BvhBody body;
+  std::vector<int> number(all.size(), -1);
+  for (std::size_t j = 0; j < all.size(); ++j) {
+    if (in_body[j]) {
+      number[j] = static_cast<int>(body.joints.size());
+      all[j].parent = body.joints.empty() ? -1 : number[static_cast<std::size_t>(all[j].parent)];
+    }
+    (in_body[j] ? body.joints : carries[j] ? body.carriers : body.beside).push_back(all[j]);
+  }
+  return body;
 }
 
 /// The offset of a joint below the root; position channels replace it, by their mean (a skeleton has constant bones).
@@ -8199,23 +8435,26 @@ inline std::vector<Vec3<double>> bvh_ends(const Bvh& file, std::span<const BvhJo
 MOTIONLANG_BODY Motion to_motion(const Bvh& file, const BvhReadOptions& options) {
   if (!(options.scale > 0)) raise<config_error>(101, file.name, ": scale ", options.scale);
   const detail::BvhTable table(file);
-  auto joints = detail::bvh_joints(file, options.root);
+  const detail::BvhBody body = detail::bvh_body(detail::bvh_joints(file, options.root), table);
+  const std::vector<detail::BvhJoint>& joints = body.joints;
   const auto frames = static_cast<std::size_t>(file.frames);
   if (frames > detail::max_text_rotations(2 * file.values.size()) / joints.size()) {
     raise<io_error>(405, file.name, ": ", counted(frames, "frame"), " of ", counted(joints.size(), "joint"));
   }
-  const auto carriers = detail::take_carriers(joints, table);
 
   Motion motion;
   motion.name = file.name;
   motion.fps = detail::frames_per_second(file.frame_time);
   Skeleton& skeleton = motion.skeleton;
   detail::UniqueNames unique;
+  Vec3<double> carried{};  // to where the root of the body is at rest
+  for (const detail::BvhJoint& carrier : body.carriers) carried = carried + carrier.node->offset;
   for (const detail::BvhJoint& j : joints) {
     skeleton.names.push_back(unique(j.node->name));
     skeleton.parents.push_back(j.parent);
     const bool is_root = skeleton.size() == 1;
-    skeleton.offsets.push_back(options.scale * (is_root ? j.node->offset : detail::constant_offset(j, table)));
+    const Vec3<double> offset = is_root ? carried + j.node->offset : detail::constant_offset(j, table);
+    skeleton.offsets.push_back(options.scale * offset);
   }
   skeleton.ends = detail::bvh_ends(file, joints, options.scale);
   motion.root.reserve(frames);
@@ -8224,7 +8463,7 @@ MOTIONLANG_BODY Motion to_motion(const Bvh& file, const BvhReadOptions& options)
     const auto row = table[f];
     Vec3<double> position{};
     auto rotation = Quaternion<double>::identity();
-    for (const detail::BvhJoint& carrier : carriers) {
+    for (const detail::BvhJoint& carrier : body.carriers) {
       position = position + rotate(rotation, carrier.translation(row));
       rotation = rotation * carrier.rotation(row);
     }
@@ -8244,12 +8483,19 @@ MOTIONLANG_BODY int bvh_roots(const Bvh& file) {
 
 MOTIONLANG_BODY std::vector<std::string> stretched_joints(const Bvh& file, int root) {
   const detail::BvhTable table(file);
-  auto joints = detail::bvh_joints(file, root);
-  detail::take_carriers(joints, table);
+  const detail::BvhBody body = detail::bvh_body(detail::bvh_joints(file, root), table);
   std::vector<std::string> names;
-  for (const detail::BvhJoint& j : std::span(joints).subspan(1)) {
+  for (const detail::BvhJoint& j : std::span(body.joints).subspan(1)) {
     if (detail::moves(j, table)) names.push_back(j.node->name);
   }
+  return names;
+}
+
+MOTIONLANG_BODY std::vector<std::string> joints_beside_body(const Bvh& file, int root) {
+  const detail::BvhTable table(file);
+  std::vector<std::string> names;
+  for (const detail::BvhJoint& j : detail::bvh_body(detail::bvh_joints(file, root), table).beside)
+    names.push_back(j.node->name);
   return names;
 }
 
@@ -8274,15 +8520,13 @@ MOTIONLANG_BODY EulerAngles<double> continue_curve(const EulerAngles<double>& an
   return step(twin) < step(same) ? twin : same;
 }
 
-/// A name that every reader accepts: letters, digits, "_", "-", "." (no blanks, no ":").
-inline std::string plain_name(std::string_view name) {
-  std::string plain(name);
-  for (char& c : plain) {
-    const bool keep =
-        (lower(c) >= 'a' && lower(c) <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
-    if (!keep) c = '_';
+/// A name as a BVH file can hold it: words and braces end one, and no program shows other bytes than UTF-8.
+inline std::string bvh_name(std::string_view name) {
+  std::string out = is_utf8(name) ? std::string(name) : from_latin1(name);
+  for (char& c : out) {
+    if (static_cast<unsigned char>(c) <= ' ' || c == '{' || c == '}' || c == '\x7F') c = '_';
   }
-  return plain.empty() ? "joint" : plain;
+  return out.empty() ? "joint" : out;
 }
 
 MOTIONLANG_BODY std::vector<int> depth_first_order(const Skeleton& skeleton) {
@@ -8309,6 +8553,14 @@ inline Vec3<double> end_offset(const Skeleton& skeleton, int joint, double lengt
 
 }  // namespace detail
 
+MOTIONLANG_BODY std::vector<std::string> bvh_names(const Skeleton& skeleton) {
+  std::vector<std::string> names(skeleton.names.size());
+  detail::UniqueNames unique;
+  for (const int j : detail::depth_first_order(skeleton))
+    names[static_cast<std::size_t>(j)] = unique(detail::bvh_name(skeleton.name(j)));
+  return names;
+}
+
 MOTIONLANG_BODY Bvh to_bvh(const Motion& motion, const BvhWriteOptions& options) {
   motion.validate();
   const EulerOrder order = EulerOrder::parse(options.order);
@@ -8321,9 +8573,9 @@ MOTIONLANG_BODY Bvh to_bvh(const Motion& motion, const BvhWriteOptions& options)
   std::vector<BvhChannel> channels{BvhChannel::x_position, BvhChannel::y_position, BvhChannel::z_position};
   for (const int axis : order.axis) channels.push_back(static_cast<BvhChannel>(axis + 3));
   std::vector<int> node_of(joints.size());
-  detail::UniqueNames unique;
+  const std::vector<std::string> names = bvh_names(skeleton);
   for (const int j : joints) {
-    const std::string name = unique(detail::plain_name(skeleton.name(j)));
+    const std::string& name = names[static_cast<std::size_t>(j)];
     node_of[static_cast<std::size_t>(j)] = static_cast<int>(file.nodes.size());
     const int parent = j == 0 ? -1 : node_of[static_cast<std::size_t>(skeleton.parent(j))];
     const Vec3<double> offset = j == 0 ? Vec3<double>{} : options.scale * skeleton.offset(j);
@@ -8414,7 +8666,7 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_FORMATS_FIGURE_BODY_HPP
 /// A free body: the figure of any skeleton (formats/figure.hpp, the round cones that GLB files and pages show) as a
 /// body model, so that every motion has vertices and faces without a licensed file. A vertex follows one joint; there
-/// are no blend shapes.
+/// are not blend shapes.
 ///
 ///     auto body = figure_body<EigenBackend<float>>(motion.skeleton);
 ///     auto posed = pose_body(body.model, motion);                       // vertices (frames, V, 3)
@@ -8489,19 +8741,26 @@ MOTIONLANG_NAMESPACE_END
 /// GLB files, and .gltf files with their data in base64, as motions: skins and animations of glTF 2.0. Meshes,
 /// materials and morph targets are left out. The bones of a VRM avatar (.vrm, .vrma) have the names of VRM's humanoid.
 ///
-/// The skeleton's rest pose is that of the file, with all rotations the identity as everywhere in this library: with B
-/// the world rotation of a node at rest and r its local rotation, L_j = B_parent r_j B_j^-1, and the offset of a joint
-/// is its rest translation turned by B_parent. Bones keep their length: only the root moves; animated scales and
-/// translations of other joints are dropped (stretched_joints names these).
+/// A figure is what a skeleton table knows among the joints of all skins, or among all nodes of a file without skins:
+/// from the hips down. What is above the hips moves them; what is beside them (cameras, props, control bones) is left
+/// out. Several figures are several motions. If no table fits, the largest skin is the figure.
+///
+/// The skeleton's rest pose is that of the nodes or that of the inverse bind matrices, whichever is nearer to a T-pose,
+/// with all rotations the identity as everywhere in this library. With A(t) the matrix of a joint in the world, the
+/// product of all matrices above it, and Q its orthogonal polar factor: D_j = Q_j(t) Q_j(rest)^-1 is how the joint has
+/// turned, L_j = D_parent^-1 D_j, and an offset is the difference of two places at rest. That is exact for all but
+/// uneven scales above joints that turn. Bones keep their length: only the root moves. Translations and scales that an
+/// animation keeps all the time are of the rest pose of its motion. GlbLoss says what is lost otherwise.
 ///
 /// Two keys of a small file can be years apart. What is sampled has at most 10 million rotations (frames x joints;
 /// nearly four hours at 30 per second with 24 joints: 320 MB), or 16 for each key of a channel in the file, which is
-/// enough for any recording with keys at its frames. motions() counts all animations together, and for each of them the
-/// rotations that would fill the memory of its skeleton, of which every motion has its own.
+/// enough for any recording with keys at its frames. A motion has at most a million frames, unless there are more keys.
+/// motions() counts all animations together, and for each of them the rotations that would fill the memory of its
+/// skeleton, of which every motion has its own.
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_GLTF_SKELETON_HPP  // <motionlang/formats/detail/gltf_skeleton.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_GLTF_SKELETON_HPP
-/// The skeleton in a glTF document: which nodes are joints, which of them is the root, and where they stand at rest.
+/// The figures in a glTF document: which nodes are their joints, which of them is the root, and how they stand at rest.
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_GLTF_ANIMATION_HPP  // <motionlang/formats/detail/gltf_animation.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_GLTF_ANIMATION_HPP
@@ -8509,7 +8768,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FORMATS_DETAIL_GLTF_NODE_HPP  // <motionlang/formats/detail/gltf_node.hpp>
 #define MOTIONLANG_HAS_FORMATS_DETAIL_GLTF_NODE_HPP
-/// Nodes of a glTF document.
+/// Nodes of a glTF document, and where they are in the world.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -8525,6 +8784,8 @@ struct GltfTransform {
   Vec3<double> translation{};
   Quaternion<double> rotation = Quaternion<double>::identity();
   Vec3<double> scale{1, 1, 1};
+  /// The linear part of a matrix that is not a rotation times a scale, in place of both.
+  std::optional<Matrix3<double>> sheared{};
 };
 
 struct GltfNode {
@@ -8532,6 +8793,71 @@ struct GltfNode {
   int parent = -1;
   std::vector<int> children{};
   GltfTransform rest;
+  bool is_bone = false;   // of VRM's humanoid
+  bool is_thing = false;  // has a mesh, a camera or a light
+};
+
+/// The determinant of a matrix of three rows.
+inline double determinant(const Matrix3<double>& a) { return dot(a.row(0), cross(a.row(1), a.row(2))); }
+
+/// The inverse of a matrix, transposed, by its cofactors. Its determinant must not be 0.
+inline Matrix3<double> inverse_transposed(const Matrix3<double>& a) {
+  const double s = 1 / determinant(a);
+  return Matrix3<double>::from_rows(s * cross(a.row(1), a.row(2)), s * cross(a.row(2), a.row(0)),
+                                    s * cross(a.row(0), a.row(1)));
+}
+
+/// The rotation, or rotation and reflection, that is closest to a matrix: the orthogonal factor of its polar
+/// decomposition. None for a matrix without an inverse.
+/// Source  Higham, "Computing the polar decomposition, with applications" (1986), Newton's iteration with scaling
+inline std::optional<Matrix3<double>> nearest_orthogonal(Matrix3<double> a) {
+  const auto length = [](const Matrix3<double>& m) {
+    double sum = 0;
+    for (const double x : m.m) sum += x * x;
+    return std::sqrt(sum);
+  };
+  const double size = length(a);
+  if (!(size > 1e-100 && size < 1e100)) return std::nullopt;
+  for (double& x : a.m) x /= size;
+  if (!(std::abs(determinant(a)) > 1e-12)) return std::nullopt;
+  for (int i = 0; i < 40; ++i) {
+    const Matrix3<double> b = inverse_transposed(a);
+    const double scale = i < 8 ? std::sqrt(length(b) / length(a)) : 1;
+    double change = 0;
+    for (std::size_t k = 0; k < 9; ++k) {
+      const double next = 0.5 * (scale * a.m[k] + b.m[k] / scale);
+      change += std::abs(next - a.m[k]);
+      a.m[k] = next;
+    }
+    if (change < 1e-15) break;
+  }
+  return a;
+}
+
+/// A node in the world: x -> linear x + place, the product of the matrices from the top of the tree.
+struct GltfPlace {
+  Vec3<double> place{};
+  Matrix3<double> linear = Matrix3<double>::identity();
+  Quaternion<double> turn = Quaternion<double>::identity();  // the product of the rotations alone
+  bool even = true;                                          // linear is `turn` times a positive number
+
+  /// The place of a node below this one.
+  friend GltfPlace operator*(const GltfPlace& parent, const GltfTransform& t) {
+    GltfPlace out;
+    out.place = parent.place + parent.linear * t.translation;
+    const Vec3<double>& s = t.scale;
+    Matrix3<double> local = to_matrix(t.rotation);
+    for (int row = 0; row < 3; ++row) local(row, 0) *= s.x, local(row, 1) *= s.y, local(row, 2) *= s.z;
+    out.linear = parent.linear * (t.sheared ? *t.sheared : local);
+    out.turn = normalized(parent.turn * t.rotation);
+    constexpr double same = 1e-6;  // scales in files are floats
+    out.even =
+        parent.even && !t.sheared && s.x > 0 && std::abs(s.y - s.x) <= same * s.x && std::abs(s.z - s.x) <= same * s.x;
+    return out;
+  }
+
+  /// The axes of the node in the world: orthogonal, left-handed in a mirror image.
+  Matrix3<double> axes() const { return even ? to_matrix(turn) : nearest_orthogonal(linear).value_or(to_matrix(turn)); }
 };
 
 }  // namespace detail
@@ -8545,13 +8871,16 @@ namespace detail {
 
 /// Keys of one property of one node over time.
 struct GltfChannel {
+  using Values = std::shared_ptr<const std::vector<double>>;
   enum Mode { step, linear, cubic };
-  std::shared_ptr<const std::vector<double>> times, values;
+  Values times, values;  // times do not descend; of keys at the same time the last counts
   Mode mode = linear;
   std::size_t components = 3;
 
   /// The value at `time`; before the first and after the last key theirs. Rotations are x, y, z, w and not normalised.
   std::array<double, 4> at(double time) const;
+  /// The value, if all keys have it to a thousandth and no curve leads away from it.
+  std::optional<Vec3<double>> constant() const;
 
  private:
   using Value = std::array<double, 4>;
@@ -8563,37 +8892,58 @@ struct GltfChannel {
   Value hermite(std::size_t k, const Value& a, const Value& b, double span, double u) const;
 };
 
+/// When the keys of some nodes are.
+struct GltfTiming {
+  double first = 0, last = 0;    // key, seconds
+  std::size_t keys = 0;          // of all channels; those that channels share count for each
+  std::optional<double> rate{};  // keys per second, where all are at whole frames of one rate from the first on
+  bool dense = false;            // a channel has a key at every frame of it
+  bool cubic = false;            // a channel is a curve between its keys
+  double usual = 0;              // seconds between keys of the channel that has most: their median; 0 without two keys
+};
+
 class GltfAnimation {
  public:
   /// Throws  io_error 402 to 405, config_error 107
   GltfAnimation(SharedAccessors& keys, Index number);
 
   const std::string& name() const { return name_; }
-  /// Time of the last key, seconds.
-  double duration() const { return duration_; }
-  /// Keys per second, where all keys are at whole frames of one rate: those of the channel that has most, the first at
-  /// 0.
-  std::optional<double> rate() const;
-  /// Keys of all channels; those that channels share count for each.
-  std::size_t keys() const;
-  bool animates(int node) const { return translations_.contains(node) || rotations_.contains(node); }
+  /// How the keys differ from what glTF allows: sentences that end the name of the animation.
+  const std::vector<std::string>& repairs() const { return repairs_; }
+  /// The timing of the channels of these nodes, which ascend; all are 0 if there are none.
+  GltfTiming timing(std::span<const int> nodes) const;
 
-  /// Transform of a node, from its transform at rest; the scale stays.
-  GltfTransform at(int node, GltfTransform transform, double time) const;
-  /// Whether the node ever leaves its place at rest by more than a hundredth of its distance to the parent.
+  bool animates(int node) const {
+    return translations_.contains(node) || rotations_.contains(node) || scales_.contains(node);
+  }
+  /// True if a node ever leaves its transform at rest: by more than a hundredth of its distance to the parent, of its
+  /// scale, or by half a degree.
+  bool moves(int node, const GltfTransform& rest) const;
+
+  /// Transform of a node, from its transform at rest.
+  GltfTransform at(int node, const GltfTransform& rest, double time) const;
+  /// Its transform at rest, with the translation and the scale that it has all the time in place of other ones.
+  GltfTransform rest(int node, GltfTransform rest) const;
+  /// True if the node ever leaves its place at rest by more than a hundredth of its distance to the parent.
   bool moves_away(int node, const Vec3<double>& rest) const { return leaves(translations_, node, rest); }
-  /// Whether its scale ever is another than at rest, by more than a hundredth.
+  /// True if its scale ever is another than at rest, by more than a hundredth.
   bool grows(int node, const Vec3<double>& rest) const { return leaves(scales_, node, rest); }
 
  private:
-  /// Channels may share them: each once.
-  std::set<const std::vector<double>*> lists_of_times() const;
-  static bool leaves(const std::map<int, GltfChannel>& channels, int node, const Vec3<double>& rest);
+  using Channels = std::map<int, GltfChannel>;
+
+  static bool leaves(const Channels& channels, int node, const Vec3<double>& rest);
+  static bool differs(const Vec3<double>& v, const Vec3<double>& rest);
   GltfChannel channel(SharedAccessors& keys, const JsonView& sampler, std::size_t components);
+  /// Puts keys in the order of their times.
+  static void sort_keys(GltfChannel& channel);
+  void repair(const std::string& sentence);
+  /// Moves all keys so that the first is at 0, if it is before.
+  void begin_at_0();
 
   std::string name_;
-  std::map<int, GltfChannel> translations_, rotations_, scales_;
-  double duration_ = 0;
+  std::vector<std::string> repairs_;
+  Channels translations_, rotations_, scales_;
 };
 
 }  // namespace detail
@@ -8613,16 +8963,15 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Throws io_error 404 if the data of an object of the file are packed by one of these extensions.
-inline void refuse_packed(const JsonView& object, std::initializer_list<const char*> extensions) {
+/// The one of these extensions by which the data of an object of the file are packed; null if there is none.
+inline const char* is_packed(const JsonView& object, std::initializer_list<const char*> extensions) {
   for (const char* packed : extensions) {
-    if (object.contains("extensions") && object["extensions"].contains(packed))
-      raise<io_error>(404, object.path(), ": packed by ", packed,
-                      ": unpack the file first, for instance with gltf-transform");
+    if (object.contains("extensions") && object["extensions"].contains(packed)) return packed;
   }
+  return nullptr;
 }
 
-/// Of extensions that a file requires only those matter that pack what is read here; others are of meshes and
+/// Only those required extensions matter that pack data which is read here; others concern meshes and
 /// materials.
 class GltfDocument {
  public:
@@ -8671,11 +9020,22 @@ class GltfDocument {
     return static_cast<int>(i);
   }
 
+  /// True if the values of an accessor are in this file, and not packed.
+  bool has_data(Index accessor) const {
+    const JsonView a = element("accessors", accessor);
+    if (!a.contains("bufferView")) return true;
+    const JsonView view = element("bufferViews", a["bufferView"].as<Index>());
+    const auto buffer = view["buffer"].as<Index>();
+    const JsonView b = element("buffers", buffer);
+    const bool is_here = b.contains("uri") ? is_data(b["uri"].as<std::string>()) : buffer == 0;
+    return is_here && is_packed(view, packed_views) == nullptr;
+  }
+
   /// The values of an accessor, `components` per element; integers that are marked as normalised become real numbers.
   /// Those that the file does not have are 0, and a sparse accessor replaces some.
   /// Source  glTF 2.0, 3.6.2
   /// Throws  io_error 402 if they lie outside of the file, 403, 404 for data in other files, 405 if the file does not
-  ///         have them and is too small for so many
+  ///         have them and is too small for that many
   std::vector<double> values(Index accessor, std::size_t components) const {
     const JsonView a = element("accessors", accessor);
     const std::size_t kinds = components_of(a["type"].as<std::string>());
@@ -8709,6 +9069,8 @@ class GltfDocument {
   }
 
  private:
+  static constexpr std::initializer_list<const char*> packed_views{"EXT_meshopt_compression",
+                                                                   "KHR_meshopt_compression"};
   static constexpr std::size_t most_made_up = 1 << 20;  // values that a small file may leave out
 
   static std::size_t components_of(std::string_view type) {
@@ -8775,7 +9137,9 @@ class GltfDocument {
   /// `count` elements of `item` bytes each, where the object's bufferView and byteOffset say.
   Elements elements(const JsonView& object, std::uint64_t count, std::uint64_t item) const {
     const JsonView view = element("bufferViews", object["bufferView"].as<Index>());
-    refuse_packed(view, {"EXT_meshopt_compression", "KHR_meshopt_compression"});
+    if (const char* packed = is_packed(view, packed_views))
+      raise<io_error>(404, view.path(), ": packed by ", packed,
+                      ": unpack the file first, for instance with gltf-transform");
     const auto data = slice(buffer(view["buffer"].as<Index>()), view.value_or("byteOffset", std::uint64_t{0}),
                             view["byteLength"].as<std::uint64_t>(), view.path(), "buffer view");
     const auto start = object.value_or("byteOffset", std::uint64_t{0}), stride = view.value_or("byteStride", item);
@@ -8819,16 +9183,22 @@ class GltfDocument {
     if (v.size() != 4 || !(squared > 1e-6 && squared < 1e6)) raise<io_error>(403, node.path(), ": rotation");
     return normalized(Quaternion<double>{v[3], v[0], v[1], v[2]});
   }
-  /// Columns of a matrix without shear: lengths are the scale, directions the rotation.
+  /// A matrix as translation, rotation and scale, if it is that; a reflection is a negative scale along x.
   GltfTransform decomposed(const JsonView& node) const {
     const auto m = node["matrix"].as<std::vector<double>>();
     const double sum = std::accumulate(m.begin(), m.end(), 0.0);
     if (m.size() != 16 || !std::isfinite(sum)) raise<io_error>(403, node.path(), ": matrix");
     const Vec3<double> x{m[0], m[1], m[2]}, y{m[4], m[5], m[6]}, z{m[8], m[9], m[10]};
-    const Matrix3<double> r = Matrix3<double>::from_columns(normalized(x), normalized(y), normalized(z));
-    const double determinant = dot(r.column(0), cross(r.column(1), r.column(2)));
-    if (!(determinant > 0.5)) raise<io_error>(404, node.path(), ": matrix with shear, reflection or no extent");
-    return {{m[12], m[13], m[14]}, normalized(to_quaternion(r)), {norm(x), norm(y), norm(z)}};
+    const auto linear = Matrix3<double>::from_columns(x, y, z);
+    const double sign = determinant(linear) < 0 ? -1 : 1;
+    GltfTransform out{{m[12], m[13], m[14]}, Quaternion<double>::identity(), {sign * norm(x), norm(y), norm(z)}};
+    if (auto turn = nearest_orthogonal(linear)) {
+      for (int row = 0; row < 3; ++row) (*turn)(row, 0) *= sign;
+      out.rotation = normalized(to_quaternion(*turn));
+    }
+    const double sizes = norm(x) * norm(y) * norm(z);
+    if (!(sizes > 0 && std::abs(determinant(linear)) > (1 - 1e-6) * sizes)) out.sheared = linear;
+    return out;
   }
 
   void read_nodes() {
@@ -8840,6 +9210,8 @@ class GltfDocument {
       nodes_[i].rest = n.contains("matrix")
                            ? decomposed(n)
                            : GltfTransform{vector(n, "translation", {}), quaternion(n), vector(n, "scale", {1, 1, 1})};
+      nodes_[i].is_thing = n.contains("mesh") || n.contains("camera") ||
+                           (n.contains("extensions") && n["extensions"].contains("KHR_lights_punctual"));
       for (Index c = 0; n.contains("children") && c < n["children"].size(); ++c) {
         const int child = node_number(n["children"][c]);
         GltfNode& target = nodes_[static_cast<std::size_t>(child)];
@@ -8862,6 +9234,13 @@ class GltfDocument {
     if (order_.size() != nodes_.size()) raise<io_error>(403, file_, ": the tree of nodes has a cycle");
   }
 
+  /// VRM 1.0's name of a bone of VRM 0.x, which calls the joints of thumbs otherwise.
+  static std::string name_of_1_0(const std::string& bone) {
+    const std::size_t thumb = bone.find("ThumbIntermediate");
+    if (thumb != bone.npos) return bone.substr(0, thumb) + "ThumbProximal";
+    return bone.ends_with("ThumbProximal") ? bone.substr(0, bone.size() - 8) + "Metacarpal" : bone;
+  }
+
   /// Avatars say which of their nodes are the bones of a humanoid, whatever these are called. -1: a bone without a
   /// node.
   /// Source  VRM 0.x: VRM; 1.0: VRMC_vrm, VRMC_vrm_animation
@@ -8879,14 +9258,17 @@ class GltfDocument {
     }
     if (extensions.contains("VRM")) {
       const JsonView all = extensions["VRM"]["humanoid"]["humanBones"];
-      for (Index i = 0; i < all.size(); ++i) add(all[i]["bone"].as<std::string>(), all[i]["node"]);
+      for (Index i = 0; i < all.size(); ++i) add(name_of_1_0(all[i]["bone"].as<std::string>()), all[i]["node"]);
     }
     std::set<std::string> names;
     for (const auto& [node, bone] : bones) names.insert(bone);
     for (GltfNode& node : nodes_) {
       if (names.contains(node.name)) node.name += " (no bone)";
     }
-    for (const auto& [node, bone] : bones) nodes_[static_cast<std::size_t>(node)].name = bone;
+    for (const auto& [node, bone] : bones) {
+      nodes_[static_cast<std::size_t>(node)].name = bone;
+      nodes_[static_cast<std::size_t>(node)].is_bone = true;
+    }
   }
 
   std::string file_;
@@ -8897,24 +9279,16 @@ class GltfDocument {
   std::vector<int> order_;
 };
 
-inline Vec3<double> scaled(const Vec3<double>& s, const Vec3<double>& v) { return {s.x * v.x, s.y * v.y, s.z * v.z}; }
-
-/// World transforms of all nodes at rest. Scales are multiplied axis by axis: exact unless an uneven scale stands above
-/// a rotation. Throws io_error 403 for a node that is infinitely far away.
-inline std::vector<GltfTransform> world_at_rest(const GltfDocument& document) {
-  std::vector<GltfTransform> world(document.nodes().size());
+/// All nodes in the world at rest. Throws io_error 403 for a node that is infinitely far away.
+inline std::vector<GltfPlace> world_at_rest(const GltfDocument& document) {
+  std::vector<GltfPlace> world(document.nodes().size());
   for (const int n : document.depth_first()) {
     const GltfNode& node = document.node(n);
-    GltfTransform& w = world[static_cast<std::size_t>(n)];
-    w = node.rest;
-    if (node.parent >= 0) {
-      const GltfTransform& p = world[static_cast<std::size_t>(node.parent)];
-      w = {p.translation + rotate(p.rotation, scaled(p.scale, node.rest.translation)),
-           normalized(p.rotation * node.rest.rotation), scaled(p.scale, node.rest.scale)};
-    }
-    if (!std::isfinite(norm(w.translation) + norm(w.scale))) {
+    GltfPlace& w = world[static_cast<std::size_t>(n)];
+    w = (node.parent < 0 ? GltfPlace{} : world[static_cast<std::size_t>(node.parent)]) * node.rest;
+    const double sum = std::accumulate(w.linear.m.begin(), w.linear.m.end(), norm(w.place));
+    if (!std::isfinite(sum))
       raise<io_error>(403, document.file(), ": node ", n, " '", node.name, "' is infinitely far away");
-    }
   }
   return world;
 }
@@ -8988,6 +9362,19 @@ MOTIONLANG_BODY GltfChannel::Value GltfChannel::hermite(std::size_t k, const Val
   return combine(1, combine(2 * u3 - 3 * u2 + 1, a, 3 * u2 - 2 * u3, b), 1, tangents);
 }
 
+MOTIONLANG_BODY std::optional<Vec3<double>> GltfChannel::constant() const {
+  const auto vector = [](const Value& v) { return Vec3<double>{v[0], v[1], v[2]}; };
+  const Vec3<double> first = vector(key(0));
+  const double tolerance = 1e-3 * std::max(norm(first), 1e-3);
+  for (std::size_t k = 0; k < times->size(); ++k) {
+    if (!(norm(vector(key(k)) - first) <= tolerance)) return std::nullopt;
+    for (const int tangent : {0, 2}) {
+      if (mode == cubic && norm(vector(key(k, tangent))) > tolerance) return std::nullopt;
+    }
+  }
+  return first;
+}
+
 MOTIONLANG_BODY GltfAnimation::GltfAnimation(SharedAccessors& keys, Index number) {
   const GltfDocument& document = keys.document();
   const JsonView animation = document.element("animations", number);
@@ -9005,64 +9392,208 @@ MOTIONLANG_BODY GltfAnimation::GltfAnimation(SharedAccessors& keys, Index number
       raise<io_error>(403, target.path(), ": a second channel for the ", path, " of node ", node);
     }
   }
+  begin_at_0();
 }
 
-MOTIONLANG_BODY std::optional<double> GltfAnimation::rate() const {
-  const auto all = lists_of_times();
-  if (all.empty()) return std::nullopt;
-  const auto fewer = [](const auto* a, const auto* b) { return a->size() < b->size(); };
-  const auto most = std::max_element(all.begin(), all.end(), fewer);
-  if ((*most)->size() < 2) return std::nullopt;
-  const double step = duration_ / static_cast<double>((*most)->size() - 1);
-  const auto is_frame =
-      [step](double t) {  // times are floats, which late ones round by more than a hundredth of a frame
-        constexpr double rounding = std::numeric_limits<float>::epsilon();
-        return std::abs(t / step - std::round(t / step)) < std::clamp(rounding * t / step, 0.01, 0.25);
-      };
-  for (const auto* times : all) {
-    if (!std::all_of(times->begin(), times->end(), is_frame)) return std::nullopt;
+/// Finds the rate at which keys are.
+class KeyGrid {
+ public:
+  using Times = const std::vector<double>*;
+
+  explicit KeyGrid(std::vector<Times> lists) : lists_(std::move(lists)) {
+    for (const Times t : lists_) {
+      if (most_ == nullptr || t->size() > most_->size()) most_ = t;
+      first_ = std::min(first_, t->front());
+      last_ = std::max(last_, t->back());
+    }
   }
-  const double rate = 1 / step, round = std::round(1000 * rate) / 1000;  // times are floats
-  return std::abs(rate - round) <= std::numeric_limits<float>::epsilon() * rate ? round : rate;
-}
 
-MOTIONLANG_BODY std::size_t GltfAnimation::keys() const {
-  std::size_t sum = 0;
-  for (const auto* channels : {&translations_, &rotations_, &scales_}) {
-    for (const auto& [node, c] : *channels) sum += c.times->size();
+  /// Seconds of a frame where the list with most keys has one in each.
+  std::optional<double> dense_step() const {
+    if (most_->size() < 2) return std::nullopt;
+    const double step = (most_->back() - most_->front()) / static_cast<double>(most_->size() - 1);
+    return fits(step) ? std::optional(step) : std::nullopt;
   }
-  return sum;
+  /// Seconds of a frame where no list has a key in each: the shortest time between two keys is one or a few frames.
+  std::optional<double> sparse_step() const {
+    std::vector<double> all;
+    for (const Times t : lists_) all.insert(all.end(), t->begin(), t->end());
+    std::sort(all.begin(), all.end());
+    double shortest = last_ - first_;
+    for (std::size_t i = 1; i < all.size(); ++i) {
+      const double gap = all[i] - all[i - 1];
+      if (gap > std::max(1e-4, 8 * rounding * all[i])) shortest = std::min(shortest, gap);
+    }
+    for (int frames = 1; frames <= 8 && shortest / frames > 1e-3; ++frames) {
+      double step = shortest / frames;
+      for (const double t : all) {  // later keys tell more exactly how long a frame is
+        const double n = std::round((t - first_) / step);
+        if (n > 0 && std::abs(t - first_ - n * step) < 0.25 * step) step = (t - first_) / n;
+      }
+      if (fits(step)) return step;
+    }
+    return std::nullopt;
+  }
+  /// Keys per second without the rounding of times, which are floats.
+  double rate(double step) const {
+    const double rate = 1 / step, round = std::round(1000 * rate) / 1000;
+    return std::abs(rate - round) <= rounding * rate * last_ / (last_ - first_) ? round : rate;
+  }
+  /// The median time between two keys of the list that has most.
+  double usual() const {
+    std::vector<double> gaps;
+    for (std::size_t i = 1; i < most_->size(); ++i) {
+      if ((*most_)[i] > (*most_)[i - 1]) gaps.push_back((*most_)[i] - (*most_)[i - 1]);
+    }
+    if (gaps.empty()) return 0;
+    const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+    std::nth_element(gaps.begin(), middle, gaps.end());
+    return *middle;
+  }
+  double first() const { return first_; }
+  double last() const { return last_; }
+
+ private:
+  static constexpr double rounding = std::numeric_limits<float>::epsilon();
+
+  bool fits(double step) const {
+    if (!(step > 0)) return false;
+    const auto is_frame = [&](double t) {  // late times are rounded by more than a hundredth of a frame
+      const double frame = (t - first_) / step;
+      return std::abs(frame - std::round(frame)) < std::clamp(rounding * t / step, 0.01, 0.25);
+    };
+    return std::all_of(lists_.begin(), lists_.end(),
+                       [&](Times times) { return std::all_of(times->begin(), times->end(), is_frame); });
+  }
+
+  std::vector<Times> lists_;
+  Times most_ = nullptr;
+  double first_ = std::numeric_limits<double>::infinity(), last_ = 0;
+};
+
+MOTIONLANG_BODY GltfTiming GltfAnimation::timing(std::span<const int> nodes) const {
+  GltfTiming out;
+  std::set<const std::vector<double>*> moving, all;  // channels may share them: each once
+  for (const Channels* channels : {&translations_, &rotations_, &scales_}) {
+    for (const auto& [node, c] : *channels) {
+      if (!std::binary_search(nodes.begin(), nodes.end(), node)) continue;
+      out.keys += c.times->size();
+      all.insert(c.times.get());
+      if (c.times->size() > 2 || !c.constant()) moving.insert(c.times.get());  // a pose that is held has any two times
+      if (c.mode == GltfChannel::cubic && !c.constant()) out.cubic = true;
+    }
+  }
+  if (all.empty()) return out;
+  const KeyGrid every({all.begin(), all.end()}),
+      grid(moving.empty() ? std::vector(all.begin(), all.end()) : std::vector(moving.begin(), moving.end()));
+  out.first = every.first();
+  out.last = every.last();
+  out.usual = grid.usual();
+  auto step = grid.dense_step();
+  out.dense = step.has_value();
+  if (!step) step = grid.sparse_step();
+  if (step) out.rate = grid.rate(*step);
+  return out;
 }
 
-MOTIONLANG_BODY GltfTransform GltfAnimation::at(int node, GltfTransform transform, double time) const {
+MOTIONLANG_BODY bool GltfAnimation::moves(int node, const GltfTransform& rest) const {
+  if (moves_away(node, rest.translation) || grows(node, rest.scale)) return true;
+  const auto c = rotations_.find(node);
+  if (c == rotations_.end()) return false;
+  constexpr double half_a_degree = 0.9999905;  // cosine of a quarter of a degree: of half the angle
+  return std::any_of(c->second.times->begin(), c->second.times->end(), [&](double t) {
+    return std::abs(dot(at(node, rest, t).rotation, rest.rotation)) < half_a_degree;
+  });
+}
+
+MOTIONLANG_BODY GltfTransform GltfAnimation::at(int node, const GltfTransform& rest, double time) const {
+  GltfTransform out = rest;
   if (const auto c = translations_.find(node); c != translations_.end()) {
     const auto v = c->second.at(time);
-    transform.translation = {v[0], v[1], v[2]};
+    out.translation = {v[0], v[1], v[2]};
   }
   if (const auto c = rotations_.find(node); c != rotations_.end()) {
     const auto v = c->second.at(time);
     const Quaternion<double> q{v[3], v[0], v[1], v[2]};
-    if (dot(q, q) > 1e-12) transform.rotation = normalized(q);
+    if (const double squared = dot(q, q); squared > 1e-12 && squared < 1e100) out.rotation = normalized(q);
+    out.sheared.reset();
   }
-  return transform;
-}
-
-MOTIONLANG_BODY std::set<const std::vector<double>*> GltfAnimation::lists_of_times() const {
-  std::set<const std::vector<double>*> out;
-  for (const auto* channels : {&translations_, &rotations_, &scales_}) {
-    for (const auto& [node, c] : *channels) out.insert(c.times.get());
+  if (const auto c = scales_.find(node); c != scales_.end()) {
+    const auto v = c->second.at(time);
+    out.scale = {v[0], v[1], v[2]};
+    out.sheared.reset();
   }
   return out;
 }
 
-MOTIONLANG_BODY bool GltfAnimation::leaves(const std::map<int, GltfChannel>& channels, int node,
-                                           const Vec3<double>& rest) {
+MOTIONLANG_BODY GltfTransform GltfAnimation::rest(int node, GltfTransform rest) const {
+  const auto keep = [&](const Channels& channels, Vec3<double>& value) {
+    const auto c = channels.find(node);
+    if (c == channels.end()) return;
+    const auto all_the_time = c->second.constant();
+    if (all_the_time && differs(*all_the_time, value)) value = *all_the_time;
+  };
+  keep(translations_, rest.translation);
+  keep(scales_, rest.scale);
+  if (scales_.contains(node) || rotations_.contains(node)) rest.sheared.reset();
+  return rest;
+}
+
+MOTIONLANG_BODY bool GltfAnimation::differs(const Vec3<double>& v, const Vec3<double>& rest) {
+  return norm(v - rest) > 1e-2 * std::max(norm(rest), 1e-3);
+}
+
+MOTIONLANG_BODY bool GltfAnimation::leaves(const Channels& channels, int node, const Vec3<double>& rest) {
   const auto c = channels.find(node);
   if (c == channels.end()) return false;
   return std::any_of(c->second.times->begin(), c->second.times->end(), [&](double t) {
     const auto v = c->second.at(t);
-    return norm(Vec3<double>{v[0], v[1], v[2]} - rest) > 1e-2 * std::max(norm(rest), 1e-3);
+    return differs({v[0], v[1], v[2]}, rest);
   });
+}
+
+MOTIONLANG_BODY void GltfAnimation::repair(const std::string& sentence) {
+  if (std::find(repairs_.begin(), repairs_.end(), sentence) == repairs_.end()) repairs_.push_back(sentence);
+}
+
+MOTIONLANG_BODY void GltfAnimation::sort_keys(GltfChannel& c) {
+  const std::size_t width = c.values->size() / c.times->size();
+  std::vector<std::size_t> order(c.times->size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return (*c.times)[a] < (*c.times)[b]; });
+  std::vector<double> times, values;
+  for (const std::size_t k : order) {
+    times.push_back((*c.times)[k]);
+    const auto from = c.values->begin() + static_cast<std::ptrdiff_t>(k * width);
+    values.insert(values.end(), from, from + static_cast<std::ptrdiff_t>(width));
+  }
+  c.times = std::make_shared<const std::vector<double>>(std::move(times));
+  c.values = std::make_shared<const std::vector<double>>(std::move(values));
+}
+
+MOTIONLANG_BODY void GltfAnimation::begin_at_0() {
+  double first = 0;
+  for (const Channels* channels : {&translations_, &rotations_, &scales_}) {
+    for (const auto& [node, c] : *channels) first = std::min(first, c.times->front());
+  }
+  if (first >= 0) return;
+  repair(
+      concat_text("begins at ", std::round(1e6 * first) / 1e6, " s: all its keys are moved so that it begins at 0 s"));
+  std::map<const std::vector<double>*, GltfChannel::Values> moved;
+  for (Channels* channels : {&translations_, &rotations_, &scales_}) {
+    for (auto& [node, c] : *channels) {
+      GltfChannel::Values& times = moved[c.times.get()];
+      if (times == nullptr) {
+        std::vector<double> later = *c.times;
+        for (double& t : later) t -= first;
+        times = std::make_shared<const std::vector<double>>(std::move(later));
+      }
+    }
+  }
+  for (Channels* channels : {&translations_, &rotations_, &scales_}) {
+    for (auto& [node, c] : *channels) c.times = moved[c.times.get()];
+  }
 }
 
 MOTIONLANG_BODY GltfChannel GltfAnimation::channel(SharedAccessors& keys, const JsonView& sampler,
@@ -9082,11 +9613,16 @@ MOTIONLANG_BODY GltfChannel GltfAnimation::channel(SharedAccessors& keys, const 
     raise<io_error>(403, sampler.path(), ": ", counted(t.size(), "time"), " and ", counted(c.values->size(), "number"),
                     ", expected ", expected);
   }
+  bool equal = false, sorted = true;
   for (std::size_t i = 1; i < t.size(); ++i) {
-    if (!(t[i] > t[i - 1])) raise<io_error>(403, sampler.path(), ": time ", i, " is not after the one before");
+    if (t[i] == t[i - 1]) equal = true;
+    if (t[i] < t[i - 1]) sorted = false;
   }
-  if (t.front() < 0) raise<io_error>(403, sampler.path(), ": negative time ", t.front());
-  duration_ = std::max(duration_, t.back());
+  if (equal) repair("has several keys at one time: the last of them counts");
+  if (!sorted) {
+    repair("has keys that are not in the order of their times: they are sorted");
+    sort_keys(c);
+  }
   return c;
 }
 
@@ -9100,45 +9636,94 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Which nodes become joints, and how they stand at rest.
-class GltfSkeleton {
- public:
-  Skeleton skeleton;
-  std::vector<int> nodes;                          // of each joint; -1 for a root that is made up
-  std::vector<Quaternion<double>> rest_rotations;  // of each joint in the world
+/// The joints of a figure, parents first.
+struct GltfSkeleton {
+  Skeleton skeleton{};                     // at rest
+  std::vector<int> nodes{};                // of each joint; -1 for a root that is made up
+  std::vector<int> above{};                // the nodes from the top of the tree to the root's parent
+  std::vector<Quaternion<double>> lean{};  // of each joint, from the rest of the nodes to that of the skeleton
+  std::optional<SkeletonTable> table{};    // which joint is which, if that is known
 
-  GltfSkeleton(const GltfDocument& document, std::span<const GltfAnimation> animations, Index skin);
+  /// The joints in the world, and what is above the root: transform(node) is that of a node relative to its parent.
+  template <class F>
+  GltfPlace place(F transform, std::vector<GltfPlace>& joints) const {
+    GltfPlace top;
+    for (const int n : above) top = top * transform(n);
+    joints.resize(nodes.size());
+    for (std::size_t j = 0; j < nodes.size(); ++j) {
+      const GltfPlace& parent = j == 0 ? top : joints[static_cast<std::size_t>(skeleton.parents[j])];
+      joints[j] = nodes[j] < 0 ? parent : parent * transform(nodes[j]);
+    }
+    return top;
+  }
+  /// The nodes of the joints and those above them, ascending.
+  std::vector<int> moving_nodes() const;
+};
+
+/// How a joint has turned from one place to another: the rotation between their axes in the world. `lean` is applied to
+/// the first.
+Quaternion<double> turn_between(const GltfPlace& rest, const Quaternion<double>& lean, const GltfPlace& now);
+/// The offsets of the joints that are at these places, as they lean at rest.
+std::vector<Vec3<double>> leaning_offsets(const GltfSkeleton& figure, std::span<const GltfPlace> rest);
+
+/// Finds the figures of a document.
+class GltfFigures {
+ public:
+  /// Says which joint of a skeleton is which; nothing if that is not known.
+  using FindTable = std::function<std::optional<SkeletonTable>(const Skeleton&)>;
+
+  /// skin   the only one whose joints count; none: all skins, the bones of VRM's humanoid, or, in a file with neither,
+  ///        all nodes
+  /// A skeleton that a table knows is a figure, from the lowest joint down that has all joints which the table needs.
+  /// If nothing is known: the largest skin, and others that share no joint with it; without skins what is animated.
+  /// Throws io_error 403 to 405
+  GltfFigures(const GltfDocument& document, std::span<const GltfAnimation> animations, std::optional<Index> skin,
+              const FindTable& find_table);
+
+  std::vector<GltfSkeleton> figures;  // one at least
 
  private:
   static constexpr std::size_t max_joints = 4096;
   static constexpr int nowhere = std::numeric_limits<int>::max();
 
+  /// Nodes that are joints.
+  struct Marks {
+    std::vector<int> place;  // of a joint in the skins; of a node above joints that of its first; nowhere for others
+    std::vector<int> below;  // joints in the subtree of every node
+    int total = 0;
+  };
+
   static std::size_t slot(int node) { return static_cast<std::size_t>(node); }
 
-  /// below_ counts the joints in the subtree of every node, weighted_ tells whether they move a vertex.
-  void mark_joints(const GltfDocument& document, std::span<const GltfAnimation> animations, Index skin);
+  std::vector<int> joints_of_skin(Index skin) const;
+  Marks marks_of(const std::vector<int>& own_place) const;
 
-  void mark_weighted(const GltfDocument& document, const std::vector<int>& joints, Index skin);
+  /// Adds the figures that are known among these joints, and takes them away from them.
+  void find_known(std::vector<int> own_place, const FindTable& find_table);
+  void find_unknown(std::span<const GltfAnimation> animations, std::optional<Index> skin);
+  /// The rest pose of a known figure is that of the nodes or that of the inverse bind matrices: whichever stands more
+  /// upright, with limbs more as in a T-pose.
+  void choose_rest(GltfSkeleton& figure, std::optional<Index> skin) const;
+
+  /// True if the joints of a skin move a vertex, node by node; all do where the data are packed.
+  std::vector<bool> weighted(const std::vector<int>& joints, Index skin) const;
 
   /// The lowest node that has all joints below it, or -1 if there is none.
-  int common_root(const GltfDocument& document) const;
+  int common_root(const Marks& marks) const;
 
   /// Game rigs put the hips below a root on the floor and move both. The library moves only the root of a skeleton, so
   /// that becomes the hips: the only child of `root` whose joints move vertices, if an animation moves it. -1 if not.
-  int moving_hips(const GltfDocument& document, int root, std::span<const GltfAnimation> animations) const;
+  int moving_hips(const Marks& marks, int root, std::vector<bool> weighted,
+                  std::span<const GltfAnimation> animations) const;
 
   /// The skeleton from `root` down: parents before children, else in the order of the skin.
-  void build(const GltfDocument& document, int root);
+  GltfSkeleton build(const Marks& marks, int root) const;
+  /// The part of a skeleton from a joint on.
+  GltfSkeleton part(const GltfSkeleton& all, int joint) const;
+  void finish(GltfSkeleton& figure) const;
 
-  void add_joint(int node, int parent, const std::string& name, const Vec3<double>& offset,
-                 const Quaternion<double>& q);
-
-  std::vector<int> below_;
-  std::vector<bool> weighted_;
-  std::vector<int> place_;  // in the skin; of other nodes, that of the first joint below
-  int total_ = 0;
-  std::unordered_map<std::string, int> copies_;  // how often a name was made unique
-  std::unordered_set<std::string> taken_;
+  const GltfDocument& document_;
+  std::vector<GltfPlace> world_;  // at rest
 };
 
 }  // namespace detail
@@ -9153,97 +9738,244 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-MOTIONLANG_BODY GltfSkeleton::GltfSkeleton(const GltfDocument& document, std::span<const GltfAnimation> animations,
-                                           Index skin)
-    : below_(document.nodes().size(), 0),
-      weighted_(document.nodes().size(), false),
-      place_(document.nodes().size(), nowhere) {
-  mark_joints(document, animations, skin);
-  const int common = common_root(document);
-  const int hips = common < 0 ? -1 : moving_hips(document, common, animations);
-  build(document, hips >= 0 ? hips : common);
+MOTIONLANG_BODY std::vector<int> GltfSkeleton::moving_nodes() const {
+  std::vector<int> out = above;
+  for (const int n : nodes) {
+    if (n >= 0) out.push_back(n);
+  }
+  std::sort(out.begin(), out.end());
+  return out;
 }
 
-MOTIONLANG_BODY void GltfSkeleton::mark_joints(const GltfDocument& document, std::span<const GltfAnimation> animations,
-                                               Index skin) {
-  if (document.count("skins") > 0) {
-    const JsonView joints = document.element("skins", skin)["joints"];
-    std::vector<int> numbers;
-    for (Index i = 0; i < joints.size(); ++i) numbers.push_back(document.node_number(joints[i]));
-    for (std::size_t i = numbers.size(); i-- > 0;) {
-      below_[slot(numbers[i])] = 1;
-      place_[slot(numbers[i])] = static_cast<int>(i);
+MOTIONLANG_BODY Quaternion<double> turn_between(const GltfPlace& rest, const Quaternion<double>& lean,
+                                                const GltfPlace& now) {
+  if (!rest.even || !now.even) {
+    const Matrix3<double> turn = now.axes() * transpose(to_matrix(lean) * rest.axes());
+    if (determinant(turn) > 0) return normalized(to_quaternion(turn));
+  }
+  return normalized(now.turn * inverse(lean * rest.turn));
+}
+
+MOTIONLANG_BODY std::vector<Vec3<double>> leaning_offsets(const GltfSkeleton& figure, std::span<const GltfPlace> rest) {
+  std::vector<Vec3<double>> out;
+  for (std::size_t j = 0; j < rest.size(); ++j) {
+    const auto parent = static_cast<std::size_t>(std::max(figure.skeleton.parents[j], 0));
+    out.push_back(j == 0 ? rest[0].place : rotate(figure.lean[parent], rest[j].place - rest[parent].place));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY GltfFigures::GltfFigures(const GltfDocument& document, std::span<const GltfAnimation> animations,
+                                         std::optional<Index> skin, const FindTable& find_table)
+    : document_(document), world_(world_at_rest(document)) {
+  const auto& nodes = document.nodes();
+  std::vector<int> declared(nodes.size(), nowhere);
+  int place = 0;
+  const auto add = [&](int n) {
+    if (declared[slot(n)] == nowhere) declared[slot(n)] = place++;
+  };
+  for (Index s = 0; s < document.count("skins"); ++s) {
+    if (skin && s != *skin) continue;
+    for (const int n : joints_of_skin(s)) add(n);
+  }
+  for (const int n : document.depth_first()) {
+    if (!skin && nodes[slot(n)].is_bone) add(n);
+  }
+  if (place > 0) find_known(declared, find_table);
+  if (!skin && figures.empty()) {  // joints that move no vertex may be in no skin; things are rarely joints
+    const auto animated = [&](int n) {
+      return std::any_of(animations.begin(), animations.end(), [n](const auto& a) { return a.animates(n); });
+    };
+    std::vector<int> all(nodes.size(), nowhere);
+    std::vector<bool> thing(nodes.size(), false);
+    const auto& order = document.depth_first();
+    for (auto n = order.rbegin(); n != order.rend(); ++n) {  // NOLINT(modernize-loop-convert): needs reverse_view
+      const auto& node = nodes[slot(*n)];
+      thing[slot(*n)] = node.is_thing && !animated(*n) &&
+                        std::all_of(node.children.begin(), node.children.end(), [&](int c) { return thing[slot(c)]; });
     }
-    if (!animations.empty()) mark_weighted(document, numbers, skin);  // only moving_hips asks for it
-  } else {  // no skin: all nodes that an animation turns or moves
-    for (const GltfAnimation& a : animations) {
-      for (const int n : document.depth_first()) {
-        if (a.animates(n)) below_[slot(n)] = 1, weighted_[slot(n)] = true, place_[slot(n)] = n;
-      }
+    for (const bool things : {false, true}) {
+      for (const int n : order) all[slot(n)] = thing[slot(n)] && !things ? nowhere : n;
+      if (figures.empty()) find_known(all, find_table);
     }
   }
-  const std::vector<int> own_place = place_;
-  const auto& order = document.depth_first();
+  for (GltfSkeleton& figure : figures) {
+    choose_rest(figure, skin);
+    if (auto table = find_table(figure.skeleton)) figure.table = std::move(table);  // by which it stands now
+  }
+  if (figures.empty()) find_unknown(animations, skin);
+}
+
+MOTIONLANG_BODY std::vector<int> GltfFigures::joints_of_skin(Index skin) const {
+  const JsonView joints = document_.element("skins", skin)["joints"];
+  std::vector<int> out;
+  for (Index i = 0; i < joints.size(); ++i) out.push_back(document_.node_number(joints[i]));
+  return out;
+}
+
+MOTIONLANG_BODY GltfFigures::Marks GltfFigures::marks_of(const std::vector<int>& own_place) const {
+  Marks marks{own_place, std::vector<int>(own_place.size(), 0)};
+  const auto& order = document_.depth_first();
   for (auto n = order.rbegin(); n != order.rend(); ++n) {  // NOLINT(modernize-loop-convert): needs reverse_view
-    const int p = document.node(*n).parent;
-    if (p < 0) continue;
-    if (own_place[slot(p)] == nowhere) place_[slot(p)] = std::min(place_[slot(p)], place_[slot(*n)]);
-    below_[slot(p)] += below_[slot(*n)];
-    if (weighted_[slot(*n)]) weighted_[slot(p)] = true;
+    if (own_place[slot(*n)] != nowhere) ++marks.below[slot(*n)];
+    const int p = document_.node(*n).parent;
+    if (p < 0) {
+      marks.total += marks.below[slot(*n)];
+      continue;
+    }
+    if (own_place[slot(p)] == nowhere) marks.place[slot(p)] = std::min(marks.place[slot(p)], marks.place[slot(*n)]);
+    marks.below[slot(p)] += marks.below[slot(*n)];
   }
-  total_ = std::accumulate(order.begin(), order.end(), 0,
-                           [&](int sum, int n) { return sum + (document.node(n).parent < 0 ? below_[slot(n)] : 0); });
-  if (total_ == 0) raise<io_error>(404, document.file(), ": no skin and no animated node");
+  return marks;
 }
 
-MOTIONLANG_BODY void GltfSkeleton::mark_weighted(const GltfDocument& document, const std::vector<int>& joints,
-                                                 Index skin) {
-  SharedAccessors accessors(document);
-  for (Index n = 0; n < document.count("nodes"); ++n) {
-    const JsonView node = document.element("nodes", n);
+MOTIONLANG_BODY void GltfFigures::find_known(std::vector<int> own_place, const FindTable& find_table) {
+  std::vector<int> open;
+  for (const int n : document_.depth_first()) {
+    if (document_.node(n).parent < 0) open.push_back(n);
+  }
+  std::vector<std::pair<int, GltfSkeleton>> found;
+  constexpr int most_tries = 64;  // each looks at all joints
+  Marks marks = marks_of(own_place);
+  for (int tries = 0; !open.empty() && tries < most_tries; ++tries) {
+    while (!open.empty() && marks.below[slot(open.back())] == 0) open.pop_back();
+    if (open.empty()) break;
+    const int top = open.back();
+    open.pop_back();
+    GltfSkeleton all;
+    if (marks.below[slot(top)] <= static_cast<int>(max_joints) / 2) all = build(marks, top);
+    if (all.nodes.empty()) {  // a crowd: what hangs on the node one by one
+      for (const int c : document_.node(top).children) open.push_back(c);
+      continue;
+    }
+    std::optional<SkeletonTable> table = find_table(all.skeleton);
+    const int root = table ? body_root(all.skeleton, *table) : -1;
+    if (root < 0) continue;
+    GltfSkeleton figure = part(all, root);
+    for (const int n : figure.nodes) own_place[slot(n)] = nowhere;
+    figure.table = std::move(table);
+    found.emplace_back(marks.place[slot(figure.nodes.front())], std::move(figure));
+    marks = marks_of(own_place);
+    open.push_back(top);
+  }
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (auto& [place, figure] : found) figures.push_back(std::move(figure));
+}
+
+MOTIONLANG_BODY void GltfFigures::find_unknown(std::span<const GltfAnimation> animations, std::optional<Index> skin) {
+  const Index skins = document_.count("skins");
+  std::vector<int> none(document_.nodes().size(), nowhere);
+  const auto add = [&](const std::vector<int>& own_place, const std::vector<bool>& weighted) {
+    const Marks marks = marks_of(own_place);
+    const int common = common_root(marks);
+    const int hips = common < 0 ? -1 : moving_hips(marks, common, weighted, animations);
+    figures.push_back(build(marks, hips >= 0 ? hips : common));
+    finish(figures.back());
+  };
+  if (skins == 0) {
+    std::vector<int> own_place = none;
+    for (const int n : document_.depth_first()) {  // what is animated, and what hangs on it
+      const int p = document_.node(n).parent;
+      const bool animated =
+          std::any_of(animations.begin(), animations.end(), [n](const auto& a) { return a.animates(n); });
+      if (animated || (p >= 0 && own_place[slot(p)] != nowhere && !document_.node(n).is_thing)) own_place[slot(n)] = n;
+    }
+    if (own_place == none) raise<io_error>(404, document_.file(), ": no skin and no animated node");
+    add(own_place, std::vector<bool>(none.size(), true));
+    return;
+  }
+  if (skin && (*skin < 0 || *skin >= skins))
+    raise<config_error>(103, document_.file(), ": skin ", *skin, " of ", skins);
+  std::vector<std::pair<std::size_t, Index>> sizes;
+  for (Index s = 0; s < skins; ++s) {
+    if (!skin || s == *skin) sizes.emplace_back(document_.element("skins", s)["joints"].size(), s);
+  }
+  std::stable_sort(sizes.begin(), sizes.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  constexpr std::size_t most_figures = 16, most_skins = 256;
+  if (sizes.size() > most_skins) sizes.resize(most_skins);
+  std::vector<bool> used(none.size(), false);
+  for (const auto& [size, s] : sizes) {
+    const std::vector<int> joints = joints_of_skin(s);
+    if (joints.empty() || figures.size() == most_figures ||
+        std::any_of(joints.begin(), joints.end(), [&](int n) { return used[slot(n)]; })) {
+      continue;
+    }
+    std::vector<int> own_place = none;
+    for (std::size_t i = joints.size(); i-- > 0;) own_place[slot(joints[i])] = static_cast<int>(i);
+    add(own_place, animations.empty() ? std::vector<bool>(none.size(), true) : weighted(joints, s));
+    for (const int n : joints) used[slot(n)] = true;
+    for (const int n : figures.back().moving_nodes()) used[slot(n)] = true;
+  }
+  if (figures.empty()) raise<io_error>(404, document_.file(), ": no skin has a joint");
+}
+
+MOTIONLANG_BODY std::vector<bool> GltfFigures::weighted(const std::vector<int>& joints, Index skin) const {
+  std::vector<bool> out(document_.nodes().size(), false);
+  SharedAccessors accessors(document_);
+  for (Index n = 0; n < document_.count("nodes"); ++n) {
+    const JsonView node = document_.element("nodes", n);
     if (!node.contains("mesh") || !node.contains("skin") || node["skin"].as<Index>() != skin) continue;
-    const JsonView primitives = document.element("meshes", node["mesh"].as<Index>())["primitives"];
+    const JsonView primitives = document_.element("meshes", node["mesh"].as<Index>())["primitives"];
     for (Index p = 0; p < primitives.size(); ++p) {
-      refuse_packed(primitives[p], {"KHR_draco_mesh_compression"});
       const JsonView attributes = primitives[p]["attributes"];
       if (!attributes.contains("JOINTS_0") || !attributes.contains("WEIGHTS_0")) continue;
-      const auto index_values = accessors.values(attributes["JOINTS_0"].as<Index>(), 4);
-      const auto weight_values = accessors.values(attributes["WEIGHTS_0"].as<Index>(), 4);
-      const std::vector<double>&index = *index_values, &weight = *weight_values;
-      for (std::size_t i = 0; i < std::min(index.size(), weight.size()); ++i) {
-        if (weight[i] > 0 && index[i] >= 0 && index[i] < static_cast<double>(joints.size())) {
-          weighted_[slot(joints[static_cast<std::size_t>(index[i])])] = true;
-        }
+      const auto index = attributes["JOINTS_0"].as<Index>(), weight = attributes["WEIGHTS_0"].as<Index>();
+      if (is_packed(primitives[p], {"KHR_draco_mesh_compression"}) || !document_.has_data(index) ||
+          !document_.has_data(weight)) {
+        for (const int joint : joints) out[slot(joint)] = true;
+        continue;
+      }
+      const auto index_values = accessors.values(index, 4), weight_values = accessors.values(weight, 4);
+      for (std::size_t i = 0; i < std::min(index_values->size(), weight_values->size()); ++i) {
+        const double joint = (*index_values)[i];
+        if ((*weight_values)[i] > 0 && joint >= 0 && joint < static_cast<double>(joints.size()))
+          out[slot(joints[static_cast<std::size_t>(joint)])] = true;
       }
     }
   }
+  return out;
 }
 
-MOTIONLANG_BODY int GltfSkeleton::common_root(const GltfDocument& document) const {
+MOTIONLANG_BODY int GltfFigures::common_root(const Marks& marks) const {
   int root = -1;
-  for (const int n : document.depth_first()) {
-    if (below_[slot(n)] == total_) root = n;
+  for (const int n : document_.depth_first()) {
+    if (marks.below[slot(n)] == marks.total) root = n;
   }
   return root;
 }
 
-MOTIONLANG_BODY int GltfSkeleton::moving_hips(const GltfDocument& document, int root,
-                                              std::span<const GltfAnimation> animations) const {
+MOTIONLANG_BODY int GltfFigures::moving_hips(const Marks& marks, int root, std::vector<bool> weighted,
+                                             std::span<const GltfAnimation> animations) const {
+  const auto& order = document_.depth_first();
+  for (auto n = order.rbegin(); n != order.rend(); ++n) {  // NOLINT(modernize-loop-convert): needs reverse_view
+    const int p = document_.node(*n).parent;
+    if (p >= 0 && weighted[slot(*n)]) weighted[slot(p)] = true;
+  }
   int hips = -1;
-  for (const int n : document.depth_first()) {
-    if (document.node(n).parent != root || below_[slot(n)] == 0) continue;
-    const bool matters = weighted_[slot(n)] || !weighted_[slot(root)];
+  for (const int n : document_.node(root).children) {
+    if (marks.below[slot(n)] == 0) continue;
+    const bool matters = weighted[slot(n)] || !weighted[slot(root)];
     if (matters && hips >= 0) return -1;
     if (matters) hips = n;
   }
   for (const GltfAnimation& a : animations) {
-    if (hips >= 0 && a.moves_away(hips, document.node(hips).rest.translation)) return hips;
+    if (hips >= 0 && a.moves_away(hips, document_.node(hips).rest.translation)) return hips;
   }
   return -1;
 }
 
-MOTIONLANG_BODY void GltfSkeleton::build(const GltfDocument& document, int root) {
-  const std::vector<GltfTransform> world = world_at_rest(document);
+MOTIONLANG_BODY GltfSkeleton GltfFigures::build(const Marks& marks, int root) const {
+  GltfSkeleton out;
+  std::unordered_map<std::string, int> copies;  // how often a name was made unique
+  std::unordered_set<std::string> taken;
+  const auto add = [&](int node, int parent, const std::string& name, const Vec3<double>& offset) {
+    std::string unique = name;
+    for (int& i = copies[name]; !taken.insert(unique).second;) unique = concat_text(name, "_", ++i + 1);
+    out.nodes.push_back(node);
+    out.skeleton.names.push_back(std::move(unique));
+    out.skeleton.parents.push_back(parent);
+    out.skeleton.offsets.push_back(offset);
+  };
   struct Open {
     int place, node, parent;  // in the skin, in the document, in the skeleton
     bool operator>(const Open& other) const { return place > other.place; }
@@ -9251,35 +9983,165 @@ MOTIONLANG_BODY void GltfSkeleton::build(const GltfDocument& document, int root)
   std::priority_queue<Open, std::vector<Open>, std::greater<>> open;
   if (root >= 0) open.push({0, root, -1});
   if (root < 0) {
-    add_joint(-1, -1, "root", {}, Quaternion<double>::identity());
-    for (const int n : document.depth_first()) {
-      if (document.node(n).parent < 0 && below_[slot(n)] > 0) open.push({place_[slot(n)], n, 0});
+    add(-1, -1, "root", {});
+    for (const int n : document_.depth_first()) {
+      if (document_.node(n).parent < 0 && marks.below[slot(n)] > 0) open.push({marks.place[slot(n)], n, 0});
     }
   }
   while (!open.empty()) {
     const auto [place, n, parent] = open.top();
     open.pop();
-    if (nodes.size() == max_joints) raise<io_error>(405, document.file(), ": more than ", max_joints, " joints");
-    const GltfNode& node = document.node(n);
-    const Vec3<double> origin = parent < 0 || node.parent < 0 ? Vec3<double>{} : world[slot(node.parent)].translation;
-    const int joint = static_cast<int>(nodes.size());
-    add_joint(n, parent, node.name, world[slot(n)].translation - origin, world[slot(n)].rotation);
+    if (out.nodes.size() == max_joints) raise<io_error>(405, document_.file(), ": more than ", max_joints, " joints");
+    const GltfNode& node = document_.node(n);
+    const Vec3<double> origin = parent < 0 || node.parent < 0 ? Vec3<double>{} : world_[slot(node.parent)].place;
+    const int joint = static_cast<int>(out.nodes.size());
+    add(n, parent, node.name, world_[slot(n)].place - origin);
     for (const int c : node.children) {
-      if (below_[slot(c)] > 0) open.push({place_[slot(c)], c, joint});
+      if (marks.below[slot(c)] > 0) open.push({marks.place[slot(c)], c, joint});
     }
   }
-  skeleton.validate();
+  return out;
 }
 
-MOTIONLANG_BODY void GltfSkeleton::add_joint(int node, int parent, const std::string& name, const Vec3<double>& offset,
-                                             const Quaternion<double>& q) {
-  std::string unique = name;
-  for (int& i = copies_[name]; !taken_.insert(unique).second;) unique = concat_text(name, "_", ++i + 1);
-  nodes.push_back(node);
-  skeleton.names.push_back(std::move(unique));
-  skeleton.parents.push_back(parent);
-  skeleton.offsets.push_back(offset);
-  rest_rotations.push_back(q);
+MOTIONLANG_BODY GltfSkeleton GltfFigures::part(const GltfSkeleton& all, int joint) const {
+  GltfSkeleton out;
+  for (const int j : joints_from(all.skeleton, joint)) out.nodes.push_back(all.nodes[slot(j)]);
+  out.skeleton = skeleton_from(all.skeleton, joint);
+  finish(out);
+  return out;
+}
+
+MOTIONLANG_BODY void GltfFigures::finish(GltfSkeleton& figure) const {
+  figure.skeleton.validate();
+  figure.lean.assign(figure.nodes.size(), Quaternion<double>::identity());
+  figure.above.clear();
+  if (figure.nodes.front() < 0) return;
+  for (int n = document_.node(figure.nodes.front()).parent; n >= 0; n = document_.node(n).parent)
+    figure.above.insert(figure.above.begin(), n);
+}
+
+/// The mean angle by which trunk, arms and legs leave a T-pose, radians. Nothing of a skeleton without them.
+inline std::optional<double> distance_from_t_pose(std::span<const Vec3<double>> joints, const Skeleton& skeleton,
+                                                  const SkeletonTable& table) {
+  const auto between = [&](std::string_view from, std::string_view to) {
+    const MappedJoint *a = table.find(from), *b = table.find(to);
+    const int i = a == nullptr ? -1 : find_joint(skeleton, a->source),
+              j = b == nullptr ? -1 : find_joint(skeleton, b->source);
+    return i < 0 || j < 0 ? Vec3<double>{} : joints[static_cast<std::size_t>(j)] - joints[static_cast<std::size_t>(i)];
+  };
+  const auto angle = [](const Vec3<double>& a, const Vec3<double>& b) {
+    return std::atan2(norm(cross(a, b)), dot(a, b));
+  };
+  const Vec3<double> up{0, 1, 0}, left = between("right_hip", "left_hip");
+  double sum = 0;
+  int bones = 0;
+  const auto add = [&](const Vec3<double>& bone, const Vec3<double>& wanted) {
+    if (norm(bone) > 0 && norm(wanted) > 0) sum += angle(bone, wanted), ++bones;
+  };
+  add(between("pelvis", "neck"), up);
+  add(between("neck", "head"), up);
+  for (const bool is_left : {true, false}) {
+    const std::string side = is_left ? "left_" : "right_";
+    const Vec3<double> out = is_left ? left : -left;
+    add(between(side + "hip", side + "knee"), -up);
+    add(between(side + "knee", side + "ankle"), -up);
+    add(between(side + "shoulder", side + "elbow"), out);
+    add(between(side + "elbow", side + "wrist"), out);
+  }
+  return bones < 4 ? std::nullopt : std::optional(sum / bones);
+}
+
+MOTIONLANG_BODY void GltfFigures::choose_rest(GltfSkeleton& figure, std::optional<Index> skin) const {
+  const std::size_t joints = figure.nodes.size();
+  std::unordered_map<int, std::size_t> number;  // of a node among the joints
+  for (std::size_t j = 0; j < joints; ++j) number.emplace(figure.nodes[j], j);
+  // the skin with most joints of the figure
+  Index best = -1;
+  std::size_t most = 0;
+  constexpr Index most_skins = 256;
+  std::vector<double> values;
+  const auto find_matrices = [&] {
+    for (Index s = 0; s < std::min(document_.count("skins"), most_skins); ++s) {
+      if (skin && s != *skin) continue;
+      const JsonView view = document_.element("skins", s);
+      if (!view.contains("inverseBindMatrices") || !document_.has_data(view["inverseBindMatrices"].as<Index>()))
+        continue;
+      std::size_t here = 0;
+      for (const int n : joints_of_skin(s)) here += number.count(n);
+      if (here > most) most = here, best = s;
+    }
+    if (best >= 0) values = document_.values(document_.element("skins", best)["inverseBindMatrices"].as<Index>(), 16);
+  };
+  // a motion can do without them: damaged ones leave the rest pose to the nodes
+  if (!guard<error>(find_matrices, [](const error&) { return true; }) || best < 0) return;
+  const std::vector<int> bound = joints_of_skin(best);
+  std::vector<std::optional<GltfPlace>> bind(joints);  // in the space of the mesh
+  for (std::size_t i = 0; i < bound.size() && 16 * (i + 1) <= values.size(); ++i) {
+    const auto joint = number.find(bound[i]);
+    if (joint == number.end()) continue;
+    const double* m = values.data() + 16 * i;  // column by column
+    const auto linear = Matrix3<double>::from_columns({m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]});
+    if (!nearest_orthogonal(linear)) return;
+    GltfPlace place;
+    place.linear = transpose(inverse_transposed(linear));
+    place.place = -(place.linear * Vec3<double>{m[12], m[13], m[14]});
+    place.even = false;
+    bind[joint->second] = place;
+  }
+  if (!bind.front()) return;
+
+  std::vector<GltfPlace> rest;
+  figure.place([&](int n) { return document_.node(n).rest; }, rest);
+  // bones must be as long as at rest, in some unit
+  std::vector<double> ratios;
+  for (std::size_t j = 1; j < joints; ++j) {
+    const auto p = static_cast<std::size_t>(figure.skeleton.parents[j]);
+    const double length = norm(rest[j].place - rest[p].place);
+    if (bind[j] && bind[p] && length > 1e-6) ratios.push_back(norm(bind[j]->place - bind[p]->place) / length);
+  }
+  if (ratios.size() < 8) return;
+  std::sort(ratios.begin(), ratios.end());
+  const double unit = ratios[ratios.size() / 2];
+  const auto fits = [unit](double r) { return std::abs(r - unit) < 0.05 * unit; };
+  if (!(unit > 0) || 10 * std::count_if(ratios.begin(), ratios.end(), fits) < 9 * std::ssize(ratios)) return;
+
+  // from the space of the mesh to the world: as the armature, as the mesh, as it is, or so that the root stays
+  std::vector<Matrix3<double>> turns;
+  if (!figure.above.empty()) turns.push_back(world_[slot(figure.above.back())].axes());
+  for (Index n = 0; n < document_.count("nodes"); ++n) {
+    const JsonView node = document_.element("nodes", n);
+    if (!node.contains("skin") || node["skin"].as<Index>() != best) continue;
+    turns.push_back(world_[static_cast<std::size_t>(n)].axes());
+    break;
+  }
+  turns.push_back(Matrix3<double>::identity());
+  turns.push_back(rest.front().axes() * transpose(bind.front()->axes()));
+
+  const auto places = [](const Skeleton& s) { return s.rest_positions(); };
+  constexpr double clearly = 0.5 * std::numbers::pi / 180;
+  auto least = distance_from_t_pose(places(figure.skeleton), figure.skeleton, *figure.table);
+  for (const Matrix3<double>& turn : turns) {
+    GltfSkeleton other = figure;
+    bool proper = true;
+    for (std::size_t j = 0; j < joints; ++j) {
+      const auto p = static_cast<std::size_t>(std::max(figure.skeleton.parents[j], 0));
+      if (!bind[j]) {
+        other.lean[j] = other.lean[p];
+        continue;
+      }
+      const Matrix3<double> lean = turn * bind[j]->axes() * transpose(rest[j].axes());
+      proper = proper && determinant(lean) > 0;
+      other.lean[j] = normalized(to_quaternion(lean));
+    }
+    if (!proper) continue;
+    other.skeleton.offsets = leaning_offsets(other, rest);
+    const auto distance = distance_from_t_pose(places(other.skeleton), other.skeleton, *other.table);
+    if (distance && least && *distance < *least - clearly) {
+      least = distance;
+      figure.lean = other.lean;
+      figure.skeleton.offsets = other.skeleton.offsets;
+    }
+  }
 }
 
 }  // namespace detail
@@ -9290,67 +10152,99 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
+/// How far joints of a motion are from where its file has them.
+struct GlbLoss {
+  double distance = 0;     // the largest, metres
+  std::string joint{};     // whose it is
+  double seconds = 0;      // when
+  double path = 0;         // metres over the floor by which all joints together leave their place
+  bool walk_lost = false;  // whether that is more than a tenth of the figure's size
+};
+
 /// A GLB file in memory, from which several motions can be taken.
 class GlbFile {
  public:
-  /// skin    which of the file's skins; a file without any gives a skeleton of all animated nodes
-  /// Throws  io_error 401 to 405; config_error 107 where the JSON has a value of the wrong kind
-  static GlbFile open(const FilePath& path, Index skin = 0);
-  GlbFile(std::span<const std::byte> bytes, std::string name, Index skin = 0);
+  /// skin    the only one whose joints count; none: the figures of the file
+  /// Throws  io_error 401 to 405; config_error 103 for a skin that is not there, 107 where the JSON has a value of the
+  ///         wrong kind
+  static GlbFile open(const FilePath& path, std::optional<Index> skin = {});
+  GlbFile(std::span<const std::byte> bytes, std::string name, std::optional<Index> skin = {});
 
-  const Skeleton& skeleton() const { return joints_.skeleton; }
+  /// Figures, one at least. The functions below throw config_error 103 for an unknown number.
+  Index figures() const { return std::ssize(figures_); }
+  const Skeleton& skeleton(Index figure = 0) const { return of(figure).skeleton; }
+  /// The name of a figure: that of the highest node which is above no other figure, its armature or its root.
+  std::string figure_name(Index figure = 0) const;
   std::vector<std::string> animation_names() const;
 
-  /// Seconds from time 0 to the last key of an animation. Throws config_error 103 if there is no such animation.
+  /// True if an animation has a key of a joint of the figure, or of what is above it. Throws config_error 103 without
+  /// such an animation.
+  bool moves(Index animation, Index figure = 0) const;
+
+  /// Seconds from time 0 to the last key of an animation that moves a figure. Throws config_error 103 if there is no
+  /// such animation.
   double duration(Index animation) const;
 
   /// Names of the joints below the root that an animation moves away from their place at rest, by more than a hundredth
   /// of the bone, or by the scale of the joint before: motion() leaves this out. Throws config_error 103 if there is no
   /// such animation.
-  std::vector<std::string> stretched_joints(Index animation) const;
+  std::vector<std::string> stretched_joints(Index animation, Index figure = 0) const;
+  /// Names of nodes that animations move, of no figure: cameras, props, control bones.
+  std::vector<std::string> moving_others() const;
+  /// Sentences about keys that glTF does not allow and how they are read: "animation 'walk' begins at -0.2 s: ..."
+  std::vector<std::string> repairs() const;
 
-  /// Frames per second at which motion() takes an animation: those of its keys, where all are at whole frames of one
-  /// rate of 10 to 1000; 30 for others. Throws config_error 103 if there is no such animation.
-  double rate(Index animation) const;
+  /// Frames per second at which motion() takes an animation. Where its keys are at whole frames of one rate of 10 to
+  /// 1000 and some joint has one at each: this rate. A multiple of it, of 20 at least, where no joint has one at each;
+  /// of 30 at least, for curves between keys and for slower keys. Where keys are at no common rate: 30, or more if they
+  /// are closer. Throws config_error 103 if there is no such animation.
+  double rate(Index animation, Index figure = 0) const;
 
-  /// The animation from time 0 to its last key, at `wanted` frames per second or as rate() says.
+  /// The animation from time 0 to its last key, at `wanted` frames per second or as rate() says. If its keys are not at
+  /// whole frames from 0 on, it begins up to a frame later. One that moves() nothing is one frame of the rest pose.
+  /// loss    gets what the motion lacks, if not null
   /// Throws  config_error 103 if there is no such animation, 101 for an impossible frame rate, io_error 405 if the
   ///         motion would be too long
-  Motion motion(Index animation, std::optional<double> wanted = {}) const;
-  /// All animations. Throws what motion(number) throws; io_error 405 if they would be too long together.
-  std::vector<Motion> motions(std::optional<double> wanted = {}) const;
+  Motion motion(Index animation, std::optional<double> wanted = {}, Index figure = 0, GlbLoss* loss = nullptr) const;
+  /// All animations of all figures that they move; if they move none, those of the first figure. The names of motions
+  /// of one animation end with those of their figures.
+  /// losses  gets one for each motion, if not null
+  /// Throws  what motion(number) throws; io_error 405 if they would be too long together.
+  std::vector<Motion> motions(std::optional<double> wanted = {}, std::vector<GlbLoss>* losses = nullptr) const;
   /// The animation of that name. Throws config_error 103, and what motion(number) throws.
   Motion motion(std::string_view animation, std::optional<double> fps = {}) const;
 
  private:
-  GlbFile(const detail::GltfDocument& document, Index skin);
+  GlbFile(const detail::GltfDocument& document, std::optional<Index> skin);
 
   static std::vector<detail::GltfAnimation> load(const detail::GltfDocument& document);
 
   const detail::GltfAnimation& at(Index animation) const;
+  const detail::GltfSkeleton& of(Index figure) const;
+  const std::vector<int>& moving_of(Index figure) const;
+  const detail::GltfTransform& rest_of(int node) const { return nodes_[static_cast<std::size_t>(node)].rest; }
 
-  double frames_of(const detail::GltfAnimation& a, double fps) const;
+  double frames_of(Index animation, Index figure, double fps) const;
+  /// The time of the first frame: where keys are at whole frames, but not from 0 on, part of a frame.
+  double begin_of(Index animation, Index figure, double fps) const;
   static double most_rotations(std::size_t keys);
   /// How many rotations take as much memory as the skeleton of a motion.
-  double skeleton_rotations() const;
-
-  detail::GltfTransform transform(const detail::GltfAnimation& a, int node, double time) const;
-
-  /// The root with all that stands above it in the file.
-  detail::GltfTransform root_in_world(const detail::GltfAnimation& a, double time) const;
-
-  void append_pose(Motion& motion, const detail::GltfAnimation& a, double time) const;
+  static double skeleton_rotations(const Skeleton& skeleton);
+  /// Animations and the figures that they move.
+  std::vector<std::pair<Index, Index>> pairs() const;
 
   std::string file_;
   std::vector<detail::GltfNode> nodes_;
   std::vector<detail::GltfAnimation> animations_;
-  detail::GltfSkeleton joints_;
+  std::vector<detail::GltfSkeleton> figures_;
+  std::vector<std::vector<int>> moving_of_;  // nodes of every figure and above it, ascending
+  std::vector<int> moving_;                  // those of all figures
 };
 
 struct GlbReadOptions {
   std::string animation{};      // by name; "": the first
   std::optional<double> fps{};  // none: GlbFile::rate
-  Index skin = 0;
+  std::optional<Index> skin{};  // none: the first figure
 };
 
 /// Throws what GlbFile::open and GlbFile::motion throw.
@@ -9364,84 +10258,101 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-MOTIONLANG_BODY GlbFile GlbFile::open(const FilePath& path, Index skin) {
+namespace detail {
+
+/// The built-in table that fits a skeleton, if there is one.
+inline std::optional<SkeletonTable> known_table(const Skeleton& skeleton) {
+  const SkeletonTable* table = find_skeleton_table(skeleton);
+  return table == nullptr ? std::nullopt : std::optional(*table);
+}
+
+/// Takes the frames of one motion, and measures what it lacks.
+class GltfSampler {
+ public:
+  GltfSampler(const GltfSkeleton& figure, const std::vector<GltfNode>& nodes, const GltfAnimation& animation)
+      : figure_(figure), nodes_(nodes), animation_(animation) {
+    figure.place([&](int n) { return animation.rest(n, rest_of(n)); }, rest_);
+    offsets_ = figure.skeleton.offsets;
+    const bool other = std::any_of(figure.nodes.begin(), figure.nodes.end(), [&](int n) { return differs(n); }) ||
+                       std::any_of(figure.above.begin(), figure.above.end(), [&](int n) { return differs(n); });
+    if (other) offsets_ = leaning_offsets(figure, rest_);
+    for (const GltfPlace& joint : rest_) size_ = std::max(size_, 2 * norm(joint.place - rest_.front().place));
+  }
+
+  Skeleton skeleton() const {
+    Skeleton out = figure_.skeleton;
+    out.offsets = offsets_;
+    return out;
+  }
+  void append(Motion& motion, double time) {
+    figure_.place([&](int n) { return animation_.at(n, rest_of(n), time); }, now_);
+    turns_.resize(now_.size());
+    places_.resize(now_.size());
+    Vec3<double> sum{};
+    for (std::size_t j = 0; j < now_.size(); ++j) {
+      turns_[j] = turn_between(rest_[j], figure_.lean[j], now_[j]);
+      if (j == 0) {
+        places_[0] = now_[0].place;
+        motion.root.push_back(places_[0]);
+        motion.local.push_back(turns_[0]);
+        continue;
+      }
+      const auto parent = static_cast<std::size_t>(figure_.skeleton.parents[j]);
+      places_[j] = places_[parent] + rotate(turns_[parent], offsets_[j]);
+      motion.local.push_back(normalized(inverse(turns_[parent]) * turns_[j]));
+      const Vec3<double> lacks = now_[j].place - places_[j];
+      sum = sum + lacks;
+      if (norm(lacks) > loss_.distance)
+        loss_.distance = norm(lacks), loss_.joint = figure_.skeleton.names[j], loss_.seconds = time;
+    }
+    sum = (1 / static_cast<double>(now_.size())) * sum;
+    loss_.path = std::max(loss_.path, std::hypot(sum.x, sum.z));
+  }
+  GlbLoss loss() const {
+    GlbLoss out = loss_;
+    out.walk_lost = out.path > 0.1 * size_;
+    return out;
+  }
+
+ private:
+  const GltfTransform& rest_of(int n) const { return nodes_[static_cast<std::size_t>(n)].rest; }
+  bool differs(int n) const {
+    if (n < 0 || !animation_.animates(n)) return false;
+    const GltfTransform own = animation_.rest(n, rest_of(n));
+    return own.translation != rest_of(n).translation || own.scale != rest_of(n).scale;
+  }
+
+  const GltfSkeleton& figure_;
+  const std::vector<GltfNode>& nodes_;
+  const GltfAnimation& animation_;
+  std::vector<GltfPlace> rest_, now_;
+  std::vector<Vec3<double>> offsets_, places_;
+  std::vector<Quaternion<double>> turns_;
+  GlbLoss loss_;
+  double size_ = 0;
+};
+
+}  // namespace detail
+
+MOTIONLANG_BODY GlbFile GlbFile::open(const FilePath& path, std::optional<Index> skin) {
   return GlbFile(MappedFile::open(path)->bytes(), path.string(), skin);
 }
 
-MOTIONLANG_BODY GlbFile::GlbFile(std::span<const std::byte> bytes, std::string name, Index skin)
+MOTIONLANG_BODY GlbFile::GlbFile(std::span<const std::byte> bytes, std::string name, std::optional<Index> skin)
     : GlbFile(detail::GltfDocument(bytes, std::move(name)), skin) {}
 
-MOTIONLANG_BODY std::vector<std::string> GlbFile::animation_names() const {
-  std::vector<std::string> out;
-  for (const auto& a : animations_) out.push_back(a.name());
-  return out;
-}
-
-MOTIONLANG_BODY double GlbFile::duration(Index animation) const { return at(animation).duration(); }
-
-MOTIONLANG_BODY std::vector<std::string> GlbFile::stretched_joints(Index animation) const {
-  const detail::GltfAnimation& a = at(animation);
-  std::vector<std::string> names;
-  for (std::size_t j = 1; j < joints_.nodes.size(); ++j) {
-    const int node = joints_.nodes[j], before = joints_.nodes[static_cast<std::size_t>(skeleton().parents[j])];
-    const bool stretched = before >= 0 && a.grows(before, nodes_[static_cast<std::size_t>(before)].rest.scale);
-    if (stretched || a.moves_away(node, nodes_[static_cast<std::size_t>(node)].rest.translation)) {
-      names.push_back(skeleton().names[j]);
-    }
-  }
-  return names;
-}
-
-MOTIONLANG_BODY double GlbFile::rate(Index animation) const {
-  const double own = at(animation).rate().value_or(0);
-  return own >= 10 && own <= 1000 ? own : 30;
-}
-
-MOTIONLANG_BODY Motion GlbFile::motion(Index animation, std::optional<double> wanted) const {
-  const detail::GltfAnimation& a = at(animation);
-  const double fps = wanted ? *wanted : rate(animation), frames = frames_of(a, fps);
-  const double rotations = frames * skeleton().size(), most = most_rotations(a.keys());
-  if (rotations > most)
-    raise<io_error>(405, file_, ": animation '", a.name(), "' of ", a.duration(), " s at ", fps,
-                    " per second: ", rotations, " rotations (frames x joints), at most ", most, " of ",
-                    counted(a.keys(), "key"));
-  Motion motion{skeleton(), fps, {}, {}, a.name()};
-  motion.root.reserve(static_cast<std::size_t>(frames));
-  motion.local.reserve(static_cast<std::size_t>(frames) * joints_.nodes.size());
-  for (double frame = 0; frame < frames; ++frame) append_pose(motion, a, frame / fps);
-  return motion;
-}
-
-MOTIONLANG_BODY std::vector<Motion> GlbFile::motions(std::optional<double> wanted) const {
-  double frames = 0;
-  std::size_t keys = 0;
-  for (std::size_t i = 0; i < animations_.size(); ++i) {
-    frames += frames_of(animations_[i], wanted ? *wanted : rate(static_cast<Index>(i)));
-    keys += animations_[i].keys();
-  }
-  const double rotations = frames * skeleton().size(), most = most_rotations(keys),
-               skeletons = std::ceil(static_cast<double>(animations_.size()) * skeleton_rotations());
-  if (rotations + skeletons > most)
-    raise<io_error>(405, file_, ": ", counted(animations_.size(), "animation"), ": ", rotations,
-                    " rotations (frames x joints) and skeletons that take the memory of ", skeletons, ", at most ",
-                    most, " of ", counted(keys, "key"));
-  std::vector<Motion> out;
-  for (std::size_t i = 0; i < animations_.size(); ++i) out.push_back(motion(static_cast<Index>(i), wanted));
-  return out;
-}
-
-MOTIONLANG_BODY Motion GlbFile::motion(std::string_view animation, std::optional<double> fps) const {
-  for (std::size_t i = 0; i < animations_.size(); ++i) {
-    if (animations_[i].name() == animation) return motion(static_cast<Index>(i), fps);
-  }
-  raise<config_error>(103, file_, ": no animation '", animation, "' among ", animations_.size());
-}
-
-MOTIONLANG_BODY GlbFile::GlbFile(const detail::GltfDocument& document, Index skin)
+MOTIONLANG_BODY GlbFile::GlbFile(const detail::GltfDocument& document, std::optional<Index> skin)
     : file_(document.file()),
       nodes_(document.nodes()),
       animations_(load(document)),
-      joints_(document, animations_, skin) {}
+      figures_(detail::GltfFigures(document, animations_, skin, detail::known_table).figures) {
+  for (const detail::GltfSkeleton& figure : figures_) {
+    moving_of_.push_back(figure.moving_nodes());
+    moving_.insert(moving_.end(), moving_of_.back().begin(), moving_of_.back().end());
+  }
+  std::sort(moving_.begin(), moving_.end());
+  moving_.erase(std::unique(moving_.begin(), moving_.end()), moving_.end());
+}
 
 MOTIONLANG_BODY std::vector<detail::GltfAnimation> GlbFile::load(const detail::GltfDocument& document) {
   detail::SharedAccessors keys(document);
@@ -9457,9 +10368,95 @@ MOTIONLANG_BODY const detail::GltfAnimation& GlbFile::at(Index animation) const 
   return animations_[static_cast<std::size_t>(animation)];
 }
 
-MOTIONLANG_BODY double GlbFile::frames_of(const detail::GltfAnimation& a, double fps) const {
+MOTIONLANG_BODY const detail::GltfSkeleton& GlbFile::of(Index figure) const {
+  if (figure < 0 || figure >= figures()) raise<config_error>(103, file_, ": figure ", figure, " of ", figures());
+  return figures_[static_cast<std::size_t>(figure)];
+}
+
+MOTIONLANG_BODY const std::vector<int>& GlbFile::moving_of(Index figure) const {
+  of(figure);
+  return moving_of_[static_cast<std::size_t>(figure)];
+}
+
+MOTIONLANG_BODY std::string GlbFile::figure_name(Index figure) const {
+  const detail::GltfSkeleton& s = of(figure);
+  for (const int n : s.above) {
+    bool shared = false;
+    for (Index other = 0; other < figures(); ++other)
+      shared = shared || (other != figure && std::binary_search(moving_of(other).begin(), moving_of(other).end(), n));
+    if (!shared) return nodes_[static_cast<std::size_t>(n)].name;
+  }
+  return s.skeleton.names.front();
+}
+
+MOTIONLANG_BODY std::vector<std::string> GlbFile::animation_names() const {
+  std::vector<std::string> out;
+  for (const auto& a : animations_) out.push_back(a.name());
+  return out;
+}
+
+MOTIONLANG_BODY bool GlbFile::moves(Index animation, Index figure) const {
+  return at(animation).timing(moving_of(figure)).keys > 0;
+}
+
+MOTIONLANG_BODY double GlbFile::duration(Index animation) const { return at(animation).timing(moving_).last; }
+
+MOTIONLANG_BODY std::vector<std::string> GlbFile::stretched_joints(Index animation, Index figure) const {
+  const detail::GltfAnimation& a = at(animation);
+  const detail::GltfSkeleton& s = of(figure);
+  std::vector<std::string> names;
+  for (std::size_t j = 1; j < s.nodes.size(); ++j) {
+    const int node = s.nodes[j], before = s.nodes[static_cast<std::size_t>(s.skeleton.parents[j])];
+    const bool stretched = before >= 0 && a.grows(before, a.rest(before, rest_of(before)).scale);
+    if (stretched || a.moves_away(node, a.rest(node, rest_of(node)).translation)) names.push_back(s.skeleton.names[j]);
+  }
+  return names;
+}
+
+MOTIONLANG_BODY std::vector<std::string> GlbFile::moving_others() const {
+  std::vector<std::string> names;
+  for (int n = 0; n < static_cast<int>(nodes_.size()); ++n) {
+    if (std::binary_search(moving_.begin(), moving_.end(), n)) continue;
+    if (std::any_of(animations_.begin(), animations_.end(), [&](const auto& a) { return a.moves(n, rest_of(n)); }))
+      names.push_back(nodes_[static_cast<std::size_t>(n)].name);
+  }
+  return names;
+}
+
+MOTIONLANG_BODY std::vector<std::string> GlbFile::repairs() const {
+  std::vector<std::string> out;
+  for (const detail::GltfAnimation& a : animations_) {
+    for (const std::string& repair : a.repairs()) out.push_back(concat_text("animation '", a.name(), "' ", repair));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY double GlbFile::rate(Index animation, Index figure) const {
+  const detail::GltfTiming timing = at(animation).timing(moving_of(figure));
+  constexpr double slowest = 10, fastest = 1000, usual = 30, smooth = 20, closest = 240;
+  if (!timing.rate) return timing.usual > 0 ? std::clamp(std::round(1 / timing.usual), usual, closest) : usual;
+  const double own = *timing.rate;
+  if (!(own >= 1 && own <= fastest)) return usual;
+  const bool each = timing.dense && own >= slowest;
+  const double least = timing.cubic ? usual : each ? own : own < slowest ? usual : smooth;
+  const double times = std::ceil(least / own - 1e-9);
+  return times <= 1 ? own : times * own;
+}
+
+MOTIONLANG_BODY double GlbFile::begin_of(Index animation, Index figure, double fps) const {
+  const detail::GltfTiming timing = at(animation).timing(moving_of(figure));
+  constexpr double same = 0.01;  // of a frame
+  const double frames = timing.rate ? fps / *timing.rate : 0, frame = timing.first * fps;
+  if (!(frames > 0.5) || std::abs(frames - std::round(frames)) > same) return 0;  // keys are at no whole frames
+  const double part = frame - std::floor(frame + same);
+  return part < same ? 0 : part / fps;
+}
+
+MOTIONLANG_BODY double GlbFile::frames_of(Index animation, Index figure, double fps) const {
   if (!(fps > 0 && fps < 1e6)) raise<config_error>(101, file_, ": ", fps, " frames per second");
-  const double last = a.duration() * fps;  // the time of the last key is a float
+  if (!moves(animation, figure)) return 1;
+  const double last = std::max(0.0, duration(animation) - begin_of(animation, figure, fps)) * fps;
+  // the time of the last key is a float
   return std::floor(last + std::max(1e-4, std::numeric_limits<float>::epsilon() * last)) + 1;
 }
 
@@ -9468,36 +10465,79 @@ MOTIONLANG_BODY double GlbFile::most_rotations(std::size_t keys) {
   return std::max(most_of_any, most_of_key * static_cast<double>(keys));
 }
 
-MOTIONLANG_BODY double GlbFile::skeleton_rotations() const {
+MOTIONLANG_BODY double GlbFile::skeleton_rotations(const Skeleton& skeleton) {
   std::size_t bytes = 0;
-  for (const std::string& name : skeleton().names)
+  for (const std::string& name : skeleton.names)
     bytes += sizeof(std::string) + name.size() + sizeof(int) + sizeof(Vec3<double>);
   return static_cast<double>(bytes) / sizeof(Quaternion<double>);
 }
 
-MOTIONLANG_BODY detail::GltfTransform GlbFile::transform(const detail::GltfAnimation& a, int node, double time) const {
-  return a.at(node, nodes_[static_cast<std::size_t>(node)].rest, time);
+MOTIONLANG_BODY Motion GlbFile::motion(Index animation, std::optional<double> wanted, Index figure,
+                                       GlbLoss* loss) const {
+  const detail::GltfAnimation& a = at(animation);
+  const double fps = wanted ? *wanted : rate(animation, figure), frames = frames_of(animation, figure, fps);
+  const std::size_t keys = a.timing(moving_).keys;
+  const double rotations = frames * skeleton(figure).size(), most = most_rotations(keys);
+  const double most_frames = std::max(1e6, static_cast<double>(keys));
+  if (rotations > most || frames > most_frames)
+    raise<io_error>(405, file_, ": animation '", a.name(), "' of ", duration(animation), " s at ", fps,
+                    " per second: ", rotations > most ? rotations : frames,
+                    rotations > most ? " rotations (frames x joints), at most " : " frames, at most ",
+                    rotations > most ? most : most_frames, " of ", counted(keys, "key"));
+  detail::GltfSampler sampler(of(figure), nodes_, a);
+  Motion motion{sampler.skeleton(), fps, {}, {}, a.name()};
+  motion.root.reserve(static_cast<std::size_t>(frames));
+  motion.local.reserve(static_cast<std::size_t>(frames) * of(figure).nodes.size());
+  const double begin = begin_of(animation, figure, fps);
+  for (double frame = 0; frame < frames; ++frame) sampler.append(motion, begin + frame / fps);
+  if (loss != nullptr) *loss = sampler.loss();
+  return motion;
 }
 
-MOTIONLANG_BODY detail::GltfTransform GlbFile::root_in_world(const detail::GltfAnimation& a, double time) const {
-  detail::GltfTransform world;
-  for (int n = joints_.nodes.front(); n >= 0; n = nodes_[static_cast<std::size_t>(n)].parent) {
-    const detail::GltfTransform t = transform(a, n, time);
-    world.translation = t.translation + rotate(t.rotation, detail::scaled(t.scale, world.translation));
-    world.rotation = normalized(t.rotation * world.rotation);
+MOTIONLANG_BODY std::vector<std::pair<Index, Index>> GlbFile::pairs() const {
+  std::vector<std::pair<Index, Index>> out;
+  for (Index a = 0; a < std::ssize(animations_); ++a) {
+    for (Index f = 0; f < figures(); ++f) {
+      if (moves(a, f)) out.emplace_back(a, f);
+    }
   }
-  return world;
+  if (!out.empty()) return out;
+  for (Index a = 0; a < std::ssize(animations_); ++a) out.emplace_back(a, 0);
+  return out;
 }
 
-MOTIONLANG_BODY void GlbFile::append_pose(Motion& motion, const detail::GltfAnimation& a, double time) const {
-  const detail::GltfTransform root = root_in_world(a, time);
-  motion.root.push_back(root.translation);
-  motion.local.push_back(normalized(root.rotation * inverse(joints_.rest_rotations.front())));
-  for (std::size_t j = 1; j < joints_.nodes.size(); ++j) {
-    const auto parent = static_cast<std::size_t>(skeleton().parents[j]);
-    const Quaternion<double> r = transform(a, joints_.nodes[j], time).rotation;
-    motion.local.push_back(normalized(joints_.rest_rotations[parent] * r * inverse(joints_.rest_rotations[j])));
+MOTIONLANG_BODY std::vector<Motion> GlbFile::motions(std::optional<double> wanted, std::vector<GlbLoss>* losses) const {
+  double rotations = 0, skeletons = 0;
+  std::size_t keys = 0;
+  const auto all = pairs();
+  for (const auto& [a, f] : all) {
+    rotations += frames_of(a, f, wanted ? *wanted : rate(a, f)) * skeleton(f).size();
+    skeletons += skeleton_rotations(skeleton(f));
+    keys += at(a).timing(moving_of(f)).keys;
   }
+  const double most = most_rotations(keys);
+  skeletons = std::ceil(skeletons);
+  if (rotations + skeletons > most)
+    raise<io_error>(405, file_, ": ", counted(animations_.size(), "animation"), ": ", rotations,
+                    " rotations (frames x joints) and skeletons that take the memory of ", skeletons, ", at most ",
+                    most, " of ", counted(keys, "key"));
+  std::vector<Motion> out;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto [a, f] = all[i];
+    GlbLoss loss;
+    out.push_back(motion(a, wanted, f, &loss));
+    const bool shared = (i > 0 && all[i - 1].first == a) || (i + 1 < all.size() && all[i + 1].first == a);
+    if (shared) out.back().name += " " + figure_name(f);
+    if (losses != nullptr) losses->push_back(std::move(loss));
+  }
+  return out;
+}
+
+MOTIONLANG_BODY Motion GlbFile::motion(std::string_view animation, std::optional<double> fps) const {
+  for (std::size_t i = 0; i < animations_.size(); ++i) {
+    if (animations_[i].name() == animation) return motion(static_cast<Index>(i), fps);
+  }
+  raise<config_error>(103, file_, ": no animation '", animation, "' among ", animations_.size());
 }
 
 MOTIONLANG_BODY Motion read_glb(const FilePath& path, const GlbReadOptions& options) {
@@ -9530,10 +10570,9 @@ class GlbRig {
   /// Says which joint of a skeleton is which: one of the known tables, or read_skeleton_table.
   using FindTable = std::function<SkeletonTable(const Skeleton&)>;
 
-  /// Of several skins, the first for which there is a table; of very many (thousands in a file of thousands of nodes),
-  /// only the first are tried.
+  /// The figure is the first that GlbFile finds in the same file.
   /// Throws  what GlbFile throws; config_error 103 with the joint that is missing if no table fits, for every skin if
-  ///         there are several
+  ///         there are several, of many for the first
   static GlbRig open(const FilePath& path, const FindTable& find_table = detect_skeleton_table);
   GlbRig(std::span<const std::byte> bytes, std::string name, const FindTable& find_table = detect_skeleton_table);
 
@@ -9553,9 +10592,10 @@ class GlbRig {
   std::vector<std::byte> with(std::span<const Motion> motions, const GlbRigOptions& options = {}) const;
 
  private:
-  void find_joints(Index skin, const FindTable& find_table);
+  /// Throws config_error 103 that says why no table fits.
+  [[noreturn]] void refuse(const FindTable& find_table) const;
 
-  /// The motion as nodes have it: r_j = B_parent^-1 L_j B_j with B the world rotations at rest, and the place of the
+  /// The motion as nodes have it: r_j = B_parent^-1 L_j B_j with B the axes in the world at rest, and the place of the
   /// pelvis as seen from the node above it.
   Motion in_nodes(Motion motion) const;
   /// The nodes of joints that ever leave the pose at rest; -1 for fingers and the like, which need no keys.
@@ -9565,9 +10605,9 @@ class GlbRig {
   std::shared_ptr<const detail::GltfDocument> document_;
   SkeletonTable table_;
   Skeleton skeleton_;
-  std::vector<int> nodes_;  // of the joints
-  std::vector<Quaternion<double>> rest_rotations_;
-  detail::GltfTransform above_;  // of the pelvis' parent in the world, at rest
+  std::vector<int> nodes_;             // of the joints
+  std::vector<Matrix3<double>> axes_;  // of the joints in the world at rest; left-handed in a mirror image
+  detail::GltfPlace above_;            // the pelvis' parent in the world at rest
 };
 
 /// Motions on the skeleton of a character, which those that are not on it yet are retargeted to.
@@ -9665,25 +10705,51 @@ MOTIONLANG_BODY GlbRig GlbRig::open(const FilePath& path, const FindTable& find_
 MOTIONLANG_BODY GlbRig::GlbRig(std::span<const std::byte> bytes, std::string name, const FindTable& find_table)
     : bytes_(std::make_shared<const std::vector<std::byte>>(bytes.begin(), bytes.end())),
       document_(std::make_shared<const detail::GltfDocument>(*bytes_, std::move(name))) {
+  const auto find = [&](const Skeleton& s) {
+    std::optional<SkeletonTable> table;
+    const auto not_it = [](const config_error& e) { return e.id() == 103; };
+    detail::guard<config_error>([&] { table = find_table(s); }, not_it);
+    return table;
+  };
+  std::vector<detail::GltfAnimation> animations;
+  detail::SharedAccessors keys(*document_);
+  if (document_->count("skins") == 0) {  // then joints may be what moves
+    for (Index i = 0; i < document_->count("animations"); ++i) animations.emplace_back(keys, i);
+  }
+  const detail::GltfSkeleton figure = detail::GltfFigures(*document_, animations, {}, find).figures.front();
+  if (!figure.table) refuse(find_table);
+  table_ = *figure.table;
+  skeleton_ = figure.skeleton;
+  nodes_ = figure.nodes;
+  std::vector<detail::GltfPlace> rest;
+  above_ = figure.place([&](int n) { return document_->node(n).rest; }, rest);
+  for (std::size_t j = 0; j < rest.size(); ++j) axes_.push_back(to_matrix(figure.lean[j]) * rest[j].axes());
+  if (!detail::nearest_orthogonal(above_.linear))
+    raise<io_error>(404, file(), ": a scale above '", skeleton_.name(0), "' is 0");
+}
+
+MOTIONLANG_BODY void GlbRig::refuse(const FindTable& find_table) const {
   const Index skins = document_->count("skins");
-  if (skins < 2) {
-    find_joints(0, find_table);
-    return;
-  }
-  constexpr Index most_visits = 10'000'000, most_reasons = 8;  // each skin is looked for among all nodes
-  const Index tried = std::min(skins, 1 + most_visits / (1 + std::ssize(document_->nodes())));
+  std::vector<detail::GltfAnimation> animations;
+  detail::SharedAccessors keys(*document_);
+  for (Index i = 0; skins == 0 && i < document_->count("animations"); ++i) animations.emplace_back(keys, i);
+  const auto joints_of = [&](std::optional<Index> skin) {
+    const detail::GltfFigures all(*document_, animations, skin, [](const Skeleton&) { return std::nullopt; });
+    return all.figures.front().skeleton;
+  };
+  constexpr Index most_reasons = 8;
   std::string reasons;
-  for (Index skin = 0; skin < tried; ++skin) {
-    const auto find = [&] { find_joints(skin, find_table); };
-    const auto not_it = [&](const config_error& e) {
+  for (Index skin = 0; skin < std::min(skins, most_reasons); ++skin) {
+    const auto why = [&](const config_error& e) {
       const std::string_view what = e.what();
-      if (skin < most_reasons) reasons += concat_text("; skin ", skin, ": ", what.substr(what.find("] ") + 2));
-      return e.id() == 103;
+      reasons += concat_text("; skin ", skin, ": ", what.substr(what.find("] ") + 2));
+      return skins > 1 && e.id() == 103;
     };
-    if (detail::guard<config_error>(find, not_it)) return;
+    detail::guard<config_error>([&] { find_table(joints_of(skin)); }, why);
   }
-  raise<config_error>(103, file(), ": none of ", tried < skins ? concat_text("the first ", tried, " of ") : "",
-                      counted(skins, "skin"), " is a body that is known", reasons);
+  if (skins == 0) find_table(joints_of({}));
+  if (reasons.empty()) raise<config_error>(103, file(), ": no node is the root of all joints of the body");
+  raise<config_error>(103, file(), ": none of ", counted(skins, "skin"), " is a body that is known", reasons);
 }
 
 MOTIONLANG_BODY const std::string& GlbRig::file() const { return document_->file(); }
@@ -9717,52 +10783,17 @@ MOTIONLANG_BODY std::vector<std::byte> GlbRig::with(std::span<const Motion> moti
   return glb.finish();
 }
 
-MOTIONLANG_BODY void GlbRig::find_joints(Index skin, const FindTable& find_table) {
-  std::vector<detail::GltfAnimation> animations;
-  detail::SharedAccessors keys(*document_);
-  if (document_->count("skins") == 0) {  // then joints are what moves
-    for (Index i = 0; i < document_->count("animations"); ++i) animations.emplace_back(keys, i);
-  }
-  const detail::GltfSkeleton all(*document_, animations, skin);
-  table_ = find_table(all.skeleton);
-  const int pelvis = find_joint(all.skeleton, table_.find("pelvis")->source);
-  if (all.nodes[static_cast<std::size_t>(pelvis)] < 0) {  // "root", which was made up over several trees
-    raise<config_error>(103, file(), ": no node is the joint '", all.skeleton.name(pelvis), "'");
-  }
-
-  std::vector<int> number(all.nodes.size(), -1);  // of a joint of `all` in the skeleton from the pelvis down
-  for (std::size_t j = 0; j < all.nodes.size(); ++j) {
-    const int parent = all.skeleton.parents[j];
-    const bool root = static_cast<int>(j) == pelvis;
-    if (!root && (parent < 0 || number[static_cast<std::size_t>(parent)] < 0)) continue;
-    number[j] = static_cast<int>(nodes_.size());
-    nodes_.push_back(all.nodes[j]);
-    rest_rotations_.push_back(all.rest_rotations[j]);
-    skeleton_.names.push_back(all.skeleton.names[j]);
-    skeleton_.parents.push_back(root ? -1 : number[static_cast<std::size_t>(parent)]);
-    skeleton_.offsets.push_back(root ? all.skeleton.rest_positions()[j] : all.skeleton.offsets[j]);
-  }
-  skeleton_.validate();
-  const std::vector<detail::GltfTransform> world = detail::world_at_rest(*document_);
-  const int above = document_->node(nodes_.front()).parent;
-  if (above >= 0) above_ = world[static_cast<std::size_t>(above)];
-  if (const auto& s = above_.scale; !(s.x > 0 && s.y > 0 && s.z > 0)) {
-    raise<io_error>(404, file(), ": the scale above '", skeleton_.name(0), "' is not positive");
-  }
-}
-
 MOTIONLANG_BODY Motion GlbRig::in_nodes(Motion motion) const {
-  const auto undo = inverse(above_.rotation);
+  const Matrix3<double> up = above_.axes(), undo = transpose(detail::inverse_transposed(above_.linear));
   for (Index f = 0; f < motion.frames(); ++f) {
     const auto local = motion.rotations(f);
     for (std::size_t j = 0; j < local.size(); ++j) {
       const int parent = skeleton_.parents[j];
-      const auto up = parent < 0 ? above_.rotation : rest_rotations_[static_cast<std::size_t>(parent)];
-      local[j] = inverse(up) * local[j] * rest_rotations_[j];
+      const Matrix3<double>& before = parent < 0 ? up : axes_[static_cast<std::size_t>(parent)];
+      local[j] = normalized(to_quaternion(transpose(before) * to_matrix(local[j]) * axes_[j]));
     }
     Vec3<double>& root = motion.root[static_cast<std::size_t>(f)];
-    const Vec3<double> seen = rotate(undo, root - above_.translation);
-    root = {seen.x / above_.scale.x, seen.y / above_.scale.y, seen.z / above_.scale.z};
+    root = undo * (root - above_.place);
   }
   return motion;
 }
@@ -9832,8 +10863,6 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 struct NpyArray;
 
-enum class UpAxis { found, y, z };
-
 struct MotionArrayOptions {
   double fps = 0;             // 0: as published, 20 or 12.5 frames per second
   UpAxis up = UpAxis::found;  // of positions: where, on average, the head is above the ankles
@@ -9868,10 +10897,14 @@ MOTIONLANG_BODY bool is_joint_count(Index joints) { return joints == 24 || joint
 inline Motion motion_from_positions(std::vector<Vec3<double>> joints, Index count, const MotionArrayOptions& options) {
   const Vec3<double> height = mean_height(joints, static_cast<std::size_t>(count));
   const bool z_up = options.up == UpAxis::z || (options.up == UpAxis::found && std::abs(height.z) > std::abs(height.y));
-  if (z_up) joints = turned_up(std::move(joints), false);
+  if (z_up) {
+    joints = turned_up(std::move(joints), false);
+  } else if (const auto upright = upright_rotation(options.up); options.up > UpAxis::z) {
+    for (Vec3<double>& p : joints) p = rotate(upright, p);
+  }
   if (count != mmm_joints)
     return motion_from_joints(smpl24_skeleton(), joints, count, options.fps > 0 ? options.fps : 20);
-  if (z_up) {  // these were not reflected
+  if (z_up || options.up > UpAxis::z) {  // these were not reflected
     for (Vec3<double>& p : joints) p.x = -p.x;
   }
   return motion_from_joints(kit21_skeleton(), mmm_in_metres(std::move(joints)), options.fps > 0 ? options.fps : 12.5);
@@ -9881,7 +10914,7 @@ inline Motion motion_from_rows(std::span<const double> rows, Index width, double
   for (const MotionFeatures& f : all_motion_features) {
     if (f.width == width) return motion_of_rows(f, rows, fps);
   }
-  raise<io_error>(407, name, ": rows of ", counted(width, "number"), " are no features of motion that are known");
+  raise<io_error>(407, name, ": rows of ", counted(width, "number"), " are not features of motion that are known");
 }
 
 }  // namespace detail
@@ -9918,7 +10951,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Whether a file of NumPy holds motions of MDM, by its header, which does not say what an object is.
+/// True if a file of NumPy holds motions of MDM, by its header, which does not say what an object is.
 /// Throws  io_error 401 to 405
 bool may_be_mdm_motions(const FilePath& path);
 
@@ -10050,7 +11083,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Throws  io_error 401 to 407 for files that cannot be read, are no body of 52 joints or no hand; numeric_error 301
+/// Throws  io_error 401 to 407 for files that cannot be read, and for a body of other than 52 joints or another hand;
+///         numeric_error 301
 void merge_smplh(const FilePath& body, const FilePath& left, const FilePath& right, const FilePath& out);
 
 MOTIONLANG_NAMESPACE_END
@@ -10097,18 +11131,18 @@ MOTIONLANG_NAMESPACE_END
 ///
 /// Reads   .bvh (a motion for each ROOT), .amc with its .asf, .npz (AMASS, smplx), .npy (joints, features, or all
 ///         motions of MDM's results.npy), .glb, .gltf, .vrm and .vrma (a motion for each animation)
-/// Writes  .bvh, .glb, .npz (AMASS), .npy (joint positions, Z up). Pages and pictures: view/view_file.hpp
+/// Writes  .bvh, .glb, .vrma, .npz (AMASS), .npy (joint positions, Z up). Pages and pictures: view/view_file.hpp
 ///
 /// Each format has a header of its own with all of its options; these functions take what the formats share.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// An option that says nothing about a format is passed over there.
+/// A format ignores the options that do not concern it.
 struct MotionReadOptions {
   double scale = 0.01;          // metres per unit of a BVH file
   std::optional<double> fps{};  // of .glb, .gltf, .vrm and .vrma, whose keys have times of their own; none: rate()
   double rate = 0;              // of an .npy, .amc or .npz file that has none; 0: as published, 120 for AMC
-  UpAxis up = UpAxis::found;    // of an .npy file with positions
+  UpAxis up = UpAxis::found;    // of all but .npz files, turned to +Y; `found`: of an .npy file with positions only
   std::string asf{};            // skeleton of an AMC file; "": asf_beside
   std::string joints{};         // skeleton table by which motions are put on SMPL's joints; "": they stay on their own
   bool drop_lead_in = false;    // leave out a T-pose that an exporter put in front (detect_t_pose_lead_in)
@@ -10122,12 +11156,12 @@ struct MotionWriteOptions {
 /// The extension of a name in lower case, with the dot: ".bvh". "" if there is none.
 std::string file_kind(const FilePath& path);
 
-/// Whether a file holds glTF, with any number of animations: .glb, .gltf, .vrm, .vrma.
+/// True if a file holds glTF, with any number of animations: .glb, .gltf, .vrm, .vrma.
 bool is_gltf(const FilePath& path);
-/// Whether files of this kind are made to hold motions: .bvh, .amc, .npz, .npy, .glb, .vrma. (read_motions reads .vrm
+/// True if files of this kind are made to hold motions: .bvh, .amc, .npz, .npy, .glb, .vrma. (read_motions reads .vrm
 /// and .gltf as well, which are mostly avatars and scenes.)
 bool is_motion_file(const FilePath& path);
-/// Whether write_motion writes this kind: .bvh, .glb, .npz, .npy.
+/// True if write_motion writes this kind: .bvh, .glb, .vrma, .npz, .npy.
 bool is_written_motion(const FilePath& path);
 
 /// The skeleton beside an AMC file: that of its subject, as CMU has them (01.asf beside 01_02.amc), otherwise the only
@@ -10161,7 +11195,7 @@ namespace detail {
 
 /// The extension of a name, or the name itself where it is an extension: ".bvh" of "walk.BVH" and of ".bvh".
 std::string wanted_kind(const FilePath& kind);
-/// What a message about a file that cannot be read or written adds where a converter is known.
+/// The end of a message about an unsupported file for which a converter is known.
 const char* about_fbx(std::string_view kind);
 
 }  // namespace detail
@@ -10220,7 +11254,7 @@ MOTIONLANG_BODY SkeletonTable parse_skeleton_table(std::string_view text, const 
     const int role = smpl24_skeleton().find(target);
     if (role < 0)
       raise<config_error>(103, name, ":", number, ": '", target,
-                          "' is no joint of SMPL: ", join_text(smpl24_skeleton().names));
+                          "' is not a joint of SMPL: ", join_text(smpl24_skeleton().names));
     Index& before = line_of[static_cast<std::size_t>(role)];
     if (before > 0) raise<config_error>(102, name, ":", number, ": '", target, "' is in line ", before, " already");
     before = number;
@@ -10246,6 +11280,188 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_FORMATS_VRMA_HPP  // <motionlang/formats/vrma.hpp>
+#define MOTIONLANG_HAS_FORMATS_VRMA_HPP
+/// VRM animations (.vrma): motions for the avatars of VRM. VRM viewers, VRoid's tools and Blender's add-on load them. A
+/// GLB file of the bones of VRM's humanoid in a T-pose, without a mesh, with one animation.
+///
+/// Reading is glb_reader.hpp's: bones have VRM's names, expressions and gaze are left out.
+///
+/// Source   github.com/vrm-c/vrm-specification, VRMC_vrm_animation-1.0
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The bones of VRM's humanoid in a T-pose, as long as those of a skeleton, with its fingers. The hips stand as high as
+/// the legs are long. Bones of the spine that the skeleton lacks are left out.
+/// Throws config_error 103 if no table fits the skeleton, or if a bone is missing that VRM requires
+Skeleton vrm_skeleton(const Skeleton& skeleton);
+
+/// The bytes of a VRM animation: the motion on vrm_skeleton of its skeleton, which its own becomes by retargeting.
+/// Throws  config_error 101 without a frame or for an impossible frame rate; what vrm_skeleton and retarget throw
+std::vector<std::byte> vrma_bytes(const Motion& motion);
+
+/// Throws io_error 401, and what vrma_bytes throws.
+void write_vrma(const FilePath& path, const Motion& motion);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_FORMATS_VRMA_IPP  // <motionlang/formats/vrma.ipp>
+#define MOTIONLANG_HAS_FORMATS_VRMA_IPP
+// Bodies of vrma.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// A bone of VRM's humanoid: the joint of SMPL that has its part, and where it hangs.
+struct VrmBone {
+  std::string_view name, parent, role;
+  bool required = false;
+};
+
+inline constexpr VrmBone vrm_bones[] = {
+    {"hips", "", "pelvis", true},
+    {"spine", "hips", "spine1", true},
+    {"chest", "spine", "spine2"},
+    {"upperChest", "chest", "spine3"},
+    {"neck", "upperChest", "neck"},
+    {"head", "neck", "head", true},
+    {"leftShoulder", "upperChest", "left_collar"},
+    {"leftUpperArm", "leftShoulder", "left_shoulder", true},
+    {"leftLowerArm", "leftUpperArm", "left_elbow", true},
+    {"leftHand", "leftLowerArm", "left_wrist", true},
+    {"rightShoulder", "upperChest", "right_collar"},
+    {"rightUpperArm", "rightShoulder", "right_shoulder", true},
+    {"rightLowerArm", "rightUpperArm", "right_elbow", true},
+    {"rightHand", "rightLowerArm", "right_wrist", true},
+    {"leftUpperLeg", "hips", "left_hip", true},
+    {"leftLowerLeg", "leftUpperLeg", "left_knee", true},
+    {"leftFoot", "leftLowerLeg", "left_ankle", true},
+    {"leftToes", "leftFoot", "left_foot"},
+    {"rightUpperLeg", "hips", "right_hip", true},
+    {"rightLowerLeg", "rightUpperLeg", "right_knee", true},
+    {"rightFoot", "rightLowerLeg", "right_ankle", true},
+    {"rightToes", "rightFoot", "right_foot"},
+};
+
+/// VRM's name of a joint of a finger, by SMPL-H's: "left_thumb1" is leftThumbMetacarpal. "" for ""
+inline std::string vrm_finger(const std::string& finger) {
+  const std::size_t split = finger.find('_');
+  if (split == finger.npos) return "";
+  const int number = finger.back() - '0';
+  std::string name = finger.substr(split + 1, finger.size() - split - 2);
+  constexpr std::string_view thumb[]{"Metacarpal", "Proximal", "Distal"}, other[]{"Proximal", "Intermediate", "Distal"};
+  const bool is_thumb = name == "thumb";
+  if (name == "pinky") name = "little";
+  name.front() = static_cast<char>(name.front() - 'a' + 'A');
+  return concat_text(finger.substr(0, split), name, (is_thumb ? thumb : other)[number - 1]);
+}
+
+/// Where the joints of a skeleton are while it stands in its T-pose. Limbs that are not straight stay as they are.
+inline std::vector<Vec3<double>> standing_positions(const StandingSkeleton& s) {
+  std::vector<Vec3<double>> out(s.rotation.size());
+  for (std::size_t j = 1; j < out.size(); ++j) {
+    const auto parent = static_cast<std::size_t>(s.skeleton.parents[j]);
+    out[j] = out[parent] + rotate(s.rotation[parent], s.skeleton.offsets[j]);
+  }
+  return out;
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY Skeleton vrm_skeleton(const Skeleton& skeleton) {
+  const detail::StandingSkeleton from(skeleton, detect_skeleton_table(skeleton));
+  const std::vector<Vec3<double>> places = detail::standing_positions(from);
+  const auto place = [&](int joint) { return places[static_cast<std::size_t>(joint)]; };
+  Skeleton out;
+  std::vector<int> sources;  // of every bone
+  const auto add = [&](std::string name, int parent, int source, const Vec3<double>& offset) {
+    out.names.push_back(std::move(name));
+    out.parents.push_back(parent);
+    out.offsets.push_back(offset);
+    sources.push_back(source);
+  };
+  for (const detail::VrmBone& bone : detail::vrm_bones) {
+    const int source = from.joint(bone.role);
+    const bool shared = std::find(sources.begin(), sources.end(), source) != sources.end();
+    if (source < 0 || shared) {
+      if (bone.required)
+        raise<config_error>(103, "VRM requires a bone '", bone.name, "', and a skeleton of kind ", from.table.name,
+                            " has none of its own: put the motion on SMPL's joints first");
+      continue;
+    }
+    int parent = -1;
+    for (std::string_view above = bone.parent; !above.empty() && parent < 0;) {
+      parent = out.find(above);
+      const auto* row = std::find_if(std::begin(detail::vrm_bones), std::end(detail::vrm_bones),
+                                     [&](const auto& b) { return b.name == above; });
+      above = row->parent;
+    }
+    Vec3<double> offset =
+        parent < 0 ? Vec3<double>{} : place(source) - place(sources[static_cast<std::size_t>(parent)]);
+    const bool arm = bone.name.ends_with("LowerArm") || bone.name.ends_with("Hand"),
+               leg = bone.name.ends_with("LowerLeg") || bone.name.ends_with("Foot");
+    if (arm) offset = {bone.name.starts_with("left") ? norm(offset) : -norm(offset), 0, 0};
+    if (leg) offset = {0, -norm(offset), 0};
+    add(std::string(bone.name), parent, source, offset);
+  }
+  for (int j = 0; j < skeleton.size(); ++j) {  // fingers point as the arms do
+    const std::string name = detail::vrm_finger(finger_of(bare_joint_name(skeleton.name(j))));
+    if (name.empty() || out.find(name) >= 0) continue;
+    int above = skeleton.parent(j);
+    const auto bone = [&] {
+      const auto at = std::find(sources.begin(), sources.end(), above);
+      return at == sources.end() ? -1 : static_cast<int>(at - sources.begin());
+    };
+    while (above >= 0 && bone() < 0) above = skeleton.parent(above);
+    if (above >= 0) add(name, bone(), j, place(j) - place(above));
+  }
+  const auto rest = out.rest_positions();
+  double lowest = 0;
+  for (const Vec3<double>& p : rest) lowest = std::min(lowest, p.y);
+  out.offsets.front() = {0, -lowest, 0};
+  out.validate();
+  return out;
+}
+
+MOTIONLANG_BODY std::vector<std::byte> vrma_bytes(const Motion& motion) {
+  motion.validate();
+  if (motion.frames() == 0) raise<config_error>(101, "VRM animation: motion '", motion.name, "' has no frames");
+  const Skeleton bones = vrm_skeleton(motion.skeleton);
+  const auto is_there = [&] {  // on VRM's bones in a T-pose already
+    if (bones.names != motion.skeleton.names || bones.parents != motion.skeleton.parents) return false;
+    for (std::size_t j = 1; j < bones.offsets.size(); ++j) {
+      if (norm(bones.offsets[j] - motion.skeleton.offsets[j]) > 1e-6) return false;
+    }
+    return true;
+  };
+  const Motion posed = is_there() ? motion : retarget(motion, SkeletonMap(motion.skeleton, bones));
+  detail::GlbBuilder glb;
+  auto& d = glb.document;
+  d["scenes"].push_back({{"nodes", nlohmann::ordered_json::array({0})}});
+  d["nodes"].push_back({{"name", "root"}, {"children", nlohmann::ordered_json::array({1})}});
+  nlohmann::ordered_json named;
+  std::vector<int> nodes(bones.names.size());
+  std::iota(nodes.begin(), nodes.end(), 1);
+  for (int j = 0; j < bones.size(); ++j) {
+    nlohmann::ordered_json node{{"name", bones.name(j)}, {"translation", detail::to_json(bones.offset(j))}};
+    for (const int child : bones.children(j)) node["children"].push_back(child + 1);
+    d["nodes"].push_back(std::move(node));
+    named[bones.name(j)] = {{"node", j + 1}};
+  }
+  d["extensionsUsed"] = {"VRMC_vrm_animation"};
+  d["extensions"]["VRMC_vrm_animation"] = {{"specVersion", "1.0"}, {"humanoid", {{"humanBones", std::move(named)}}}};
+  detail::add_animation(glb, posed, nodes);
+  for (const char* empty : {"meshes", "materials", "skins"}) d.erase(empty);
+  return glb.finish();
+}
+
+MOTIONLANG_BODY void write_vrma(const FilePath& path, const Motion& motion) { write_file(path, vrma_bytes(motion)); }
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY std::string file_kind(const FilePath& path) {
@@ -10266,7 +11482,7 @@ MOTIONLANG_BODY bool is_motion_file(const FilePath& path) {
 
 MOTIONLANG_BODY bool is_written_motion(const FilePath& path) {
   const std::string kind = file_kind(path);
-  return kind == ".bvh" || kind == ".glb" || kind == ".npz" || kind == ".npy";
+  return kind == ".bvh" || kind == ".glb" || kind == ".vrma" || kind == ".npz" || kind == ".npy";
 }
 
 MOTIONLANG_BODY FilePath asf_beside(const FilePath& amc) {
@@ -10320,34 +11536,94 @@ inline void note_stretched(const std::string& file, const std::vector<std::strin
                         " away from the joint before: bones keep their ", kept, "\n");
 }
 
-/// Reports a joint once, however many animations stretch it.
+/// Notes what the motions of a GLB file lack, and how it was read where it is not as glTF wants it.
+inline void note_animations(const GlbFile& file, const std::string& name, std::span<const GlbLoss> losses,
+                            std::string* notes) {
+  if (notes == nullptr) return;
+  for (const std::string& repair : file.repairs()) *notes += concat_text(name, ": ", repair, "\n");
+  if (const auto others = file.moving_others(); !others.empty())
+    *notes +=
+        concat_text(name, ": left out is how ", listed_joints(others),
+                    others.size() == 1 ? " moves: it is not a joint" : " move: they are not joints", " of the body\n");
+  std::vector<std::string> stretched, still;  // a joint once, however many animations stretch it
+  std::set<std::string> known;
+  bool any = false;
+  const std::vector<std::string> animations = file.animation_names();
+  for (Index i = 0; i < std::ssize(animations); ++i) {
+    bool moved = false;
+    for (Index figure = 0; figure < file.figures(); ++figure) {
+      moved = moved || file.moves(i, figure);
+      for (std::string& joint : file.stretched_joints(i, figure)) {
+        if (known.insert(joint).second) stretched.push_back(std::move(joint));
+      }
+    }
+    any = any || moved;
+    if (!moved) still.push_back(animations[static_cast<std::size_t>(i)]);
+  }
+  if (!still.empty())
+    *notes += concat_text(name, ": ", still.size() == 1 ? "animation " : "animations ", listed_joints(still),
+                          still.size() == 1 ? " moves" : " move",
+                          " no joint: ", any ? "left out" : "the motion is the rest pose", "\n");
+  note_stretched(name, stretched, "length at rest", notes);
+  const GlbLoss* worst = nullptr;
+  for (const GlbLoss& loss : losses) {
+    if (worst == nullptr || loss.distance > worst->distance) worst = &loss;
+  }
+  const auto rounded = [](double x) { return std::round(x * 1000) / 1000; };
+  constexpr double visible = 0.005;  // metres
+  if (worst != nullptr && worst->distance > visible)
+    *notes += concat_text(name, ": joints are up to ", rounded(worst->distance), " m from where the file has them: '",
+                          worst->joint, "' at ", rounded(worst->seconds), " s\n");
+  if (std::any_of(losses.begin(), losses.end(), [](const GlbLoss& loss) { return loss.walk_lost; }))
+    *notes += concat_text(name, ": the walk is lost: joints that are left out carry the body\n");
+}
+
 inline std::vector<Motion> every_animation(std::span<const std::byte> bytes, const std::string& name,
                                            std::optional<double> fps, std::string* notes) {
   const GlbFile file(bytes, name);
-  std::vector<Motion> motions = file.motions(fps);
-  std::vector<std::string> stretched;
-  std::set<std::string> known;
-  for (Index i = 0; i < std::ssize(motions); ++i) {
-    for (std::string& joint : file.stretched_joints(i)) {
-      if (known.insert(joint).second) stretched.push_back(std::move(joint));
-    }
-  }
+  std::vector<GlbLoss> losses;
+  std::vector<Motion> motions = file.motions(fps, &losses);
   if (motions.empty()) raise<config_error>(103, name, ": no animation");
-  note_stretched(name, stretched, "length at rest", notes);
+  note_animations(file, name, losses, notes);
   return motions;
 }
 
-/// One motion of each ROOT, with its name.
+/// One motion of each ROOT, with its name. Beside a body, a ROOT with a few joints is a prop or a camera.
 inline std::vector<Motion> every_root(std::span<const std::byte> bytes, const std::string& name, double scale,
                                       std::string* notes) {
+  constexpr int few = 8;
   const Bvh file = parse_bvh(as_text(bytes), name);
+  const auto tell = [&](const auto&... text) {
+    if (notes != nullptr) *notes += concat_text(name, ": ", text..., "\n");
+  };
+  for (const std::string& note : file.notes) tell(note);
   std::vector<Motion> motions;
-  for (int root = 0; root < bvh_roots(file); ++root) {
-    motions.push_back(to_motion(file, {.scale = scale, .root = root}));
-    motions.back().name = motions.back().skeleton.name(0);
-    note_stretched(name, stretched_joints(file, root), "mean length", notes);
+  for (int root = 0; root < bvh_roots(file); ++root) motions.push_back(to_motion(file, {.scale = scale, .root = root}));
+  const auto is_body = [](const Motion& m) { return find_skeleton_table(m.skeleton) != nullptr; };
+  const bool has_body = motions.size() > 1 && std::any_of(motions.begin(), motions.end(), is_body);
+  std::vector<Motion> kept;
+  for (int root = 0; root < std::ssize(motions); ++root) {
+    Motion& m = motions[static_cast<std::size_t>(root)];
+    m.name = m.skeleton.name(0);
+    if (has_body && m.skeleton.size() < few && !is_body(m)) {
+      tell("left out is ROOT '", m.name, "' with ", counted(m.skeleton.size(), "joint"), ", which is not a body");
+      continue;
+    }
+    if (const auto beside = joints_beside_body(file, root); !beside.empty())
+      tell("left out ", beside.size() == 1 ? "is " : "are ", listed_joints(beside), " beside '", m.name,
+           "', the root of the body");
+    const std::vector<std::string> stretched = stretched_joints(file, root);
+    note_stretched(name, stretched, "mean length", notes);
+    for (const std::string& joint : stretched) {
+      const int j = m.skeleton.find(joint);
+      const auto below = j < 0 ? 0 : std::ssize(joints_from(m.skeleton, j)) - 1;
+      if (2 * below >= m.skeleton.size())
+        tell("with that the walk is lost: '", joint, "' carries ", below, " of the ",
+             counted(m.skeleton.size(), "joint"));
+    }
+    kept.push_back(std::move(m));
   }
-  return motions;
+  return kept;
 }
 
 /// The skeleton of an AMC file.
@@ -10355,8 +11631,7 @@ inline AsfSkeleton asf_of(const std::string& amc, const MotionReadOptions& optio
   const FilePath asf = options.asf.empty() ? asf_beside(amc) : FilePath(options.asf);
   if (options.asf.empty() && !std::filesystem::exists(asf.string()))
     raise<io_error>(401, amc, ": there is no skeleton ", asf.string(),
-                    ", nor just one other .asf file beside it: convert, strip, view, doctor, index, "
-                    "search and describe take it by --asf FILE");
+                    ", nor just one other .asf file beside it: `asf` names one");
   return read_asf(asf);
 }
 
@@ -10367,16 +11642,35 @@ inline void require_read_kind(const std::string& name) {
                         kind, "'", about_fbx(kind));
 }
 
-/// load()  the bytes of the file, after all that can be refused without them
+/// A page that a server sent in place of a file.
+inline void refuse_page(std::span<const std::byte> bytes, const std::string& name) {
+  std::string start(trim(as_text(bytes.first(std::min<std::size_t>(bytes.size(), 64)))));
+  for (char& c : start) c = lower(c);
+  if (start.starts_with("<!doctype html") || start.starts_with("<html"))
+    raise<io_error>(403, name, " is not a motion but a page (HTML), as servers send where there is no such file");
+}
+
+/// load_bytes()  the bytes of the file, after all that can be refused without them
 template <class Load>
 std::vector<Motion> motions_of_file(const std::string& name, const MotionReadOptions& options, std::string* notes,
-                                    Load load) {
+                                    Load load_bytes) {
   require_read_kind(name);
   const std::string kind = file_kind(name);
+  const auto load = [&] {
+    const std::span<const std::byte> bytes = load_bytes();
+    refuse_lfs_pointer(bytes, name);
+    refuse_page(bytes, name);
+    return bytes;
+  };
   if (kind == ".amc") {
     const AsfSkeleton asf = asf_of(name, options);
-    return {parse_amc(as_text(load()), asf, options.rate > 0 ? AmcReadOptions{.fps = options.rate} : AmcReadOptions{},
-                      name)};
+    std::vector<std::string> told;
+    const AmcReadOptions amc = options.rate > 0 ? AmcReadOptions{.fps = options.rate} : AmcReadOptions{};
+    std::vector<Motion> motions{parse_amc(as_text(load()), asf, amc, name, &told)};
+    for (const std::string& note : told) {
+      if (notes != nullptr) *notes += concat_text(name, ": ", note, "\n");
+    }
+    return motions;
   }
   const std::span<const std::byte> bytes = load();
   if (kind == ".bvh") return every_root(bytes, name, options.scale, notes);
@@ -10396,9 +11690,12 @@ inline void note_lead_in(const std::string& file, Index frames, const std::strin
 inline std::vector<Motion> finished_motions(std::vector<Motion> motions, const std::string& file,
                                             const MotionReadOptions& options, std::string* notes) {
   std::set<std::string> taken;
+  const std::string kind = file_kind(file);
+  const bool turn = options.up > UpAxis::y && kind != ".npy" && kind != ".npz";
   for (Motion& m : motions) {
     if (m.name.empty() || motions.size() == 1) m.name = std::filesystem::path(file).stem().string();
     m.name = unique_name(m.name, taken);
+    if (turn) m = turned_upright(m, options.up);
     if (!options.joints.empty())
       m = retarget(m, SkeletonMap(m.skeleton, smpl24_skeleton(), read_skeleton_table(options.joints, m.skeleton)));
   }
@@ -10450,10 +11747,11 @@ MOTIONLANG_BODY std::vector<std::byte> motion_bytes(const FilePath& kind, const 
     return {bytes.begin(), bytes.end()};
   }
   if (wanted == ".glb") return glb_bytes(std::span(&motion, 1));
+  if (wanted == ".vrma") return vrma_bytes(motion);
   if (wanted == ".npz") return amass_bytes(on_smpl(motion), options.body, {}, kind.string());
   if (wanted == ".npy") return joints_npy_bytes(has_joints_of_arrays(motion) ? motion : on_smpl(motion));
-  raise<config_error>(103, kind.string(), ": motions are written to .bvh, .glb, .npz and .npy, not '", wanted, "'",
-                      detail::about_fbx(wanted));
+  raise<config_error>(103, kind.string(), ": motions are written to .bvh, .glb, .vrma, .npz and .npy, not '", wanted,
+                      "'", detail::about_fbx(wanted));
 }
 
 MOTIONLANG_BODY void write_motion(const FilePath& path, const Motion& motion, const MotionWriteOptions& options) {
@@ -10475,7 +11773,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// The motion files (is_motion_file) in a folder and in those below it, in order. Not among them are .npy files with
 /// one axis, which are mean and deviation of a data set, and the joints of a data set that has the features of the same
 /// clips. Folders below it that cannot be read and links that lead in a circle are skipped.
-/// results  a folder for results: if it is below the other one, its files are no inputs
+/// results  a folder for results: if it is below the other one, its files are not inputs
 /// notes    gets a line about each folder and file that was skipped
 /// Throws   io_error 401 if the folder itself cannot be read
 std::vector<std::filesystem::path> motion_files_below(const FilePath& folder, const FilePath& results = "",
@@ -10485,10 +11783,10 @@ std::vector<std::filesystem::path> motion_files_below(const FilePath& folder, co
 /// says its rate at that one. Throws what NpzArchive::open throws.
 MotionReadOptions options_for_file(MotionReadOptions options, const FilePath& file);
 
-/// Whether an .npy file may hold a motion: it has more than one axis, or it cannot be read, and its reader says why.
+/// True if an .npy file may hold a motion: it has more than one axis, or it cannot be read, and its reader says why.
 bool may_hold_frames(const FilePath& npy);
 
-/// Whether two paths lead to one place, which need not exist.
+/// True if two paths lead to one place, which need not exist.
 bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
 
 MOTIONLANG_NAMESPACE_END
@@ -10523,7 +11821,7 @@ class MotionFolder {
  public:
   MotionFolder(std::filesystem::path results, std::string* notes) : results_(std::move(results)), notes_(notes) {}
 
-  /// What ended it before the end of the folder. Links to folders are not followed.
+  /// The error that ended it before the end of the folder. Links to folders are not followed.
   std::error_code add(const std::filesystem::path& folder) {
     std::error_code problem;
     for (std::filesystem::directory_iterator at(folder, problem), end; !problem && at != end; at.increment(problem)) {
@@ -10585,7 +11883,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_ACTION_NAMES_HPP  // <motionlang/datasets/action_names.hpp>
 #define MOTIONLANG_HAS_DATASETS_ACTION_NAMES_HPP
-/// What the classes of data sets of actions are called, by their numbers.
+/// The names of classes in data sets of actions, by their numbers.
 /// Source  thesis 3.3.1; ACTOR src/datasets/humanact12poses.py, ntu13.py and uestc.py
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -10594,7 +11892,7 @@ inline constexpr std::string_view humanact12_actions[] = {
     "warm_up", "walk",   "run",  "jump", "drink", "lift_dumbbell", "sit", "eat", "turn steering wheel",
     "phone",   "boxing", "throw"};
 
-/// What a data set calls its classes; nothing if they are only numbers, or are not so many.
+/// The class names of a data set; none if it has only numbers, or another number of classes.
 inline std::vector<std::string> action_labels(std::string_view dataset, Index classes) {
   if (dataset != "humanact12" || classes != std::ssize(humanact12_actions)) return {};
   return {std::begin(humanact12_actions), std::end(humanact12_actions)};
@@ -10605,7 +11903,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_ACTOR_CLIPS_HPP  // <motionlang/datasets/actor_clips.hpp>
 #define MOTIONLANG_HAS_DATASETS_ACTOR_CLIPS_HPP
-/// Motions as ACTOR and its classifiers see them: rows of rotations and the way of the root, windows of so many frames,
+/// Motions as ACTOR and its classifiers see them: rows of rotations and the way of the root, windows of frames,
 /// points.
 
 #ifndef MOTIONLANG_HAS_DATASETS_DESCRIBED_MOTIONS_HPP  // <motionlang/datasets/described_motions.hpp>
@@ -10657,7 +11955,7 @@ struct AnnotatedMotion {
 /// An annotation file that is being read. Entries are parsed when they are asked for.
 class AnnotationFile {
  public:
-  /// What is open already.
+  /// From a file that is open already.
   explicit AnnotationFile(JsonMembers members) : members_(std::move(members)) {}
   /// Throws io_error 401, 403 (JsonMembers).
   static AnnotationFile open(const FilePath& path);
@@ -10680,8 +11978,8 @@ class AnnotationFile {
   JsonMembers members_;
 };
 
-/// What TMR trains on: texts of 2 to 10 seconds. A split whose name contains "test" keeps all. Motions without any are
-/// left out of the split. Evaluation takes the first text.
+/// The training texts of TMR: texts of 2 to 10 seconds. A split whose name contains "test" keeps all. Motions without
+/// any are left out of the split. Evaluation takes the first text.
 std::vector<Annotation> training_annotations(const AnnotatedMotion& motion, std::string_view split, double least = 2,
                                              double most = 10);
 
@@ -11053,7 +12351,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_AMASS_RELEASES_HPP  // <motionlang/datasets/amass_releases.hpp>
 #define MOTIONLANG_HAS_DATASETS_AMASS_RELEASES_HPP
-/// What is known to be wrong in the files of AMASS, and to have another name from one release to the next.
+/// Known errors in the files of AMASS, and folders that change their names between releases.
 ///
 ///     sequence.fps = corrected_amass_fps(path, sequence.fps);
 ///     // The file of an annotation, of whatever release.
@@ -11228,7 +12526,7 @@ struct BabelSequence {
 /// sequence).
 class BabelFile {
  public:
-  /// What is open already.
+  /// From a file that is open already.
   explicit BabelFile(JsonMembers members) : members_(std::move(members)) {}
   /// Throws io_error 401, 403 (JsonMembers).
   static BabelFile open(const FilePath& path);
@@ -11241,7 +12539,7 @@ class BabelFile {
   /// Throws config_error 103 for an unknown id, 107 for a value of the wrong kind (with its path), io_error 403 for
   /// malformed JSON (with line and column) and for times that are not valid.
   BabelSequence load(const std::string& id) const;
-  /// Whether an entry is one of BABEL, and not one of the annotation JSON.
+  /// True if an entry is one of BABEL, and not one of the annotation JSON.
   static bool is_entry(const JsonView& view);
   /// The sequence of an entry. Throws what load throws for its values.
   static BabelSequence parse(const std::string& id, const JsonView& view);
@@ -11261,7 +12559,7 @@ class BabelFile {
   JsonMembers members_;
 };
 
-/// What a word of a label is replaced by: "foward" by "forward", or by several words, or by none.
+/// The replacement for a word of a label: "foward" by "forward", or by several words, or by none.
 using SpellingTable = std::unordered_map<std::string, std::string>;
 
 /// The label word by word through the table, joined by single blanks, which also surround words that are replaced by
@@ -11626,7 +12924,7 @@ std::string format_captions(std::span<const MotionCaption> captions, std::string
 MotionCaption mirrored(MotionCaption caption);
 
 /// index.csv: a head line, then source_path,start_frame,end_frame,new_name.
-/// Throws io_error 403, with the line, for another number of fields and for a frame that is no integer of -1 or more.
+/// Throws io_error 403, with the line, for another number of fields and for a frame below -1 or not an integer.
 std::vector<HumanMl3dSource> parse_humanml3d_index(std::string_view text, std::string_view name = "index.csv");
 /// Throws io_error 401, 403.
 std::vector<HumanMl3dSource> read_humanml3d_index(const FilePath& path);
@@ -11650,7 +12948,7 @@ inline double caption_time(std::string_view field, std::string_view name, Index 
     if (std::isnan(seconds)) return 0;
     if (seconds >= 0 && std::isfinite(seconds)) return seconds;
   }
-  raise<io_error>(403, name, ":", line, ": '", utf8_head(field, 40), "' is no time");
+  raise<io_error>(403, name, ":", line, ": '", utf8_head(field, 40), "' is not a time");
 }
 
 inline std::vector<TaggedWord> tagged_words(std::string_view field) {
@@ -11711,7 +13009,7 @@ MOTIONLANG_BODY std::string format_captions(std::span<const MotionCaption> capti
     }
     for (const double seconds : {c.start, c.end}) {
       if (!(seconds >= 0 && std::isfinite(seconds)))
-        raise<io_error>(403, name, ": '", c.text, "': ", seconds, " is no time");
+        raise<io_error>(403, name, ": '", c.text, "': ", seconds, " is not a time");
       out += '#' + detail::time_text(seconds);
     }
     out += '\n';
@@ -11758,7 +13056,7 @@ MOTIONLANG_BODY std::vector<HumanMl3dSource> parse_humanml3d_index(std::string_v
       Index value = 0;
       const auto [end, status] = detail::from_chars(field.data(), field.data() + field.size(), value);
       if (status != std::errc{} || end != field.data() + field.size() || value < -1)
-        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is no frame");
+        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is not a frame");
       return value;
     };
     rows.push_back({std::string(fields[0]), frame(fields[1]), frame(fields[2]), std::string(fields[3])});
@@ -11777,7 +13075,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What tells the data sets apart. Captions are cut at 20 frames per second in both, as published.
+/// The differences between the data sets. Captions are cut at 20 frames per second in both, as published.
 struct HumanMl3dForm {
   Index joints = 22;
   double fps = 20;
@@ -11829,8 +13127,8 @@ class HumanMl3dFolder {
   HumanMl3dForm form_;
 };
 
-/// What the published loaders make of a clip: one item of the whole clip with the captions of all of it, and one for
-/// each caption with times of its own.
+/// The items that the published loaders make of a clip: one item of the whole clip with the captions of all of it, and
+/// one for each caption with times of its own.
 struct HumanMl3dItem {
   FrameSlice frames;
   std::vector<std::size_t> captions;  // numbers among those of the clip
@@ -11921,7 +13219,7 @@ MOTIONLANG_BODY std::vector<float> HumanMl3dFolder::deviation() const {
 
 MOTIONLANG_BODY FilePath HumanMl3dFolder::file(std::string_view kind, const std::string& id,
                                                std::string_view extension) const {
-  if (!detail::is_clip_id(id)) raise<io_error>(403, folder_.string(), ": '", id, "' is no id of a clip");
+  if (!detail::is_clip_id(id)) raise<io_error>(403, folder_.string(), ": '", id, "' is not an id of a clip");
   return detail::below(folder_, concat_text(kind, "/", id, extension));
 }
 
@@ -11946,7 +13244,7 @@ MOTIONLANG_BODY std::vector<HumanMl3dItem> humanml3d_items(std::span<const Motio
 MOTIONLANG_BODY void write_humanml3d_clip(const FilePath& folder, const HumanMl3dClip& clip,
                                           const HumanMl3dForm& form) {
   if (!detail::is_clip_id(clip.id) || clip.id.find('/') != clip.id.npos)
-    raise<io_error>(403, folder.string(), ": '", clip.id, "' is no name of a file");
+    raise<io_error>(403, folder.string(), ": '", clip.id, "' is not a name of a file");
   const FilePath texts = detail::below(folder, concat_text("texts/", clip.id, ".txt"));
   const std::string captions = format_captions(clip.captions, texts.string());
   const auto features = NpyArray::of(std::span<const float>(clip.features), {clip.frames, form.width()});
@@ -12198,7 +13496,7 @@ MOTIONLANG_BODY std::vector<ClipLine> read_captions(const std::filesystem::path&
                            detail::read_clip_times(line, fields);
                            for (const std::string& name : detail::split_fields(fields[3], ",")) {
                              const auto part = parse_body_part(name);
-                             if (!part) detail::raise_clip_line(line, "'" + name + "' is no body part");
+                             if (!part) detail::raise_clip_line(line, "'" + name + "' is not a body part");
                              line.parts = line.parts.with(*part);
                            }
                            return true;
@@ -12231,7 +13529,7 @@ MOTIONLANG_BODY std::vector<ClipLine> read_labelled_annotations(const std::files
   bool any = false;
   const auto add = [&](const std::string& place, const std::string& id, const std::string& clip, double start,
                        double end, std::vector<std::string> own) {
-    if (!detail::is_clip_id(clip)) raise<io_error>(403, place, ": '", clip, "' is no path of a clip");
+    if (!detail::is_clip_id(clip)) raise<io_error>(403, place, ": '", clip, "' is not a path of a clip");
     any = any || !own.empty();
     lines.push_back({place, id, clip, start, end, {}, std::move(own)});
     clips.find(lines.back());
@@ -12263,7 +13561,7 @@ MOTIONLANG_BODY std::vector<ClipLine> read_labelled_annotations(const std::files
                     " has a label for none of its stretches, motions and texts");
   if (!any)
     raise<io_error>(403, annotations.string(),
-                    ": no annotation has a label or act_cat; --labels names a table with "
+                    ": no annotation has a label or act_cat; `labels` names a table with "
                     "what a stretch, a motion or a text is labelled");
   return lines;
 }
@@ -12535,7 +13833,8 @@ inline std::shared_ptr<const AnnotationFile> annotation_file(const DataSources& 
 /// Ready-made features of a motion of the annotation file, if there are any.
 inline std::filesystem::path features_file(const DataSources& sources, const AnnotatedMotion& motion) {
   if (!detail::is_clip_id(motion.path))
-    raise<io_error>(403, sources.annotations.string(), ": ", motion.id, ": '", motion.path, "' is no path of a clip");
+    raise<io_error>(403, sources.annotations.string(), ": ", motion.id, ": '", motion.path,
+                    "' is not a path of a clip");
   return sources.data / (motion.path + ".npy");
 }
 /// The rows of a motion of the annotation file: features as they are, or a clip.
@@ -12600,7 +13899,7 @@ MOTIONLANG_BODY const std::vector<DescribedMotion>& DescribedMotions::part(const
 
 MOTIONLANG_BODY void DataSources::require_sound() const {
   if (!captions.empty() && !(annotations.empty() && labels.empty()))
-    raise<config_error>(102, "one of --captions, --labels and --annotations, not several");
+    raise<config_error>(102, "one of `captions`, `labels` and `annotations`, not several");
 }
 
 MOTIONLANG_BODY std::string ready_made_features(DataSources& sources) {
@@ -12626,7 +13925,7 @@ MOTIONLANG_BODY DescribedMotions read_described_motions(const DataSources& sourc
   const bool captions = !sources.captions.empty(), annotations = !sources.annotations.empty();
   sources.require_sound();
   if (sources.actions && !annotations && sources.labels.empty())
-    raise<config_error>(102, "actions need labels: --labels names a table of them, --annotations a file that has some");
+    raise<config_error>(102, "actions need labels: `labels` names a table of them, `annotations` a file that has some");
   if (!config.actions.empty() && !sources.labelled())
     raise<config_error>(102, "data.actions are labels, and texts are to be learnt");
   DataSources listed = sources;  // a data set has lists of its own
@@ -12711,7 +14010,7 @@ Motion actor_motion(std::span<const float> rows, const ActorClipsConfig& config)
 
 /// All labels of the data, sorted: the number of a class is its place here.
 std::vector<std::string> labels_of(const DescribedMotions& data);
-/// The number of each motion's class. Throws config_error 103 for a label that is no class.
+/// The number of each motion's class. Throws config_error 103 for a label that is not a class.
 std::vector<Index> classes_of(const std::vector<DescribedMotion>& motions, std::span<const std::string> labels);
 
 /// Positions of the 24 joints, metres, as the root of the first frame of the window stood at the origin. (frames, 72)
@@ -12861,7 +14160,7 @@ MOTIONLANG_BODY std::vector<Index> classes_of(const std::vector<DescribedMotion>
   for (const DescribedMotion& m : motions) {
     const auto found = std::find(labels.begin(), labels.end(), m.texts.front().text);
     if (found == labels.end())
-      raise<config_error>(103, m.id, ": the label '", m.texts.front().text, "' is no class of the model");
+      raise<config_error>(103, m.id, ": the label '", m.texts.front().text, "' is not a class of the model");
     out.push_back(found - labels.begin());
   }
   return out;
@@ -13117,7 +14416,7 @@ struct BabelItems {
   std::vector<BabelItem> items;
   LeftOut left_out{};
 };
-/// The items of a sequence of so many frames.
+/// The items of a sequence of this many frames.
 using BabelReader = std::function<BabelItems(const BabelSequence& sequence, Index frames, const SpellingTable& spelling,
                                              bool training)>;
 
@@ -13162,7 +14461,7 @@ struct SimultaneousSegment {
 };
 
 /// Between any two neighbouring starts or ends: the texts that are active, if they are two to `most`. An action and a
-/// transition are no two actions. Throws config_error 101 for a segment that is empty.
+/// transition are not two actions. Throws config_error 101 for a segment that is empty.
 std::vector<SimultaneousSegment> simultaneous_segments(std::span<const BabelSegment> segments, Index most = 4);
 
 MOTIONLANG_NAMESPACE_END
@@ -13251,7 +14550,7 @@ std::vector<ActionPair> teach_pairs(std::span<const BabelSegment> segments);
 struct TeachLengths {
   Index shortest = 15, longest = 750;
 };
-/// Whether the first action, and the second one with its transition, are neither too short nor too long.
+/// True if the first action, and the second one with its transition, are neither too short nor too long.
 bool is_teach_length(const PairFrames& frames, const TeachLengths& limits = {});
 
 /// Pairs as one segment with both texts ("walk, sit down"): what the baseline "Joint" is trained on. Of several with
@@ -13381,7 +14680,7 @@ inline void add_babel_entries(std::vector<BabelEntry>& out, const BabelSources& 
     const std::string place = members.place(id);
     BabelEntry e{file.load(id), {place, id, "", 0, 0, {}, {}}, part};
     e.clip.clip = babel_clip(clips, e.sequence.feat_p, place);
-    if (!detail::is_clip_id(e.clip.clip)) raise<io_error>(403, place, ": '", e.clip.clip, "' is no path of a clip");
+    if (!detail::is_clip_id(e.clip.clip)) raise<io_error>(403, place, ": '", e.clip.clip, "' is not a path of a clip");
     clips.find(e.clip);
     out.push_back(std::move(e));
   }
@@ -13449,8 +14748,8 @@ void for_each_pair(const BabelSequence& s, Index frames, const SpellingTable& sp
 }  // namespace detail
 
 MOTIONLANG_BODY void BabelSources::require_sound() const {
-  if (babel.empty()) raise<config_error>(102, "--babel is required");
-  if (!validation.empty() && !splits.empty()) raise<config_error>(102, "--babel-validation or --splits, not both");
+  if (babel.empty()) raise<config_error>(102, "`babel` is required");
+  if (!validation.empty() && !splits.empty()) raise<config_error>(102, "`validation` or `splits`, not both");
 }
 
 MOTIONLANG_BODY BabelReader sinc_reader(const SincDataConfig& config) {
@@ -13699,7 +14998,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What was written.
+/// The clip that was written.
 struct AddedClip {
   Index frames = 0;
   double fps = 0;
@@ -13709,9 +15008,9 @@ struct AddedClip {
 /// Writes features and joints of a motion on the joints of the features or on SMPL's, and its id to all.txt. Captions
 /// of this id that are there already stay.
 /// fps      frames per second of the clip; 0: those of the features
-/// replace  another motion of this id gives way to it
+/// replace  replaces another motion of this id
 /// Throws   config_error 102 if the clips of the data set are of the other form, or if another motion has this id and
-///          does not give way; what MotionFeatures::from_motion and write_humanml3d_clip throw
+///          is not to be replaced; what MotionFeatures::from_motion and write_humanml3d_clip throw
 AddedClip add_humanml3d_clip(const std::filesystem::path& folder, const std::string& id, const Motion& motion,
                              const DataSetForm& form, double fps = 0, bool replace = false);
 
@@ -13741,7 +15040,7 @@ MOTIONLANG_BODY AddedClip add_humanml3d_clip(const std::filesystem::path& folder
   if (const auto there = rows_file(folder, id);
       !replace && std::filesystem::exists(there) && read_npy(there).to<float>() != made.values)
     raise<config_error>(102, there.string(), ": the clip '", id,
-                        "' is there already, of another motion: --replace puts this one in its place");
+                        "' is there already, of another motion: `replace` puts this one in its place");
   HumanMl3dClip clip{id, made.rows, std::move(made.values), {}, {}};
   const std::vector<double> rows(clip.features.begin(), clip.features.end());
   for (const auto& p : guoh3d_joints(std::span<const double>(rows), form.form.joints)) {
@@ -13828,7 +15127,7 @@ MOTIONLANG_BODY std::vector<Vec3<double>> parse_kit_joints(std::string_view text
       double value = 0;
       const auto [last, status] = detail::from_chars(field.data(), field.data() + field.size(), value);
       if (status != std::errc{} || last != field.data() + field.size() || !std::isfinite(value))
-        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is no number");
+        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is not a number");
       if (n < columns) values[n] = value;
       at = end + 1;
     }
@@ -13875,8 +15174,86 @@ MOTIONLANG_BODY KitRecording KitRecordings::load(const std::string& id) const {
 }
 
 MOTIONLANG_BODY FilePath KitRecordings::file(const std::string& id, std::string_view ending) const {
-  if (!detail::is_clip_id(id)) raise<io_error>(403, folder_.string(), ": '", id, "' is no id of a clip");
+  if (!detail::is_clip_id(id)) raise<io_error>(403, folder_.string(), ": '", id, "' is not an id of a clip");
   return concat_text(folder_.string(), "/", id, ending);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_DATASETS_LABEL_SENTENCES_HPP  // <motionlang/datasets/label_sentences.hpp>
+#define MOTIONLANG_HAS_DATASETS_LABEL_SENTENCES_HPP
+/// Labels of actions at the same time as sentences. Where a file says which of their words are verbs, the second verb
+/// gets its -ing form, as in the paper of SINC.
+///
+///     const LabelSentences sentence_of(Conjunction::while_, "tags.txt");
+///     sentence_of(std::vector<std::string>{"walk", "wave"});                      // "walk while waving"
+///
+/// Source   thesis B.2.2; SINC sinc/model/sinc.py gerund_augment
+/// Differs  words are tagged beforehand, by spaCy, in a file of captions in HumanML3D's form
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// True if sentences of this kind have an -ing form: those with "while" and "during".
+constexpr bool has_gerund(Conjunction c) { return c == Conjunction::while_ || c == Conjunction::during; }
+
+class LabelSentences {
+ public:
+  /// tags    lines "walk while wave#walk/VERB while/SCONJ wave/VERB#0.0#0.0"; "": words stay as they are
+  /// Throws  config_error 102 for a file where has_gerund is false, and what read_captions throws
+  explicit LabelSentences(Conjunction conjunction, const std::filesystem::path& tags = {});
+
+  /// Throws config_error 103, with the sentences, if the file lacks those of some of these motions.
+  void require(const std::vector<const DescribedMotion*>& motions) const;
+  /// Throws config_error 103 for a sentence that the file lacks; `require` finds them beforehand.
+  std::string operator()(std::span<const std::string> labels) const;
+
+  Conjunction conjunction() const { return conjunction_; }
+  bool has_tags() const { return !tags_.empty(); }
+
+ private:
+  Conjunction conjunction_;
+  std::filesystem::path tags_;
+  std::map<std::string, std::vector<TaggedWord>> words_;  // of sentences
+};
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_DATASETS_LABEL_SENTENCES_IPP  // <motionlang/datasets/label_sentences.ipp>
+#define MOTIONLANG_HAS_DATASETS_LABEL_SENTENCES_IPP
+// Bodies of label_sentences.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY LabelSentences::LabelSentences(Conjunction conjunction, const std::filesystem::path& tags)
+    : conjunction_(conjunction), tags_(tags) {
+  if (tags_.empty()) return;
+  if (!has_gerund(conjunction))
+    raise<config_error>(102, tags_.string(), ": words of sentences are for the conjunctions while and during");
+  for (MotionCaption& c : read_captions(FilePath(tags_))) words_.emplace(c.text, std::move(c.words));
+}
+
+MOTIONLANG_BODY void LabelSentences::require(const std::vector<const DescribedMotion*>& motions) const {
+  if (tags_.empty()) return;
+  std::set<std::string> missing;
+  for (const DescribedMotion* m : motions) {
+    const std::string plain = join_labels(labels_of(*m), conjunction_);
+    if (!words_.contains(plain)) missing.insert(plain);
+  }
+  if (missing.empty()) return;
+  std::string lines;
+  for (const std::string& s : missing) lines += "\n" + s;
+  raise<config_error>(103, tags_.string(), ": no words of ", counted(missing.size(), "sentence"), ":", lines);
+}
+
+MOTIONLANG_BODY std::string LabelSentences::operator()(std::span<const std::string> labels) const {
+  if (tags_.empty()) return join_labels(labels, conjunction_);
+  return join_labels(labels, conjunction_, [&](std::string_view plain) {
+    const auto words = words_.find(std::string(plain));
+    if (words == words_.end()) raise<config_error>(103, tags_.string(), ": no words of '", plain, "'");
+    return words->second;
+  });
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -13902,7 +15279,7 @@ struct MotionVocabulary;
 /// The tokens of a clip: one list for each pass, from other frames on.
 using TokenLines = std::vector<std::vector<Index>>;
 
-/// Throws io_error 403, with the line, for what is no id below `codes`.
+/// Throws io_error 403, with the line, for what is not an id below `codes`.
 TokenLines parse_token_lines(std::string_view text, Index codes = 1024, std::string_view name = "tokens");
 /// Throws io_error 401, 403.
 TokenLines read_token_lines(const FilePath& path, Index codes = 1024);
@@ -13958,7 +15335,7 @@ MOTIONLANG_BODY TokenLines parse_token_lines(std::string_view text, Index codes,
       Index id = -1;
       const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), id);
       if (status != std::errc{} || end != field.data() + field.size() || id < 0 || id >= codes)
-        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is no token of ",
+        raise<io_error>(403, name, ":", number, ": '", utf8_head(field, 40), "' is not a token of ",
                         counted(codes, "code"));
       out.back().push_back(id);
       line = detail::trim(line.substr(field.size()));
@@ -14044,7 +15421,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DATASETS_SINC_ITEMS_HPP  // <motionlang/datasets/sinc_items.hpp>
 #define MOTIONLANG_HAS_DATASETS_SINC_ITEMS_HPP
-/// What SINC trains on in one step: an item as it is, or one combined with an action of other body parts.
+/// The training item of SINC in one step: an item as it is, or one combined with an action of other body parts.
 ///
 ///     const SincItems items(list_of_items, table);
 ///     const SincElement e = items.draw(k, {}, rng);
@@ -14094,7 +15471,7 @@ class SincItems {
   std::vector<Index> partners(Index k) const;
 
   /// Draws: whether a partner is wanted (for every item), the partner, in random mode twelve bits, the window.
-  /// Throws config_error 101 for a number that is no item, 103 for a label without parts.
+  /// Throws config_error 101 for a number that is not an item, 103 for a label without parts.
   template <UniformDraws G>
   SincElement draw(Index k, const SincDrawOptions& options, G& rng) const {
     const SincItem& item = at(k);
@@ -14513,7 +15890,7 @@ struct MomentOptions {
   std::vector<double> windows{1, 2, 3};  // lengths, seconds; none: only whole clips
   double stride = 0.5;                   // from one moment to the next, seconds
 };
-/// What an index of these vectors says of its model: that of the encoder, with the windows in its frames.
+/// The model entry of an index with these vectors: that of the encoder, with the windows in its frames.
 IndexModel index_model(const SearchEncoder& encoder, const MomentOptions& moments = {});
 
 struct IndexOptions {
@@ -14524,7 +15901,7 @@ struct IndexOptions {
   MotionReadOptions read{};          // of all files, as options_for_file has it
 };
 
-/// What an update did.
+/// The report of an update.
 struct IndexReport {
   Index added = 0, removed = 0;              // clips
   Index renamed = 0, unchanged = 0;          // files
@@ -14598,7 +15975,7 @@ IndexReport update_index(MotionIndex& index, const FilePath& folder, const Searc
 
 /// A path as an index keeps it: absolute, without links, and without a slash at its end.
 std::filesystem::path indexed_path(const FilePath& path);
-/// Whether an absolute path is the folder or in it.
+/// True if an absolute path is the folder or in it.
 bool is_below(const std::filesystem::path& path, const std::filesystem::path& folder);
 /// Takes the clips of a file, or of all files below a folder, out of an index. Returns how many clips that were.
 Index remove_below(MotionIndex& index, const FilePath& path);
@@ -14754,7 +16131,7 @@ MOTIONLANG_BODY void IndexUpdate::find_changes() {
   }
 }
 
-/// Whether the clips of a file are what the captions say; a file that they do not name stays as it is.
+/// True if the clips of a file are what the captions say; a file that they do not name stays as it is.
 MOTIONLANG_BODY bool IndexUpdate::has_lines(const IndexedClip& c, const std::string& path) const {
   const auto found = lines_of_.find(path);
   return found == lines_of_.end() || c.lines == detail::checksum_of_lines(found->second);
@@ -14899,7 +16276,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What else an index file may have: bytes by the name of their tensor ("graph_clips").
+/// Further entries of an index file: bytes by the name of their tensor ("graph_clips").
 using IndexExtras = std::map<std::string, std::vector<std::byte>>;
 
 namespace detail {
@@ -15105,7 +16482,7 @@ MOTIONLANG_NAMESPACE_END
 /// the nearest are found, in time that grows with the logarithm of the gallery. Without hnswlib, which needs
 /// exceptions, every search is exact.
 ///
-///     auto graphs = motion_graphs(index, 100'000);                       // for galleries of so many vectors or more
+///     auto graphs = motion_graphs(index, 100'000);                       // for galleries of this many vectors or more
 ///     write_motion_index("moves.index", index, graphs);
 ///     const MotionIndexFile file = MotionIndexFile::open("moves.index");
 ///     const MotionSearch search = open_motion_search(file);              // with the graphs that the file has
@@ -15186,7 +16563,7 @@ std::vector<GraphRows> graph_rows(const MotionIndex& index, Index least);
 
 }  // namespace detail
 
-/// Whether the file has the graphs that motion_graphs would make.
+/// True if the file has the graphs that motion_graphs would make.
 bool has_graphs(const MotionIndexFile& file, Index least);
 
 /// Graphs for the clips and the moments of an index where there are `least` of them or more; none without hnswlib.
@@ -15220,7 +16597,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What hnswlib takes for a vector: the number of a row, or -1 and a vector of somebody who asks.
+/// A vector as hnswlib sees it: the number of a row, or -1 and the vector of a query.
 struct GraphPoint {
   std::int64_t row = -1;
   const float* vector = nullptr;
@@ -15308,7 +16685,7 @@ inline void check_graph(std::span<const std::byte> bytes, Index vectors, const s
     check_links(element, h.links0, 0);
     const auto row = load<std::int64_t>(bytes, element + static_cast<std::size_t>(h.data_offset), name, "a graph");
     const auto label = load<std::int64_t>(bytes, element + static_cast<std::size_t>(h.label_offset), name, "a graph");
-    if (row < 0 || row >= vectors || label != row) wrong("a vector that there is not");
+    if (row < 0 || row >= vectors || label != row) wrong("an unknown vector");
     for (std::uint64_t l = 0; l < level[i]; ++l)
       check_links(place[i] + static_cast<std::size_t>(l * upper), h.links, l + 1);
   }
@@ -15480,7 +16857,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What is compared with the query.
+/// The vectors that are compared with the query.
 enum class SearchFor {
   clips,    // whole clips
   moments,  // windows of clips
@@ -15578,7 +16955,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_TEXT_MOTION_CHECKPOINT_HPP  // <motionlang/weights/text_motion_checkpoint.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_TEXT_MOTION_CHECKPOINT_HPP
-/// What the loaders of TEMOS, TMR, TEACH and SINC give: a network with everything that turns texts and motions into
+/// The result of loading TEMOS, TMR, TEACH or SINC: a network with everything that turns texts and motions into
 /// what it reads, and its rows into motions. It does not matter whether the network was trained by us or published.
 ///
 ///     const auto tmr = load_tmr<B>("examples/models/tmr_free");
@@ -15652,7 +17029,7 @@ struct TextMotionLossConfig {
   std::string contrastive_loss = "info_nce";  // "margin", "none"; TEMOS has none
   double temperature = 0.1;
   bool learned_temperature = false;  // from that value on, as CLIP does; of info_nce
-  double threshold = 0.8;            // texts more similar than that are no negatives; 0: all are
+  double threshold = 0.8;            // texts more similar than that are not negatives; 0: all are
   double margin = 10;
   bool cross_modal_kl = true, gaussian_kl = true, embedding = true;  // the terms that kl and latent weigh
 
@@ -15872,7 +17249,7 @@ class EmbeddingCache {
   bool contains(const std::string& text) const { return number_.contains(text); }
   /// The rows of a text, row-major. Throws config_error 103 for a text that is not here.
   std::span<const float> find(const std::string& text) const;
-  /// Adds a text; `values` are no rows of this cache itself. Throws shape_error 204 unless they are whole rows,
+  /// Adds a text; `values` are not rows of this cache itself. Throws shape_error 204 unless they are whole rows,
   /// config_error 102 for a text that is here already, io_error 403 for one that is not UTF-8: the index could not be
   /// written.
   void add(const std::string& text, std::span<const float> values);
@@ -16172,8 +17549,8 @@ void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std
         shape, [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(shape.count()))); });
   }
 }
-/// What a module is loaded for. For inference it is made ready as by prepare_loaded, in the same pass over the file:
-/// all its matrices are weights, and it is neither trained nor changed afterwards.
+/// The purpose of loading a module. For inference it is made ready as by prepare_loaded, in the same pass over the
+/// file: all its matrices are weights, and it is neither trained nor changed afterwards.
 enum class LoadFor { any_use, inference };
 
 namespace detail {
@@ -16209,7 +17586,7 @@ struct TensorLoader {
   }
 };
 
-/// Whether the tensor repeats one of the module under another name. Throws io_error 407 if it should but is different.
+/// True if the tensor repeats one of the module under another name. Throws io_error 407 if it should but is different.
 template <class M>
 bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, const TensorView& t) {
   if constexpr (requires { module.copy_of(t.name); }) {
@@ -16457,7 +17834,7 @@ class RenamedTensors : public TensorSet {
   std::shared_ptr<Memory> memory_ = std::make_shared<Memory>();
 };
 
-/// What stands before `name` in the only tensor whose name ends so, at a dot. Nothing if there is none; throws io_error
+/// The prefix before `name` in the only tensor whose name ends so, at a dot. Nothing if there is none; throws io_error
 /// 406 if there are two.
 std::optional<std::string> prefix_of(const TensorSet& file, std::string_view name);
 
@@ -16952,7 +18329,7 @@ class AnyTokenizer {
 };
 static_assert(Tokenizer<AnyTokenizer>);
 
-/// What the caller decides; a tokenizer.json has it too, but the published systems do not apply that.
+/// Choices of the caller; a tokenizer.json has them too, but the published systems do not apply that.
 struct TokenizerLimits {
   std::optional<Index> longest = {};  // ids of a text with its frame; unless set 512 of BERT and MPNet, 77 of CLIP
   std::optional<bool> truncate = {};  // unless set: BERT and MPNet refuse, CLIP cuts
@@ -16981,7 +18358,7 @@ AnyTokenizer read_tokenizer_json(const FilePath& path, const TokenizerLimits& li
 /// vocab.json: the id of every piece. Throws io_error 401, 403 unless the ids are 0, 1, ...; config_error 107.
 std::vector<std::string> read_vocabulary_json(const FilePath& path);
 
-/// What a tokenizer_config.json says about a tokenizer whose vocabulary stands in another file.
+/// The settings in a tokenizer_config.json for a tokenizer whose vocabulary is in another file.
 struct TokenizerConfig {
   std::string tokenizer_class;
   std::optional<bool> lower_case = {}, strip_accents = {}, split_cjk = {};
@@ -17047,7 +18424,7 @@ MOTIONLANG_BODY std::vector<std::string> pieces_by_id(const JsonView& vocabulary
   };
   for (const auto& [piece, id] : vocabulary.json().items()) {
     if (!id.is_number_integer() || !std::in_range<Index>(id.get<std::int64_t>()))
-      raise<config_error>(107, vocabulary.path(), ": the id of '", piece, "' is no integer");
+      raise<config_error>(107, vocabulary.path(), ": the id of '", piece, "' is not an integer");
     put(piece, static_cast<Index>(id.get<std::int64_t>()));
   }
   for (const AddedToken& t : added) put(t.content, t.id);
@@ -17317,21 +18694,21 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_WEIGHT_FILE_HPP  // <motionlang/weights/weight_file.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_WEIGHT_FILE_HPP
-/// Weights from whatever file they are in: safetensors, PyTorch (zip, TorchScript, the older form, Lightning), NumPy
-/// (npy, npz), pickles, joblib dumps, and folders of them as training runs leave them. The format is known by content,
-/// never by name.
+/// Weights from files of every kind: safetensors, PyTorch (zip, TorchScript, the older form, Lightning), NumPy
+/// (npy, npz), pickles, joblib dumps, and folders of them as training runs leave them. The format is known by the
+/// content, never by the name.
 ///
 ///     const WeightFile file = open_weights("logs/last.ckpt");
 ///     load_module(model, file, "denoiser.");
 ///     if (const FileValue* epoch = file.value("epoch")) use(*epoch);
 ///
-/// Nothing in a file is executed: objects of classes that are not known are skipped, and listed; numbers and texts in
-/// their fields are read as values. Tensors that lie in order in the file are views of it, without a copy.
+/// Nothing in a file is executed. Objects of unknown classes are skipped and listed; numbers and texts in their fields
+/// are read as values. Tensors that lie in order in the file are views of it, without a copy.
 ///
-/// Memory   besides the mapped file at most twice its size and 64 MiB. What is packed as a whole (a joblib dump that
-///          was written with compress=, or gzip) is unpacked in memory: to at most twice the size of the file and 30
-///          MiB, into which the copies of arrays in another order have to fit, too; what gives more is refused with
-///          io_error 405, and what is packed with bzip2, xz, lzma, lz4 or zstd with 404: unpack it first
+/// Memory   besides the mapped file at most twice its size and 64 MiB. A file that is packed as a whole (gzip, or a
+///          joblib dump written with compress=) is unpacked in memory, to at most twice its size and 30 MiB. Copies of
+///          arrays in another order must fit into that, too. A larger result is io_error 405. Files packed with bzip2,
+///          xz, lzma, lz4 or zstd are io_error 404: unpack them first
 /// Source   the readers of the formats: safetensors.hpp, torch_file.hpp, pickle_arrays.hpp, npz.hpp
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_RUN_FOLDER_HPP  // <motionlang/weights/run_folder.hpp>
@@ -17380,7 +18757,7 @@ namespace detail {
 /// Numbers in names count as numbers: epoch=99 before epoch=100.
 bool before_by_number(std::string_view a, std::string_view b);
 
-/// What is in a folder, in the order of `before_by_number`; nothing if it is none.
+/// The entries of a folder in the order of `before_by_number`; none if the path is not a folder.
 std::vector<std::filesystem::path> listed(const std::filesystem::path& folder);
 
 /// The options behind "config/", which in a folder of ours are those of the system.
@@ -17491,7 +18868,7 @@ MOTIONLANG_BODY std::vector<FileValue> options_of_config(const RunFolder& run) {
   return out;
 }
 
-/// Of a packed run the run.
+/// Replaces a packed folder's description by that of the run from which it was made.
 inline void unpack(RunFolder& run) {
   const FileValue *published = run.option("published"), *system = run.option("system");
   if (run.system != "motionlang" || system == nullptr) return;
@@ -17626,7 +19003,7 @@ struct WeightOptions {
   bool checksums = false;  // compare those of PyTorch's storages, too: reads the whole file
 };
 
-/// Something that was passed over: the keys from the root of the file to it, and its class or element type.
+/// Something that was skipped: the keys from the root of the file to it, and its class or element type.
 struct SkippedValue {
   std::string path, type;
   bool operator==(const SkippedValue&) const = default;
@@ -17641,13 +19018,13 @@ WeightFile open_weights(const FilePath& path, const WeightOptions& options = {})
 
 namespace detail {
 class WeightReader;
-/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`. Looks how long it is before it
+/// Throws io_error 402, 403 if the stream is damaged, 405 if it is longer than `limit`. It checks the length before it
 /// allocates.
 std::vector<std::byte> from_zlib(std::span<const std::byte> bytes, std::size_t limit, const std::string& name);
 }  // namespace detail
 
-/// Tensors of a file, sorted by name, and what else it says. A tensor in dictionaries is called by their keys, joined
-/// with '.' in PyTorch's files and with '/' in others; a tensor on its own is called "array".
+/// The tensors of a file, sorted by name, and its other values. The name of a tensor in dictionaries is their keys,
+/// joined with '.' in PyTorch's files and with '/' in others; a tensor on its own is called "array".
 class WeightFile : public TensorSet {
  public:
   /// "safetensors", "torch zip", "TorchScript", "torch legacy", "npy", "npz", "pickle", "joblib", "shards", "folder",
@@ -17657,9 +19034,9 @@ class WeightFile : public TensorSet {
   const std::vector<FileValue>& values() const { return values_; }
   /// Null if there is none at these keys.
   const FileValue* value(std::string_view path) const { return find_value(values_, path); }
-  /// The first 1,000 values that were passed over, in the order of the file.
+  /// The first 1,000 values that were skipped, in the order of the file.
   const std::vector<SkippedValue>& skipped() const { return skipped_; }
-  /// All files that hold these tensors; of shards their index as well. None of bytes in memory.
+  /// All files that hold these tensors, with the index of shards. None for bytes in memory.
   const std::vector<std::filesystem::path>& files() const { return files_; }
 
   /// A file in memory. `owner` keeps the bytes alive; without one they have to outlive the object. `name` stands in
@@ -17690,8 +19067,8 @@ class WeightFile : public TensorSet {
   std::vector<std::filesystem::path> files_;
 };
 
-/// Whether this is a folder, or a file that begins as open_weights expects it or is no text, so that open_weights can
-/// say best what is wrong with it; older pickles, which are text, are not seen.
+/// True for a folder, for a file that begins as open_weights expects, and for any file that is not text: open_weights
+/// says best what is wrong with it. Older pickles are text and are not recognised.
 bool may_be_weights(const FilePath& path);
 
 /// Opens a file, the index.json of weights in shards, or the folder of a training run (weights/run_folder.hpp).
@@ -17754,7 +19131,7 @@ class WeightReader {
   static constexpr std::size_t deepest = 64, most_values = 10'000, most_texts = 1'000, most_skipped = 1'000;
   static constexpr std::uint64_t most_visits = 2'000'000;
 
-  // What to look for.
+  // The keys to look for.
 
   bool holds_tensors(const PickleValue& v) const {
     for (std::size_t i = 0; v.is(PickleKind::dict) && i < v.size(); ++i) {
@@ -17780,7 +19157,7 @@ class WeightReader {
       keys.remove_prefix(std::min(slash + 1, keys.size()));
     }
   }
-  /// What a key leads to: a text, a number, or the place in a list.
+  /// The value of a key: a text, a number, or the place in a list.
   static std::optional<PickleValue> entry(const PickleValue& v, std::string_view key) {
     if (const auto found = v.find(key)) return found;
     for (std::size_t i = 0; i < v.size(); ++i) {
@@ -17856,7 +19233,7 @@ class WeightReader {
     spend_visits(dict, dict.size() / 8);
     return dict.find(key);
   }
-  /// What an object of omegaconf stands for, or of a class that is made like it.
+  /// The value of an object of omegaconf, or of a class that is made like it.
   std::optional<PickleValue> content(const PickleValue& state) {
     const auto inner = find_counted(state, "_content");
     return inner ? inner : find_counted(state, "_val");
@@ -17892,7 +19269,7 @@ class WeightReader {
     }
   }
 
-  /// The fields of an object whose class nobody knows, as values. Its tensors are passed over: the class may mean
+  /// The fields of an object whose class nobody knows, as values. Its tensors are skipped: the class may mean
   /// anything by them. Objects may share others and lead back to themselves, so each is looked into a few times at
   /// most, and all of them together leave enough visits for what is known.
   void visit_unknown(const PickleValue& v) {
@@ -17944,9 +19321,9 @@ class WeightReader {
     return a.size() == b.size() && a.size() > 0 && a.key(0).is(PickleKind::text) && b.find(a.key(0).text());
   }
 
-  // What was found.
+  // The results.
 
-  /// Runs `read`; what is not supported is passed over, and so is whatever is wrong where no tensors are wanted.
+  /// Runs `read`; what is not supported is skipped, and so is whatever is wrong where no tensors are wanted.
   template <class F>
   void attempt(const std::string& name, F read) {
     constexpr std::uint64_t visits_of_a_failure = 50;
@@ -18119,7 +19496,7 @@ inline std::vector<std::byte> from_gzip(std::span<const std::byte> bytes, std::s
   return gunzip_bytes(bytes, name);
 }
 
-/// What packed the bytes, if it is something that is not unpacked here; else empty.
+/// The name of a packer that is not supported here; empty for other bytes.
 inline std::string_view unread_packing(std::string_view text) {
   using namespace std::string_view_literals;
   constexpr std::pair<std::string_view, std::string_view> marks[] = {{"BZh"sv, "bzip2"},
@@ -18135,20 +19512,20 @@ inline std::string_view unread_packing(std::string_view text) {
   return "";
 }
 
-/// Whether bytes begin with the length of a header that they can hold, and with its brace.
+/// True if bytes begin with the length of a header that they can hold, and with its brace.
 inline bool is_safetensors(std::span<const std::byte> bytes) {
   const std::string_view text = as_text(bytes);
   return text.size() > 8 && text[8] == '{' && load<std::uint64_t>(bytes, 0, "", "") <= text.size() - 8;
 }
 
-/// Whether the first number is the length of a header that the file holds, and which is no longer than one may be.
+/// True if the first number is the length of a header that the file holds, and which is no longer than one may be.
 inline bool has_header_length(std::span<const std::byte> bytes) {
   if (bytes.size() < sizeof(std::uint64_t)) return false;
   const auto length = load<std::uint64_t>(bytes, 0, "", "");
   return length <= SafetensorsFile::max_header && length <= bytes.size() - sizeof length;
 }
 
-/// Whether bytes begin like a file of weights in a binary format, or with a zero byte in them, which no text has.
+/// True if bytes begin like a file of weights in a binary format, or with a zero byte in them, which no text has.
 inline bool begins_weights(std::span<const std::byte> bytes) {
   const std::string_view text = as_text(bytes);
   // a wrong length
@@ -18157,7 +19534,7 @@ inline bool begins_weights(std::span<const std::byte> bytes) {
          text.starts_with('\x80') || is_zlib(bytes) || is_gzip(bytes) || text.substr(0, 4096).find('\0') != text.npos;
 }
 
-/// Whether the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a
+/// True if the bytes can begin a pickle: its protocol, or in protocols 0 and 1 an opcode that makes a container or a
 /// name.
 inline bool begins_pickle(std::string_view text) {
   if (text.empty()) return false;
@@ -18226,7 +19603,8 @@ MOTIONLANG_BODY WeightFile WeightFile::from_bytes(std::span<const std::byte> byt
   } else if (const auto packed = detail::unread_packing(text); !packed.empty()) {
     raise<io_error>(404, name, ": packed with ", packed, ", which is not read: unpack it first");
   } else if (detail::is_zlib(bytes) || is_gzip(bytes)) {
-    // What any pickle may need for its values; with it, and 10 MiB that are not counted, twice the size and 64 MiB.
+    // The memory that any pickle may need for its values; with it, and 10 MiB that are not counted, twice the size and
+    // 64 MiB.
     constexpr std::uint64_t values = std::uint64_t{24} << 20;
     memory->allow(bytes.size() + (std::uint64_t{18} << 20));
     const std::vector<std::byte>& unpacked =
@@ -18248,7 +19626,8 @@ MOTIONLANG_BODY WeightFile WeightFile::from_bytes(std::span<const std::byte> byt
     refuse_keys("safetensors");
     return from_safetensors(SafetensorsFile::from_bytes(bytes, std::move(name), std::move(owner)));
   } else if (text.size() < safetensors_start) {
-    raise<io_error>(402, name, ": ", counted(text.size(), "byte is", "bytes are"), " no file of weights of any kind");
+    raise<io_error>(402, name, ": ", counted(text.size(), "byte is", "bytes are"),
+                    " not a file of weights of any kind");
   } else {
     raise<io_error>(404, name, ": not a file of weights: neither safetensors, PyTorch, NumPy, nor a pickle");
   }
@@ -18283,7 +19662,7 @@ MOTIONLANG_BODY WeightFile WeightFile::from_shards(const FilePath& index, const 
   out.files_.emplace_back(index.string());
   for (const auto& [name, tensors] : files) {
     if (name.empty() || name == ".." || name.find_first_of(std::string_view("/\\\0", 3)) != name.npos)
-      raise<io_error>(403, index.string(), ": '", name, "' is no name of a file in the same folder");
+      raise<io_error>(403, index.string(), ": '", name, "' is not a name of a file in the same folder");
     const auto bytes = MappedFile::open(folder / name);
     const WeightFile shard = from_bytes(bytes->bytes(), (folder / name).string(), bytes, options);
     owners->push_back(shard.owner());
@@ -18366,7 +19745,7 @@ struct AnyTextNetwork {
 template <Backend B>
 using AnyTextEncoder = TokenizedEncoder<AnyTokenizer, AnyTextNetwork<B>>;
 
-/// What a system takes from its encoder.
+/// The outputs that a system takes from its encoder.
 struct TextEncoderOptions {
   TextOptions text{};
   TokenizerLimits limits{};
@@ -18506,8 +19885,8 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_WEIGHTS_TEXT_MOTION_FILE_HPP
 /// TEMOS and TMR from their published checkpoints: sizes come from the shapes of the tensors.
 ///
-///     const auto tmr = load_tmr<B>(open_weights(folder), find_run(folder));   // last_weights/*.pt, or a .ckpt
-///     const auto temos = load_temos<B>(open_weights("last.ckpt"));            // with statistics: weights/vae_run.hpp
+///     const auto tmr = tmr_network<B>(open_weights(folder), find_run(folder));   // last_weights/*.pt, or a .ckpt
+///     const auto temos = temos_network<B>(open_weights("last.ckpt"));    // with statistics: weights/vae_run.hpp
 ///
 /// Heads    do not show in shapes: from the options of the run, else 4, which is what both papers' models have. TEMOS'
 ///          options ask for 6 under a misspelled name, which its code passes over
@@ -18519,7 +19898,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_DETAIL_RUN_READER_HPP  // <motionlang/weights/detail/run_reader.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_DETAIL_RUN_READER_HPP
-/// What the readers of official run folders share: options and shapes of tensors compared, statistics of features.
+/// Helpers for readers of official run folders: options and shapes of tensors compared, statistics of features.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -18545,7 +19924,7 @@ class RunReader {
   /// How many tensors there are of a numbered name, "layers.#.weight".
   Index count(const std::string& before, const std::string& behind, std::initializer_list<const char*> options) const;
 
-  /// Of several names for an option the first that there is. Throws config_error 101 unless it is smallest ... largest.
+  /// The first option that exists among several names. Throws config_error 101 unless it is smallest ... largest.
   Index number(std::initializer_list<const char*> keys, Index otherwise, Index largest, Index smallest = 1) const;
   double real(const char* key, double otherwise) const;
   bool flag(const char* key, bool otherwise) const;
@@ -18766,7 +20145,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What the configurations of TEMOS, TEACH and SINC have in common.
+/// The common part of the configurations of TEMOS, TEACH and SINC.
 template <class Config>
 Config temos_sizes(const RunReader& r) {
   const std::string stack = "textencoder.seqTransEncoder.layers.";
@@ -18791,7 +20170,7 @@ bool beside_temos(const std::string& name);
 
 /// `run` has the options, if there are any.
 template <Backend B>
-Temos<B> load_temos(const TensorSet& file, const RunFolder& run = {}) {
+Temos<B> temos_network(const TensorSet& file, const RunFolder& run = {}) {
   const TemosConfig config = detail::temos_config(detail::RunReader(run, file, ""));
   const auto room = detail::room_of(file);
   NoInit zeros;
@@ -18800,7 +20179,7 @@ Temos<B> load_temos(const TensorSet& file, const RunFolder& run = {}) {
   return model;
 }
 template <Backend B>
-Tmr<B> load_tmr(const TensorSet& file, const RunFolder& run = {}) {
+Tmr<B> tmr_network(const TensorSet& file, const RunFolder& run = {}) {
   const TmrConfig config = detail::tmr_config(detail::RunReader(run, file, ""));
   const auto room = detail::room_of(file);
   NoInit zeros;
@@ -18896,7 +20275,7 @@ inline constexpr const char *model_format = "motionlang", *model_config_file = "
 
 }  // namespace detail
 
-/// What a config.json says. `name` stands in messages.
+/// The contents of a config.json. Messages contain `name`.
 /// Throws  io_error 403 if it is malformed, 404 for a newer version; config_error 103 for another format, 107 for a
 ///         member that is missing or of another kind, 101 for an impossible frame rate, always with both values
 ModelFolder parse_model_config(std::string_view text, const std::string& name);
@@ -19140,7 +20519,7 @@ struct TextMotionModel {
     if (words) return (*words)(texts).tokens;
     if (language) return (*language)(texts, context);
     if (states == nullptr)
-      raise<config_error>(102, "this model reads the states of a language model: --text-encoder names it");
+      raise<config_error>(102, "this model reads the states of a language model: `text_encoder` names it");
     return states->encode<B>(texts).tokens;
   }
 };
@@ -19271,7 +20650,7 @@ void save_text_motion(const std::filesystem::path& folder, const TextMotionModel
 template <Backend B>
 TmrModel<B> load_published_tmr(const TensorSet& weights, const RunFolder& run, const MotionFeatures& features) {
   TmrModel<B> m;
-  m.system = load_tmr<B>(weights, run);
+  m.system = tmr_network<B>(weights, run);
   const Index width = m.system.config.motion_nfeats;
   if (width != features.width)
     raise<config_error>(102, run.folder.string(), ": a model of features of ", counted(width, "number"), ", '",
@@ -19343,7 +20722,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What the files say about a model, before memory is taken for it. The member that `system` names counts.
+/// The configuration of a model by its files, before memory is taken for it. The member that `system` names counts.
 struct DiffusionRun {
   std::string system;  // stmc, mdm, motiondiffuse
   std::string prefix;  // of the names of the denoiser's tensors
@@ -19417,7 +20796,7 @@ AnyDenoiser<B> make_denoiser(const DiffusionRun& run, const TensorSet& weights) 
   return out;
 }
 
-/// Of a model folder of ours the run that is in it.
+/// The run in a model folder of ours.
 RunFolder published_run(const RunFolder& run);
 
 template <Backend B>
@@ -19431,7 +20810,7 @@ Normalizer<B> motion_normalizer(const RunFolder& run, const TensorSet& weights, 
       options.statistics);
 }
 
-/// Of STMC; the others have none.
+/// For STMC; the others have none.
 template <Backend B>
 std::optional<Normalizer<B>> text_normalizer(const RunFolder& run, const TensorSet& weights,
                                              const DiffusionRun& about) {
@@ -19462,7 +20841,7 @@ AnyTextEncoder<B> encoder_of(const RunFolder& run, const TensorSet& weights, con
 
 }  // namespace detail
 
-/// What options and tensors say of a run of stmc, mdm or motiondiffuse.
+/// Reads the configuration of a run of stmc, mdm or motiondiffuse from its options and tensors.
 DiffusionRun diffusion_run(const RunFolder& run, const TensorSet& weights);
 
 /// A model that is ready to generate.
@@ -19721,13 +21100,13 @@ namespace detail {
 /// The options that `diffusion_run` reads, under the names that the systems give them.
 nlohmann::ordered_json diffusion_options(const DiffusionRun& run);
 
-/// The files of a text encoder that reading it takes. `weights`: not only those of its tokenizer.
+/// The files from which a text encoder is read. `weights`: with its weights, not only those of its tokenizer.
 std::vector<std::filesystem::path> text_encoder_files(const std::filesystem::path& path, bool weights = true);
 
-/// Whether a tensor of the checkpoint belongs to the model: of what is beside it only CLIP's text tower.
+/// True if a tensor of the checkpoint belongs to the model or to CLIP's text tower beside it.
 bool is_packed(const std::string& name, const DiffusionRun& run);
 
-/// Everything but the statistics. tensors: those of the statistics
+/// Writes the folder. `tensors` are those of the statistics.
 void write_diffusion_folder(const FilePath& path, const RunFolder& run, const TensorSet& weights,
                             const DiffusionRun& about, std::vector<TensorView> tensors, const PackOptions& options);
 
@@ -20056,9 +21435,9 @@ MOTIONLANG_BODY bool reads_pieces(const TextTokensConfig& text, const std::files
     raise<config_error>(103, "text.encoder '", text.encoder, "' is not word_pieces or distilbert");
   const bool pieces = text.encoder == "word_pieces";
   if (pieces != from.empty())
-    raise<config_error>(102, pieces ? "--text-encoder is for text.encoder = distilbert"
-                                    : "text.encoder = distilbert needs --text-encoder, a folder or a cache; "
-                                      "without one: --set text.encoder=word_pieces");
+    raise<config_error>(102, pieces ? "`text_encoder` is for text.encoder = distilbert"
+                                    : "text.encoder = distilbert needs `text_encoder`, a folder or a cache; "
+                                      "without one: text.encoder = word_pieces");
   return pieces;
 }
 
@@ -20112,7 +21491,7 @@ MOTIONLANG_NAMESPACE_END
 /// ACTOR and the classifiers that judge it from their published checkpoints: sizes come from the shapes of the tensors.
 ///
 ///     const RunFolder run = find_run("exps/humanact12");  // or load_actor_run, weights/vae_run.hpp
-///     const auto actor = load_actor<B>(open_weights(run.weights), run);
+///     const auto actor = actor_network<B>(open_weights(run.weights), run);
 ///     const auto gru = load_gru_classifier<B>(open_weights("models/actionrecognition/humanact12_gru.tar"));
 ///     const auto stgcn = load_stgcn<B>(open_weights("models/actionrecognition/uestc_rot6d_stgcn.tar"));
 ///
@@ -20154,7 +21533,7 @@ ActorPointOptions actor_point_options(const RunFolder& run, const TensorSet& wei
 
 /// `run` has the options, if there are any.
 template <Backend B>
-Actor<B> load_actor(const TensorSet& file, const RunFolder& run = {}) {
+Actor<B> actor_network(const TensorSet& file, const RunFolder& run = {}) {
   const ActorConfig config = detail::actor_config(detail::RunReader(run, file, ""));
   const auto room = detail::room_of(file);
   NoInit zeros;
@@ -20319,7 +21698,7 @@ MOTIONLANG_BODY Index actor_longest(const RunFolder& run, const TensorSet& weigh
   const detail::RunReader r(run, weights, "");
   const auto frames = [&r](const char* key, Index otherwise, Index least) {
     const Index n = r.number({key}, otherwise, 100'000, least);
-    return n < 0 ? n : r.number({key}, otherwise, 100'000, 2);  // 0 and 1 frames are no motion
+    return n < 0 ? n : r.number({key}, otherwise, 100'000, 2);  // 0 and 1 frames are not a motion
   };
   const Index stated = frames("num_frames", 60, -2), most = stated < 0 ? frames("max_len", -1, -1) : stated;
   return std::min(most < 0 ? config.max_len : most, config.max_len - 2);
@@ -20352,8 +21731,8 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_WEIGHTS_TEACH_SINC_FILE_HPP
 /// TEACH and SINC from their published checkpoints: sizes come from the shapes of the tensors.
 ///
-///     const auto teach = load_teach<B>(open_weights("last.ckpt"), find_run(folder));
-///     const auto sinc = load_sinc<B>(open_weights("last.ckpt"));
+///     const auto teach = teach_network<B>(open_weights("last.ckpt"), find_run(folder));
+///     const auto sinc = sinc_network<B>(open_weights("last.ckpt"));
 ///
 /// Heads    do not show in shapes: from the options of the run, else 4. The options ask for 6 under a misspelled name,
 ///          which the code passes over
@@ -20373,7 +21752,7 @@ inline bool beside_teach_and_sinc(const std::string& name) {
 
 /// hist_frames and z_prev_text do not show in shapes: from the options of the run, else 5 and no.
 template <Backend B>
-Teach<B> load_teach(const TensorSet& file, const RunFolder& run = {}) {
+Teach<B> teach_network(const TensorSet& file, const RunFolder& run = {}) {
   const detail::RunReader r(run, file, "");
   auto config = detail::temos_sizes<TeachConfig>(r);
   config.hist_frames = r.number({"model/hist_frames"}, config.hist_frames, 1024);
@@ -20388,7 +21767,7 @@ Teach<B> load_teach(const TensorSet& file, const RunFolder& run = {}) {
 }
 /// mode: not to be seen in the tensors; released models take one sentence.
 template <Backend B>
-Sinc<B> load_sinc(const TensorSet& file, const RunFolder& run = {}, SincMode mode = SincMode::single) {
+Sinc<B> sinc_network(const TensorSet& file, const RunFolder& run = {}, SincMode mode = SincMode::single) {
   const detail::RunReader r(run, file, "");
   auto config = detail::temos_sizes<SincConfig>(r);
   config.mode = mode;
@@ -20470,7 +21849,7 @@ ActorRun<B> load_actor_run(const RunFolder& run) {
   const WeightFile weights = open_weights(run.weights);
   const detail::RunReader r(run, weights, "");
   ActorRun<B> out;
-  out.model = load_actor<B>(weights, run);
+  out.model = actor_network<B>(weights, run);
   out.longest = actor_longest(run, weights, out.model.config);
   out.features = actor_point_options(run, weights).features;
   out.points = actor_loss_points(run, weights);
@@ -20490,10 +21869,14 @@ ActorRun<B> load_actor_run(const FilePath& folder) {
 
 /// "temos", "teach" or "sinc", by the token that stands between texts.
 std::string lightning_system(const TensorSet& weights);
+/// The system of a folder as weights/run_folder.hpp finds it; runs of TEACH and SINC, which look like those of TEMOS,
+/// differ in their weights. Throws what find_run and open_weights throw.
+std::string system_of_run(const FilePath& folder);
 
 namespace detail {
 
-/// Of the options' folder, else in the weights of a packed run, else of the run's. Throws io_error 401, 407.
+/// The statistics in the options' folder, else in the weights of a packed run, else in the run's folder. Throws
+/// io_error 401, 407.
 template <Backend B>
 Normalizer<B> temos_normalizer(const RunFolder& run, const TensorSet& weights, const TemosRunOptions& options) {
   const Index nfeats = RunReader(run, weights, "").size("motiondecoder.final_layer.weight", 0);
@@ -20526,17 +21909,17 @@ WeightFile lightning_weights(const RunFolder& run, const char* system);
 template <Backend B>
 TemosRun<B> load_temos_run(const RunFolder& run, const TemosRunOptions& options = {}) {
   const WeightFile weights = detail::lightning_weights(run, "temos");
-  return detail::text_motion_run<B>(run, weights, load_temos<B>(weights, run), 12.5, 0, options);
+  return detail::text_motion_run<B>(run, weights, temos_network<B>(weights, run), 12.5, 0, options);
 }
 template <Backend B>
 TeachRun<B> load_teach_run(const RunFolder& run, const TemosRunOptions& options = {}) {
   const WeightFile weights = detail::lightning_weights(run, "teach");
-  return detail::text_motion_run<B>(run, weights, load_teach<B>(weights, run), 30, 0, options);
+  return detail::text_motion_run<B>(run, weights, teach_network<B>(weights, run), 30, 0, options);
 }
 template <Backend B>
 SincRun<B> load_sinc_run(const RunFolder& run, const TemosRunOptions& options = {}) {
   const WeightFile weights = detail::lightning_weights(run, "sinc");
-  return detail::text_motion_run<B>(run, weights, load_sinc<B>(weights, run), 30, sinc_eps, options);
+  return detail::text_motion_run<B>(run, weights, sinc_network<B>(weights, run), 30, sinc_eps, options);
 }
 template <Backend B>
 TemosRun<B> load_temos_run(const FilePath& folder, const TemosRunOptions& options = {}) {
@@ -20582,6 +21965,12 @@ MOTIONLANG_BODY std::string lightning_system(const TensorSet& weights) {
   return weights.find("textencoder.separation_token") != nullptr ? "sinc" : "temos";
 }
 
+MOTIONLANG_BODY std::string system_of_run(const FilePath& folder) {
+  const RunFolder run = find_run(folder);
+  if (run.system != "temos" || run.weights.empty()) return run.system;
+  return lightning_system(open_weights(run.weights));
+}
+
 namespace detail {
 
 MOTIONLANG_BODY WeightFile lightning_weights(const RunFolder& run, const char* system) {
@@ -20617,7 +22006,7 @@ struct TextMotionCheckpoint {
   const MotionFeatures* features = nullptr;  // that it reads and writes
   double fps = 0;                            // of its motions
   double longest = 10;                       // seconds of the longest motions that it learned from
-  /// What the text encoder of the model reads. Throws config_error 102 if it reads the states of a language model and
+  /// The input of the model's text encoder. Throws config_error 102 if it reads the states of a language model and
   /// the options named none.
   std::function<Sequences<B>(std::span<const std::string>)> tokens{};
   std::string folder{}, text_encoder{};  // where it was loaded from
@@ -20636,7 +22025,7 @@ struct TextMotionCheckpoint {
   }
 };
 
-/// The features of a published TEMOS, TEACH or SINC of so many numbers a frame.
+/// The features of a published TEMOS, TEACH or SINC of this many numbers a frame.
 inline const MotionFeatures& published_temos_features(Index width) {
   return motion_features(width == 64 ? "rifke64" : "smplvelp-published");
 }
@@ -20660,7 +22049,7 @@ std::function<Sequences<B>(std::span<const std::string>)> remembered_states(cons
   };
 }
 
-/// Of a model of our trainings, or of a published TMR.
+/// From a model trained here, or a published TMR.
 template <Backend B, template <class> class System, class Config>
 TextMotionCheckpoint<B, System<B>> checkpoint_of(TextMotionModel<B, System> model, const TextModelFile<Config>& file,
                                                  double longest, const std::filesystem::path& folder,
@@ -20681,7 +22070,7 @@ TextMotionCheckpoint<B, System<B>> checkpoint_of(TextMotionModel<B, System> mode
   } else if (out.text_encoder.empty()) {
     out.tokens = [folder = out.folder,
                   encoder = file.config.text.encoder](std::span<const std::string>) -> Sequences<B> {
-      raise<config_error>(102, folder, ": this model reads the states of ", encoder, ": --text-encoder names it");
+      raise<config_error>(102, folder, ": this model reads the states of ", encoder, ": `text_encoder` names it");
     };
   } else {
     out.tokens = remembered_states<B>(out.text_encoder);
@@ -20689,7 +22078,7 @@ TextMotionCheckpoint<B, System<B>> checkpoint_of(TextMotionModel<B, System> mode
   return out;
 }
 
-/// Of a published TEMOS, TEACH or SINC.
+/// From a published TEMOS, TEACH or SINC.
 template <Backend B, class Model>
 TextMotionCheckpoint<B, Model> checkpoint_of(TextMotionRun<B, Model> run, const FilePath& folder,
                                              const CheckpointOptions& options) {
@@ -20880,7 +22269,7 @@ struct ActorNetworkConfig {
 /// Points are the 24 joints of our own skeleton, or those of a body that the user has (features/actor_points.hpp).
 struct ActorLossConfig {
   double rc = 1, rcxyz = 1, kl = 1e-5, vel = 0, velxyz = 0;
-  std::string points = "joints";  // or, of the model that --body names, "vertices", "smpl", "a2m", "a2mpl", "vibe"
+  std::string points = "joints";  // or, of the body that the files name, "vertices", "smpl", "a2m", "a2mpl", "vibe"
   bool vertstrans = false;        // points of a body follow the way of the root, as joints do
 
   void require_sound() const {
@@ -21050,7 +22439,7 @@ struct ActorModel {
 };
 /// Throws config_error 102 if a classifier of these clips cannot judge or learn from the motions of a model.
 void require_same_clips(const ActorClipsConfig& model, const ActorClipsConfig& seen);
-/// Throws config_error 102 if a model's frames are no rows that the settings of clips make.
+/// Throws config_error 102 if a model's frames are not rows that the settings of clips make.
 void require_same_rows(const ActorClipsConfig& model, const ActorClipsConfig& clips);
 /// The numbers that a classifier gives to the actions of a model. Throws config_error 102 unless both know the same.
 std::vector<Index> numbers_of(std::span<const std::string> actions, std::span<const std::string> classifier);
@@ -21169,6 +22558,137 @@ ActorModel<B> load_actor(const FilePath& path) {
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_WEIGHTS_BABEL_CHECKPOINT_HPP  // <motionlang/weights/babel_checkpoint.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_BABEL_CHECKPOINT_HPP
+/// Models that make a motion of one text and are compared on BABEL: a SINC or a TEACH, trained by us or published, or a
+/// published TEMOS.
+///
+///     with_babel_checkpoint<B>("sinc-run", {}, motion_features("smplvelp"), [&](auto model) {
+///       use(model.encode_motion(motion));                    // a TextMotionCheckpoint
+///     });
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_SINC_CHECKPOINT_HPP  // <motionlang/weights/sinc_checkpoint.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_SINC_CHECKPOINT_HPP
+/// SINC from one folder: one of train-sinc, or the run folder of the published one (.hydra/config.yaml,
+/// checkpoints/last.ckpt).
+///
+///     const auto sinc = load_sinc<B>("sinc-run", {.text_encoder = "distilbert", .statistics = "deps/..."});
+///
+/// Source  Athanasiou et al. (ICCV 2023); thesis, annex B
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+template <Backend B>
+using SincCheckpoint = TextMotionCheckpoint<B, Sinc<B>>;
+
+/// Throws  io_error 401 for a file that is missing, 403 to 407 for files and tensors; config_error 102 for a model of
+///         another system and where options and tensors differ, 101, 103, 107
+template <Backend B>
+SincCheckpoint<B> load_sinc(const FilePath& path, const CheckpointOptions& options = {}) {
+  const std::filesystem::path folder = found_model_folder(path);
+  if (const RunFolder run = find_run(folder); run.system != "motionlang")
+    return detail::checkpoint_of<B>(load_sinc_run<B>(run, {options.text_encoder, options.statistics}), folder, options);
+  const auto file = read_babel_config<SincTrainingConfig>(folder);
+  detail::require_trained(folder, file.system, "sinc");
+  return detail::checkpoint_of<B>(load_text_motion<Sinc, B>(folder, file), file, file.config.longest_seconds(), folder,
+                                  options);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_TEACH_CHECKPOINT_HPP  // <motionlang/weights/teach_checkpoint.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_TEACH_CHECKPOINT_HPP
+/// TEACH from one folder: one of train-teach, or the run folder of the published one (.hydra/config.yaml,
+/// checkpoints/last.ckpt).
+///
+///     const auto teach = load_teach<B>("teach-run", {.text_encoder = "distilbert", .statistics = "deps/..."});
+///
+/// Source  Athanasiou et al. (3DV 2022); thesis, annex A
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+template <Backend B>
+using TeachCheckpoint = TextMotionCheckpoint<B, Teach<B>>;
+
+/// Throws  io_error 401 for a file that is missing, 403 to 407 for files and tensors; config_error 102 for a model of
+///         another system and where options and tensors differ, 101, 103, 107
+template <Backend B>
+TeachCheckpoint<B> load_teach(const FilePath& path, const CheckpointOptions& options = {}) {
+  const std::filesystem::path folder = found_model_folder(path);
+  if (const RunFolder run = find_run(folder); run.system != "motionlang")
+    return detail::checkpoint_of<B>(load_teach_run<B>(run, {options.text_encoder, options.statistics}), folder,
+                                    options);
+  const auto file = read_babel_config<TeachTrainingConfig>(folder);
+  detail::require_trained(folder, file.system, "teach");
+  return detail::checkpoint_of<B>(load_text_motion<Teach, B>(folder, file), file, file.config.longest_seconds(), folder,
+                                  options);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_TEMOS_CHECKPOINT_HPP  // <motionlang/weights/temos_checkpoint.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_TEMOS_CHECKPOINT_HPP
+/// TEMOS from one folder: one of train-temos, or the run folder of the published one (.hydra/config.yaml,
+/// checkpoints/last.ckpt).
+///
+///     const auto temos = load_temos<B>("kit-amass-xyz/5xp9647f", {.text_encoder = "distilbert-base-uncased",
+///                                                                 .statistics = "deps/.../kit-amass-xyz"});
+///
+/// Source  Petrovich et al. (ECCV 2022); thesis, chapter 4
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+template <Backend B>
+using TemosCheckpoint = TextMotionCheckpoint<B, Temos<B>>;
+
+/// Throws  io_error 401 for a file that is missing, 403 to 407 for files and tensors; config_error 102 for a model of
+///         another system and where options and tensors differ, 101, 103, 107
+template <Backend B>
+TemosCheckpoint<B> load_temos(const FilePath& path, const CheckpointOptions& options = {}) {
+  const std::filesystem::path folder = found_model_folder(path);
+  if (const RunFolder run = find_run(folder); run.system != "motionlang")
+    return detail::checkpoint_of<B>(load_temos_run<B>(run, {options.text_encoder, options.statistics}), folder,
+                                    options);
+  const TextMotionFile file = read_text_motion_config(folder);
+  return detail::checkpoint_of<B>(load_text_motion<Temos, B>(folder, file), file, file.config.data.max_seconds, folder,
+                                  options);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Calls f with the checkpoint in a folder.
+/// features  that the model has to have, at babel_fps
+/// Throws    config_error 102 for other features or another rate, 103 for another system, and what the loaders throw
+template <Backend B, class F>
+void with_babel_checkpoint(const std::filesystem::path& folder, const CheckpointOptions& options,
+                           const MotionFeatures& features, F f) {
+  const auto take = [&](auto model) {
+    if (model.features->name != features.name || model.fps != babel_fps)
+      raise<config_error>(102, folder.string(), ": a model of ", model.features->name, " at ", model.fps,
+                          " frames per second, the motions are ", features.name, " at ", babel_fps);
+    f(std::move(model));
+  };
+  const bool ours = find_run(folder).system == "motionlang";
+  const std::string system = ours ? read_model_folder(folder).system : system_of_run(folder);
+  if (system == "sinc")
+    take(load_sinc<B>(folder, options));
+  else if (system == "teach")
+    take(load_teach<B>(folder, options));
+  else if (system == "temos" && !ours)
+    take(load_temos<B>(folder, options));
+  else
+    raise<config_error>(103, folder.string(), ": a model of '", system,
+                        "'; expected sinc or teach, or temos as published");
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
 #ifndef MOTIONLANG_HAS_WEIGHTS_CLASSIFIER_MODEL_HPP  // <motionlang/weights/classifier_model.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_CLASSIFIER_MODEL_HPP
 /// A classifier of actions, which judges generated motions: a GRU over the positions of joints, or ST-GCN over
@@ -21236,6 +22756,64 @@ struct Classifier {
 };
 
 MOTIONLANG_NAMESPACE_END
+#endif
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_EMBED_TEXTS_HPP  // <motionlang/weights/embed_texts.hpp>
+#define MOTIONLANG_HAS_WEIGHTS_EMBED_TEXTS_HPP
+/// The embeddings of many texts, batch by batch: the caches that TMR and STMC read.
+///
+///     const auto clip = load_text_encoder<B>("ViT-B-32.pt", clip_sentences());
+///     embed_texts<B>(clip, texts_to_embed("annotations.json")).write("text_embeddings", "ViT-B/32");
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The texts of an annotation file (.json of TMR and STMC) in its order, or those on the lines of any other file;
+/// lines of blanks are skipped. Throws io_error 401, 403.
+std::vector<std::string> texts_to_embed(const std::filesystem::path& file);
+
+/// batch   texts at a time
+/// Throws  what EmbeddingCache::add throws; cancelled
+template <Backend B, TextEncoder<B> E>
+EmbeddingCache embed_texts(const E& encoder, std::span<const std::string> texts, Index batch = 32,
+                           Progress progress = {}) {
+  const std::string probe = texts.empty() ? "" : texts.front();
+  EmbeddingCache cache(encoder.template encode<B>(std::span(&probe, 1)).tokens.width());
+  const Index count = std::ssize(texts);
+  for (Index at = 0; at < count; at += batch) {
+    const auto part =
+        texts.subspan(static_cast<std::size_t>(at), static_cast<std::size_t>(std::min(batch, count - at)));
+    cache.add<B>(encoder, part);
+    progress(at + std::ssize(part), count);
+  }
+  return cache;
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_WEIGHTS_EMBED_TEXTS_IPP  // <motionlang/weights/embed_texts.ipp>
+#define MOTIONLANG_HAS_WEIGHTS_EMBED_TEXTS_IPP
+// Bodies of embed_texts.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<std::string> texts_to_embed(const std::filesystem::path& file) {
+  std::vector<std::string> texts;
+  if (file.extension() == ".json") {
+    const auto annotations = AnnotationFile::open(file);
+    for (const std::string& id : annotations.ids()) {
+      for (const Annotation& a : annotations.load(id).annotations) texts.push_back(a.text);
+    }
+    return texts;
+  }
+  const std::string contents = read_file(file);
+  detail::for_each_line(contents, [&](std::string_view line, Index) {
+    if (!detail::trim(line).empty()) texts.emplace_back(line);
+  });
+  return texts;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
 #endif
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_GLOVE_FILE_HPP  // <motionlang/weights/glove_file.hpp>
@@ -21340,7 +22918,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// Sizes of the networks in a file, from the shapes of its tensors. Throws io_error 406, 407.
 GuoEvaluatorConfig guo_evaluator_config(const TensorSet& file);
 
-/// The networks, ready to run. States of optimisers beside them are passed over. Throws io_error 406, 407,
+/// The networks, ready to run. States of optimisers beside them are skipped. Throws io_error 406, 407,
 /// numeric_error 301.
 template <Backend B>
 GuoEvaluator<B> load_guo_evaluator(const TensorSet& file) {
@@ -21410,7 +22988,7 @@ inline constexpr ActorFeatureOptions mdm_action_features{
 DiffusionRun mdm_action_sizes(const RunFolder& run, const TensorSet& weights, const RunReader& r);
 }  // namespace detail
 
-/// Whether a run folder is MDM's and of actions, or unconstrained.
+/// True if a run folder is MDM's and of actions, or unconstrained.
 bool is_mdm_action_run(const RunFolder& run);
 
 template <Backend B>
@@ -21477,7 +23055,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_MODEL_SUMMARY_HPP  // <motionlang/weights/model_summary.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_MODEL_SUMMARY_HPP
-/// What the folder of a model says about motions, texts or actions, and networks: for people who look at it.
+/// A summary of a model folder for readers: motions, texts or actions, and networks.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -21512,11 +23090,13 @@ MOTIONLANG_NAMESPACE_END
 /// motion tokenizer, beside it (its checkpoint, meta/mean.npy, meta/std.npy); the word vectors glove/our_vab_*, in one
 /// of the folders above.
 ///
-/// Sizes    from the shapes of the tensors; early or late attention, too, which the options have to agree with. The
-///          number of heads from the options, 8 unless they say it
-/// Differs  from the published program: `model` has what is in the folder and the tokenizer; the rest of it is empty
+/// Sizes    come from the shapes of the tensors, as does early or late attention, with which the options must agree.
+/// The
+///          number of heads comes from the options; the default is 8
+/// Differs  from the published program: `model` holds the parts in the folder and the tokenizer; its other parts are
+/// empty
 /// Source   TM2T networks/modules.py, networks/transformer.py, and the files that its training programs write
-/// Throws   io_error 401 for what is missing, saying where it was looked for; 404 for another model; 406, 407 for
+/// Throws   io_error 401 for a missing file, with the places that were tried; 404 for another model; 406, 407 for
 ///          tensors; config_error 102 where the parts do not fit each other
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -21559,7 +23139,7 @@ Normalizer<B> tm2t_normalizer(const RunFolder& run, const TensorSet& weights, In
 
 }  // namespace detail
 
-/// Whether a run folder holds the model from texts to motions, or the one from motions to texts.
+/// Tells which model a run folder holds: from texts to motions, or from motions to texts.
 bool is_tm2t_generator(const RunFolder& run);
 bool is_tm2t_describer(const RunFolder& run);
 
@@ -21587,7 +23167,7 @@ Tm2t<B> load_tm2t_tokenizer(const RunFolder& run) {
 
 namespace detail {
 
-/// Everything but the model that the folder is named after, which knows so many symbols of motions.
+/// Everything but the model that the folder is named after, which knows this many symbols of motions.
 template <Backend B>
 Tm2tRun<B> tm2t_around(const RunFolder& run, const WeightFile& weights, Index symbols, const Tm2tRunOptions& options) {
   const RunFolder tokenizer_run = tm2t_tokenizer_run(run, options);
@@ -21887,7 +23467,7 @@ inline std::string json_members(const nlohmann::ordered_json& object) {
   });
 }
 
-/// Of a training of ours: what its configuration says.
+/// The summary of a training of ours, from its configuration.
 inline ModelSummary trained_summary(const RunFolder& run) {
   const ModelFolder model = read_model_folder(run.folder);
   ModelSummary out{{"motions", concat_text(model.features, ", ", model.fps, " frames per second")},
@@ -21977,7 +23557,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What goes into the folder.
+/// Options for the packed folder.
 struct PackedFiles {
   ModelFolder model{};
   std::vector<WeightFile> weights{};  // with different names
@@ -22138,36 +23718,6 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
-#ifndef MOTIONLANG_HAS_WEIGHTS_SINC_CHECKPOINT_HPP  // <motionlang/weights/sinc_checkpoint.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_SINC_CHECKPOINT_HPP
-/// SINC from one folder: one of train-sinc, or the run folder of the published one (.hydra/config.yaml,
-/// checkpoints/last.ckpt).
-///
-///     const auto sinc = load_sinc<B>("sinc-run", {.text_encoder = "distilbert", .statistics = "deps/..."});
-///
-/// Source  Athanasiou et al. (ICCV 2023); thesis, annex B
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-template <Backend B>
-using SincCheckpoint = TextMotionCheckpoint<B, Sinc<B>>;
-
-/// Throws  io_error 401 for a file that is missing, 403 to 407 for files and tensors; config_error 102 for a model of
-///         another system and where options and tensors differ, 101, 103, 107
-template <Backend B>
-SincCheckpoint<B> load_sinc(const FilePath& path, const CheckpointOptions& options = {}) {
-  const std::filesystem::path folder = found_model_folder(path);
-  if (const RunFolder run = find_run(folder); run.system != "motionlang")
-    return detail::checkpoint_of<B>(load_sinc_run<B>(run, {options.text_encoder, options.statistics}), folder, options);
-  const auto file = read_babel_config<SincTrainingConfig>(folder);
-  detail::require_trained(folder, file.system, "sinc");
-  return detail::checkpoint_of<B>(load_text_motion<Sinc, B>(folder, file), file, file.config.longest_seconds(), folder,
-                                  options);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
 #ifndef MOTIONLANG_HAS_WEIGHTS_STMC_FILE_HPP  // <motionlang/weights/stmc_file.hpp>
 #define MOTIONLANG_HAS_WEIGHTS_STMC_FILE_HPP
 /// An STMC model in one safetensors file: weights under their names, sizes and vocabulary in the metadata.
@@ -22183,7 +23733,7 @@ struct StmcModelConfig {
   MdmSmplConfig denoiser{};
   CaptionEncoderConfig text{};
   Index diffusion_steps = 100;
-  // What the model should be sampled with:
+  // How the model should be sampled:
   NoiseScale noise_scale = NoiseScale::posterior_std;
   SamplingOptions::Sampler sampler = SamplingOptions::Sampler::ddpm;
   Index sampling_steps = 0;  // 0: all
@@ -22216,7 +23766,7 @@ Index metadata_size(const Metadata& metadata, const std::string& key, Index larg
                     Index smallest = 1);
 
 WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file);
-/// What users say about a model or a record. Throws config_error 102 for a key that is there already.
+/// The entries of users about a model or a record. Throws config_error 102 for a key that is there already.
 void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose, const std::string& file);
 
 }  // namespace detail
@@ -22477,7 +24027,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Of all numbers of a module and their scalar.
+/// A checksum of all values of a module and their scalar.
 template <Module M>
 std::string weights_checksum(const M& module) {
   std::uint64_t h = 0;
@@ -22487,7 +24037,7 @@ std::string weights_checksum(const M& module) {
 /// "x0/007": names whose order is that of the numbers, below 1000.
 std::string numbered_name(const char* what, std::size_t i);
 
-/// What does not depend on the backend.
+/// The part that does not depend on the backend.
 struct RecordAbout {
   std::vector<Timeline> timelines{};
   Philox rng{};
@@ -22678,68 +24228,6 @@ MOTIONLANG_BODY RecordAbout read_record(const SafetensorsFile& file, const std::
 
 MOTIONLANG_NAMESPACE_END
 #endif
-#endif
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_TEACH_CHECKPOINT_HPP  // <motionlang/weights/teach_checkpoint.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_TEACH_CHECKPOINT_HPP
-/// TEACH from one folder: one of train-teach, or the run folder of the published one (.hydra/config.yaml,
-/// checkpoints/last.ckpt).
-///
-///     const auto teach = load_teach<B>("teach-run", {.text_encoder = "distilbert", .statistics = "deps/..."});
-///
-/// Source  Athanasiou et al. (3DV 2022); thesis, annex A
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-template <Backend B>
-using TeachCheckpoint = TextMotionCheckpoint<B, Teach<B>>;
-
-/// Throws  io_error 401 for a file that is missing, 403 to 407 for files and tensors; config_error 102 for a model of
-///         another system and where options and tensors differ, 101, 103, 107
-template <Backend B>
-TeachCheckpoint<B> load_teach(const FilePath& path, const CheckpointOptions& options = {}) {
-  const std::filesystem::path folder = found_model_folder(path);
-  if (const RunFolder run = find_run(folder); run.system != "motionlang")
-    return detail::checkpoint_of<B>(load_teach_run<B>(run, {options.text_encoder, options.statistics}), folder,
-                                    options);
-  const auto file = read_babel_config<TeachTrainingConfig>(folder);
-  detail::require_trained(folder, file.system, "teach");
-  return detail::checkpoint_of<B>(load_text_motion<Teach, B>(folder, file), file, file.config.longest_seconds(), folder,
-                                  options);
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-
-#ifndef MOTIONLANG_HAS_WEIGHTS_TEMOS_CHECKPOINT_HPP  // <motionlang/weights/temos_checkpoint.hpp>
-#define MOTIONLANG_HAS_WEIGHTS_TEMOS_CHECKPOINT_HPP
-/// TEMOS from one folder: one of train-temos, or the run folder of the published one (.hydra/config.yaml,
-/// checkpoints/last.ckpt).
-///
-///     const auto temos = load_temos<B>("kit-amass-xyz/5xp9647f", {.text_encoder = "distilbert-base-uncased",
-///                                                                 .statistics = "deps/.../kit-amass-xyz"});
-///
-/// Source  Petrovich et al. (ECCV 2022); thesis, chapter 4
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-template <Backend B>
-using TemosCheckpoint = TextMotionCheckpoint<B, Temos<B>>;
-
-/// Throws  io_error 401 for a file that is missing, 403 to 407 for files and tensors; config_error 102 for a model of
-///         another system and where options and tensors differ, 101, 103, 107
-template <Backend B>
-TemosCheckpoint<B> load_temos(const FilePath& path, const CheckpointOptions& options = {}) {
-  const std::filesystem::path folder = found_model_folder(path);
-  if (const RunFolder run = find_run(folder); run.system != "motionlang")
-    return detail::checkpoint_of<B>(load_temos_run<B>(run, {options.text_encoder, options.statistics}), folder,
-                                    options);
-  const TextMotionFile file = read_text_motion_config(folder);
-  return detail::checkpoint_of<B>(load_text_motion<Temos, B>(folder, file), file, file.config.data.max_seconds, folder,
-                                  options);
-}
-
-MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_WEIGHTS_TM2T_CHECKPOINT_HPP  // <motionlang/weights/tm2t_checkpoint.hpp>
@@ -23468,7 +24956,7 @@ class GlRenderer {
     gl.bufferData(target, data, gl.STATIC_DRAW);
     return buffer;
   }
-  /** The mesh, or else so many cones. */
+  /** The mesh, or else this many cones. */
   drawFigure(count, uniforms) {
     const gl = this.gl, { program, at } = this.mesh ? this.meshProgram : this.cone;
     gl.useProgram(program);
@@ -23966,7 +25454,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Whether write_on_body writes so many motions to a file of this kind: .glb and .html take several, .obj takes one.
+/// True if write_on_body writes this many motions to a file of this kind: .glb and .html take several, .obj takes one.
 inline bool is_body_view(const FilePath& path, std::size_t motions) {
   const std::string kind = file_kind(path);
   return kind == ".glb" || kind == ".html" || (kind == ".obj" && motions == 1);
@@ -23974,13 +25462,13 @@ inline bool is_body_view(const FilePath& path, std::size_t motions) {
 
 /// motions  as motion_on_body takes them
 /// Returns  how many files it wrote: 1, or one .obj for each frame
-/// Throws   config_error 103 for another extension, io_error 401, and what the writers throw
+/// Throws   option_error 103 for another extension, io_error 401, and what the writers throw
 template <Backend B>
 Index write_on_body(const FilePath& path, const Body<B>& body, std::span<const Motion> motions,
                     std::span<const typename B::scalar> betas = {}) {
   const std::string kind = file_kind(path);
   if (!is_body_view(path, motions.size()))
-    raise<config_error>(103, path.string(),
+    raise<option_error>(103, path.string(),
                         ": motions on a body are written to .glb and .html, one alone also to .obj, not '", kind, "'");
   if (kind == ".obj") return write_body_objs(path, body, motions.front(), betas);
   if (kind == ".glb") {
@@ -23996,6 +25484,179 @@ Index write_on_body(const FilePath& path, const Body<B>& body, std::span<const M
 MOTIONLANG_NAMESPACE_END
 #endif
 
+#ifndef MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_HPP  // <motionlang/view/convert_motions.hpp>
+#define MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_HPP
+/// Files of motion to other files, edited on the way: motions, features, clips of a data set, characters, bodies, pages
+/// and pictures.
+///
+///     convert_motions("dance.bvh", "dance.glb", {.edits = {.mirror = true}});
+///     FolderConversion done;
+///     convert_folder("clips", "pages", ".html", {}, done);
+///     use(done.converted, done.failures);
+
+#ifndef MOTIONLANG_HAS_VIEW_SHOWN_BODY_HPP  // <motionlang/view/shown_body.hpp>
+#define MOTIONLANG_HAS_VIEW_SHOWN_BODY_HPP
+/// A body that motions are shown on, whichever it is: load_shown_body makes one.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct ShownBodyOptions {
+  std::string file{};  // SMPL, SMPL-H or SMPL-X, the user's own: .npz or .pkl; "free": capsules along the bones
+  std::vector<double> betas{};  // its shape, the others are 0; none: that of an AMASS file, or 0
+};
+/// The motion of an AMASS file on a body.
+struct BodyClip {
+  Motion motion;               // on the joints of the body
+  std::vector<float> betas{};  // the file's shape
+  std::string notes{};         // a line: what it has besides the 22 joints of the body, and what is left out
+  bool has_more = false;       // hands or a face, which move
+};
+/// The files that were written on a body.
+struct BodyFiles {
+  std::string body;  // "SMPL-H", "the free body"
+  Index vertices = 0;
+  Index files = 1;  // .obj: one for each frame
+};
+
+class ShownBody {
+ public:
+  virtual ~ShownBody() = default;
+  /// True if a motion is on the body's own joints, or the body takes any. Others are retargeted to SMPL's.
+  virtual bool has_joints_of(const Motion& motion) const = 0;
+  /// True if it takes any joints: the free body.
+  virtual bool takes_any_joints() const { return false; }
+  /// fps: of a file that does not say it, or 0. Throws what read_amass_sequence throws.
+  virtual BodyClip read(const std::filesystem::path& npz, double fps = 0) const = 0;
+  /// Motions on the body: .glb (all motions, with a skin), .html (all motions), .obj (a file for each frame; one
+  /// motion).
+  /// betas   their shape unless the options gave one; none: 0
+  /// Throws  config_error 101 without a motion, option_error 103 for another extension, and what the writers throw
+  virtual BodyFiles write(const std::filesystem::path& path, std::vector<Motion> motions,
+                          const std::vector<float>& betas = {}) const = 0;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// The changes of motions between reading and writing. At most one of `rig`, `body`, `features` and `data_set` is set,
+/// and what they point to must outlive the conversion.
+struct MotionConversion {
+  MotionReadOptions read{};
+  TimeEdits time{};
+  std::function<Motion(const Motion&)> denoise{};  // after its time was edited; none: it stays
+  MotionEdits edits{};
+  std::optional<Skeleton> skeleton{};  // of the result; none: its own
+  /// Adds the motions to a character's file and says in lines how its skeleton follows (formats/glb_rig.hpp).
+  std::function<std::string(const std::filesystem::path&, std::span<const Motion>)> rig{};
+  const ShownBody* body = nullptr;        // that motions are shown on
+  std::string features{};                 // rows of them are written, not motions; of motion_features.hpp
+  const DataSetForm* data_set = nullptr;  // the result is a clip of a folder of this form
+  bool replace = false;                   // a clip takes the place of another motion that has its name there
+  double scale = 100;                     // units per metre of a BVH file that is written
+  InputFiles inputs{};                    // further files that must not be written
+};
+
+/// Lines about a conversion.
+struct ConversionNotes {
+  std::string input{};    // begin with the name of the input: what it has and the result lacks
+  std::string results{};  // what was written
+};
+
+/// Every motion of a file. Several go into one file where the format holds them, else each into a file of its own:
+/// out_walk.bvh, out_jump.bvh. One that fails stops no other.
+/// notes   are filled also where something is thrown
+/// taken   names that clips or files have already, and get; null: none
+/// Throws  config_error 101 if some of several motions could not be made, with the reasons; option_error 101 if nothing
+///         is between the times, 102 for a result in the place of an input, 103 for an extension that is not written;
+///         what read_motions, the edits and the writers throw
+void convert_motions(const std::filesystem::path& in, const std::filesystem::path& out, const MotionConversion& how,
+                     ConversionNotes* notes = nullptr, std::set<std::string>* taken = nullptr);
+
+/// The outcome for the files of a folder.
+struct FolderConversion {
+  std::size_t files = 0, done = 0, converted = 0;
+  std::vector<std::string> failures{};  // the file, and why
+  /// Without the name of the file at its beginning: the first such line, and how many files more have it.
+  std::map<std::string, std::pair<std::string, Index>> notes{};
+};
+/// The motion files in a folder and below it, which convert_files is given.
+/// extension  of the results, ".npy" of a data set
+/// skipped    gets a line for each file and folder that is skipped
+/// Throws     option_error 102 for motions that would be among the originals; config_error 101 if there is no motion
+///            file, and what motion_files_below throws
+std::vector<std::filesystem::path> files_to_convert(const std::filesystem::path& in, const std::filesystem::path& out,
+                                                    const std::string& extension, std::string* skipped = nullptr);
+/// Converts the files of a folder to the same place below another folder, or into a data set. One that fails stops no
+/// other.
+/// out        "": beside each motion, as walk.bvh.html
+/// extension  of the results; of a data set it counts for nothing
+/// result     is filled also where something is thrown
+/// Throws     cancelled
+void convert_files(const std::vector<std::filesystem::path>& files, const std::filesystem::path& in,
+                   const std::filesystem::path& out, const std::string& extension, MotionConversion how,
+                   FolderConversion& result, Progress progress = {});
+/// Both one after the other. Throws what they throw.
+void convert_folder(const std::filesystem::path& in, const std::filesystem::path& out, const std::string& extension,
+                    MotionConversion how, FolderConversion& result, Progress progress = {});
+
+/// A page or a picture that is given no name: under the whole name of the motion's file, as NAME.html beside NAME.bvh
+/// may be another one.
+inline std::filesystem::path beside_motion(const std::filesystem::path& motion, const std::string& extension) {
+  return motion.string() + extension;
+}
+
+/// "walk.glb: 60 frames at 20 per second, 3.00 s, 24 joints" and the end of the line, for a motion that is in a file
+/// now.
+std::string line_about_motion(const std::filesystem::path& path, const Motion& motion);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_IPP  // <motionlang/view/convert_motions.ipp>
+#define MOTIONLANG_HAS_VIEW_CONVERT_MOTIONS_IPP
+// Bodies of convert_motions.hpp.
+
+#include <sstream>    // lines
+
+#ifndef MOTIONLANG_HAS_VIEW_VIEW_FILE_HPP  // <motionlang/view/view_file.hpp>
+#define MOTIONLANG_HAS_VIEW_VIEW_FILE_HPP
+/// Motions to look at, by the extension of the name: a page (.html) or a film strip (.svg, .png).
+///
+///     write_view("walk.html", read_motion("walk.bvh"));
+///     write_motion_or_view(argv[2], motion);             // or a motion file: whatever the user named
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// True if write_view writes this kind: .html, .svg, .png.
+bool is_view(const FilePath& path);
+
+/// Writes a page or a picture. Throws config_error 103 for another extension, io_error 401, and what the writers throw.
+void write_view(const FilePath& path, const Motion& motion);
+
+/// A motion file (formats/motion_file.hpp) or a page or picture. Throws option_error 103 for an extension of none of
+/// them, and what write_motion and write_view throw.
+void write_motion_or_view(const FilePath& path, const Motion& motion, const MotionWriteOptions& options = {});
+
+/// The contents of such a file. `kind` is the extension, ".html", or a name that ends in it. Throws what
+/// write_motion_or_view throws, but io_error 401.
+std::vector<std::byte> motion_or_view_bytes(const FilePath& kind, const Motion& motion,
+                                            const MotionWriteOptions& options = {});
+
+/// True if one file of this kind holds several motions: .glb, .html.
+bool holds_several(const FilePath& path);
+/// True if one file of this kind holds these motions, of which there is one at least: those in GLB are on one skeleton.
+bool holds_together(const FilePath& path, std::span<const Motion> motions);
+/// Writes several motions into one file: animations of a GLB file, or a page on which one is chosen.
+/// Throws config_error 103 for another extension, io_error 401, and what write_glb and write_viewer throw.
+void write_motions(const FilePath& path, std::span<const Motion> motions);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_VIEW_FILE_IPP  // <motionlang/view/view_file.ipp>
+#define MOTIONLANG_HAS_VIEW_VIEW_FILE_IPP
+// Bodies of view_file.hpp.
+
 #ifndef MOTIONLANG_HAS_VIEW_FILM_STRIP_HPP  // <motionlang/view/film_strip.hpp>
 #define MOTIONLANG_HAS_VIEW_FILM_STRIP_HPP
 /// A motion as one picture: poses from left to right in time, their shadows along the path of the root, and the texts
@@ -24004,7 +25665,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 struct FilmStripOptions {
-  int poses = 0;          // 0: as many as fit, from 5 to 12
+  int poses = 0;          // 0: as many as the motion needs, one for each quarter of a metre of its joints; 5 to 12
   double width = 1280;    // pixels; the height follows
   std::string title{};    // "": the name of the motion
   double resolution = 2;  // of PNG: pixels for each of these
@@ -24034,7 +25695,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VIEW_DETAIL_FILM_STRIP_DRAWING_HPP  // <motionlang/view/detail/film_strip_drawing.hpp>
 #define MOTIONLANG_HAS_VIEW_DETAIL_FILM_STRIP_DRAWING_HPP
-/// What a film strip is drawn with: the shapes, and two surfaces that take them, one for SVG, one for pixels.
+/// The tools to draw a film strip: the shapes, and two surfaces that take them, one for SVG, one for pixels.
 
 #ifndef MOTIONLANG_HAS_VIEW_DETAIL_STROKE_FONT_HPP  // <motionlang/view/detail/stroke_font.hpp>
 #define MOTIONLANG_HAS_VIEW_DETAIL_STROKE_FONT_HPP
@@ -24147,6 +25808,56 @@ struct RoundCone2 {
   bool is_circle() const {
     return std::hypot(to.x - from.x, to.y - from.y) <= std::abs(radius_from - radius_to) + 1e-9;
   }
+};
+
+/// Where lines across a round cone lie in it: from x to x at a height. The hull is two circles and the quadrangle of
+/// the points in which both tangents touch them.
+class RoundConeRows {
+ public:
+  /// wider   by which both radii are larger; circles without a positive radius are left out
+  RoundConeRows(const RoundCone2& cone, double wider) {
+    const auto& [a, ra, b, rb] = cone;
+    const double from = ra + wider, to = rb + wider;
+    if (from > 0 && (ra >= rb || !cone.is_circle())) circles_[circle_count_++] = {a, from};
+    if (to > 0 && (ra < rb || !cone.is_circle())) circles_[circle_count_++] = {b, to};
+    if (circle_count_ < 2) return;
+    const double axis = std::atan2(b.y - a.y, b.x - a.x);
+    const double tangent = std::acos(std::clamp((ra - rb) / std::hypot(b.x - a.x, b.y - a.y), -1.0, 1.0));
+    for (std::size_t side = 0; side < 2; ++side) {
+      const double angle = side == 0 ? axis + tangent : axis - tangent, x = std::cos(angle), y = std::sin(angle);
+      corners_[side] = {a.x + from * x, a.y + from * y};
+      corners_[3 - side] = {b.x + to * x, b.y + to * y};
+    }
+  }
+
+  struct Row {
+    double low = 0, high = -1;  // none if high < low
+  };
+  Row at(double y) const {
+    Row row{1e300, -1e300};
+    const auto take = [&](double x) { row = {std::min(row.low, x), std::max(row.high, x)}; };
+    for (std::size_t i = 0; i < circle_count_; ++i) {
+      const auto& [middle, radius] = circles_[i];
+      const double square = radius * radius - (y - middle.y) * (y - middle.y);
+      if (square < 0) continue;
+      const double half = std::sqrt(square);
+      take(middle.x - half), take(middle.x + half);
+    }
+    for (std::size_t i = 0; i < 4 && circle_count_ == 2; ++i) {
+      const Point2 &p = corners_[i], &q = corners_[(i + 1) % 4];
+      if ((p.y <= y) != (q.y <= y)) take(p.x + (y - p.y) / (q.y - p.y) * (q.x - p.x));
+    }
+    return row;
+  }
+
+ private:
+  struct Circle {
+    Point2 middle;
+    double radius = 0;
+  };
+  std::array<Circle, 2> circles_{};
+  std::size_t circle_count_ = 0;
+  std::array<Point2, 4> corners_{};
 };
 
 enum class TextAnchor { start, middle, end };
@@ -24283,7 +25994,7 @@ class PixelSurface {
   }
   void disc(Point2 c, double r, const Rgb& colour) {
     const RoundCone2 circle{c, r, c, r};
-    piece_without_edge(std::span(&circle, 1), 0, {colour, 1});
+    piece_without_edge(std::span(&circle, 1), {colour, 1});
   }
   /// Dots of 1.5 units, 6 apart.
   void dotted_line(std::span<const Point2> points) {
@@ -24310,8 +26021,7 @@ class PixelSurface {
         });
   }
   void piece(std::span<const RoundCone2> cones, const Rgb& colour) {
-    piece_without_edge(cones, 0.9, {{255, 255, 255}, 1});
-    piece_without_edge(cones, 0, {colour, 1});
+    layers(cones, {{{0.9, {{255, 255, 255}, 1}}, {0, {colour, 1}}}});
   }
   void guide(double x, double top, double bottom) {
     fill(
@@ -24375,23 +26085,109 @@ class PixelSurface {
     return rise * u + slope * v - ra;
   }
 
-  void piece_without_edge(std::span<const RoundCone2> cones, double wider, const Ink& ink) {
-    Box box{{1e9, 1e9}, {-1e9, -1e9}};
+  /// A colour for what is nearer to a shape than `wider`.
+  struct Layer {
+    double wider;
+    Ink ink;
+  };
+  void piece_without_edge(std::span<const RoundCone2> cones, const Ink& ink) {
+    layers(cones, {{{0, ink}, {0, {ink.colour, 0}}}});
+  }
+  /// Paints the first layer, then the second. The distance to the nearest cone is found once, and only where a cone's
+  /// edge is: thousands of cones lie one over the other in a piece.
+  void layers(std::span<const RoundCone2> cones, const std::array<Layer, 2>& both) {
+    constexpr double far = 1e9;
+    const double widest = std::max(both[0].wider, both[1].wider), pixel = 1 / scale_;
+    Box box{{far, far}, {-far, -far}};
     for (const RoundCone2& c : cones) {
-      for (const auto& [p, r] : {std::pair{c.from, c.radius_from + wider}, std::pair{c.to, c.radius_to + wider}}) {
+      for (const auto& [p, r] : {std::pair{c.from, c.radius_from + widest}, std::pair{c.to, c.radius_to + widest}}) {
         box.low = {std::min(box.low.x, p.x - r), std::min(box.low.y, p.y - r)};
         box.high = {std::max(box.high.x, p.x + r), std::max(box.high.y, p.y + r)};
       }
     }
-    fill(
-        box,
-        [&](Point2 p) {
-          double d = 1e9;
-          for (const RoundCone2& c : cones) d = std::min(d, distance(c, p));
-          return d - wider;
-        },
-        [&](Point2) { return ink; });
+    const PixelBox area = pixels(box);
+    if (area.x0 >= area.x1 || area.y0 >= area.y1) return;
+    const auto columns = static_cast<std::size_t>(area.x1 - area.x0),
+               rows = static_cast<std::size_t>(area.y1 - area.y0);
+    if (nearest_.size() < columns * rows) nearest_.resize(columns * rows, far);
+    rows_.assign(rows, {});
+    for (const RoundCone2& c : cones) {
+      const RoundConeRows outer(c, widest + 1.5 * pixel), inner(c, -1.5 * pixel);
+      const PixelBox own = pixels({{0, std::min(c.from.y - c.radius_from, c.to.y - c.radius_to) - widest},
+                                   {0, std::max(c.from.y + c.radius_from, c.to.y + c.radius_to) + widest}});
+      for (Index y = std::max(own.y0, area.y0); y < std::min(own.y1, area.y1); ++y) {
+        const double middle = (static_cast<double>(y) + 0.5) * pixel;
+        const auto [from, to] = columns_of(outer.at(middle), area);
+        PieceRow& row = rows_[static_cast<std::size_t>(y - area.y0)];
+        if (from >= to || (from >= row.full_from && to <= row.full_to)) continue;
+        const auto [full_from, full_to] = columns_of(inner.at(middle), area);
+        double* const nearest = nearest_.data() + static_cast<std::size_t>(y - area.y0) * columns;
+        for (Index x = from; x < to; ++x) {
+          double& d = nearest[x - area.x0];
+          if (x >= row.full_from && x < row.full_to) {
+            x = row.full_to - 1;
+          } else if (x >= full_from && x < full_to) {
+            d = -far;
+          } else {
+            d = std::min(d, distance(c, {(static_cast<double>(x) + 0.5) * pixel, middle}));
+          }
+        }
+        row.add(from, to, full_from, full_to);
+      }
+    }
+    for (const Layer& layer : both) {
+      if (layer.ink.opacity == 0) continue;
+      for (std::size_t y = 0; y < rows; ++y) {
+        const double* const nearest = nearest_.data() + y * columns;
+        for (Index x = rows_[y].from; x < rows_[y].to; ++x) {
+          const double coverage = std::clamp(0.5 - (nearest[x - area.x0] - layer.wider) * scale_, 0.0, 1.0);
+          if (coverage > 0) blend(x, area.y0 + static_cast<Index>(y), layer.ink, coverage);
+        }
+      }
+    }
+    for (std::size_t y = 0; y < rows; ++y) {  // as it was, for the next piece
+      for (Index x = rows_[y].from; x < rows_[y].to; ++x)
+        nearest_[y * columns + static_cast<std::size_t>(x - area.x0)] = far;
+    }
   }
+
+  struct PixelBox {
+    Index x0, y0, x1, y1;
+  };
+  /// The pixels in and around a box.
+  PixelBox pixels(const Box& box) const {
+    const auto pixel = [&](double v, Index limit) {
+      return static_cast<Index>(std::clamp(v * scale_, -1.0, static_cast<double>(limit) + 1));
+    };
+    return {std::max<Index>(0, pixel(box.low.x, picture_.width) - 1),
+            std::max<Index>(0, pixel(box.low.y, picture_.height) - 1),
+            std::min(picture_.width, pixel(box.high.x, picture_.width) + 2),
+            std::min(picture_.height, pixel(box.high.y, picture_.height) + 2)};
+  }
+  /// The pixels whose middles lie on a part of a row.
+  std::pair<Index, Index> columns_of(const RoundConeRows::Row& row, const PixelBox& area) const {
+    if (row.high < row.low) return {0, 0};
+    const double low = std::clamp(row.low * scale_ - 0.5, -1.0, static_cast<double>(area.x1) + 1),
+                 high = std::clamp(row.high * scale_ - 0.5, -1.0, static_cast<double>(area.x1) + 1);
+    return {std::max(area.x0, static_cast<Index>(std::ceil(low))),
+            std::min(area.x1, static_cast<Index>(std::floor(high)) + 1)};
+  }
+  /// Pixels of a row of a piece: those that it touches, and some that it covers wholly.
+  struct PieceRow {
+    Index from = 0, to = 0, full_from = 0, full_to = 0;
+
+    void add(Index first, Index last, Index full_first, Index full_last) {
+      from = from == to ? first : std::min(from, first);
+      to = std::max(to, last);
+      if (full_first >= full_last) return;
+      if (full_first <= full_to && full_last >= full_from && full_from < full_to) {
+        full_from = std::min(full_from, full_first), full_to = std::max(full_to, full_last);
+      } else if (full_last - full_first > full_to - full_from) {
+        full_from = full_first, full_to = full_last;
+      }
+    }
+  };
+
   void strokes(const StrokedText& text, Point2 at, double unit, double radius, const Ink& ink) {
     for (const auto& stroke : text.strokes) {
       std::vector<RoundCone2> lines;
@@ -24403,20 +26199,14 @@ class PixelSurface {
         const double r = stroke.size() > 1 ? radius : 1.4 * radius;  // dots are a little thicker than lines
         lines.push_back({point(stroke[i > 0 ? i - 1 : 0]), r, point(stroke[i]), r});
       }
-      piece_without_edge(lines, 0, ink);
+      piece_without_edge(lines, ink);
     }
   }
 
   /// distance(p) and ink(p) are asked for at the middle of every pixel in and around the box.
   template <class Distance, class InkAt>
   void fill(const Box& box, Distance distance, InkAt ink) {
-    const auto pixel = [&](double v, Index limit) {
-      return static_cast<Index>(std::clamp(v * scale_, -1.0, static_cast<double>(limit) + 1));
-    };
-    const Index x0 = std::max<Index>(0, pixel(box.low.x, picture_.width) - 1),
-                y0 = std::max<Index>(0, pixel(box.low.y, picture_.height) - 1),
-                x1 = std::min(picture_.width, pixel(box.high.x, picture_.width) + 2),
-                y1 = std::min(picture_.height, pixel(box.high.y, picture_.height) + 2);
+    const auto [x0, y0, x1, y1] = pixels(box);
     for (Index y = y0; y < y1; ++y) {
       for (Index x = x0; x < x1; ++x) {
         const Point2 p{(static_cast<double>(x) + 0.5) / scale_, (static_cast<double>(y) + 0.5) / scale_};
@@ -24435,6 +26225,8 @@ class PixelSurface {
 
   double scale_;
   Picture picture_;
+  std::vector<double> nearest_;  // distances of a piece by pixels, far away between pieces
+  std::vector<PieceRow> rows_;   // of a piece
 };
 
 }  // namespace detail
@@ -24479,6 +26271,18 @@ struct ObliqueView {
   }
 };
 
+/// How far the joints come, seen from the root, and the root up and down: metres, a mean over the joints.
+inline double way_of_joints(const Motion& motion) {
+  const auto positions = motion.positions();
+  const auto joints = static_cast<std::size_t>(motion.skeleton.size());
+  double way = 0;
+  for (std::size_t i = joints; i < positions.size(); ++i) {
+    const Vec3<double> by = motion.root[i / joints] - motion.root[i / joints - 1];
+    way += norm(positions[i] - positions[i - joints] - Vec3<double>{by.x, 0, by.z});
+  }
+  return way / static_cast<double>(joints);
+}
+
 /// Lays the picture out and draws it on a surface; the y axis points down.
 class FilmStrip {
  public:
@@ -24489,7 +26293,7 @@ class FilmStrip {
         figure_(make_figure(motion.skeleton)),
         view_(ObliqueView::of(motion)),
         last_(static_cast<double>(motion.frames() - 1) / motion.fps) {
-    const double wished = options.poses > 0 ? options.poses : std::clamp(1.5 * last_ + 1, 5.0, 12.0);
+    const double wished = options.poses > 0 ? options.poses : std::clamp(1 + way_of_joints(motion) / 0.25, 5.0, 12.0);
     poses_ = static_cast<int>(std::min(std::round(wished), static_cast<double>(motion.frames())));
     cell_ = (options.width - 2 * margin) / poses_;
     measure();
@@ -24528,7 +26332,7 @@ class FilmStrip {
     const double share = last_ > 0 ? std::clamp(time / last_, 0.0, 1.0) : 0;
     return margin + cell_ / 2 + share * (cell_ * (poses_ - 1));
   }
-  /// Of a point on the floor at this depth.
+  /// The height of a point on the floor at this depth.
   double floor_y(double depth) const { return floor_ - (depth - nearest_) * view_.sine * depth_scale_; }
   double depth_of_root(Index frame) const { return dot(motion_.root_at(frame), view_.away); }
 
@@ -24728,6 +26532,380 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY bool is_view(const FilePath& path) {
+  const std::string kind = file_kind(path);
+  return kind == ".html" || kind == ".svg" || kind == ".png";
+}
+
+namespace detail {
+
+inline std::string view_text(const std::string& kind, const Motion& motion) {
+  if (kind == ".html") return viewer_html(motion);
+  if (kind == ".svg") return film_strip_svg(motion);
+  return encode_png(film_strip_picture(motion));
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY void write_view(const FilePath& path, const Motion& motion) {
+  const std::string kind = file_kind(path);
+  if (!is_view(path))
+    raise<config_error>(103, path.string(), ": pages and pictures are written to .html, .svg and .png, not '", kind,
+                        "'");
+  write_file(path, detail::view_text(kind, motion));
+}
+
+MOTIONLANG_BODY std::vector<std::byte> motion_or_view_bytes(const FilePath& kind, const Motion& motion,
+                                                            const MotionWriteOptions& options) {
+  const std::string wanted = detail::wanted_kind(kind);
+  if (is_view("view" + wanted)) {
+    const std::string text = detail::view_text(wanted, motion);
+    const auto bytes = std::as_bytes(std::span(text));
+    return {bytes.begin(), bytes.end()};
+  }
+  if (is_written_motion("motion" + wanted)) return motion_bytes(kind, motion, options);
+  raise<option_error>(103, kind.string(),
+                      ": motions are written to .bvh, .glb, .vrma, .npz, .npy, .html, .svg and .png, not '", wanted,
+                      "'", wanted == ".obj" ? ": .obj shows a body, `body` says which" : detail::about_fbx(wanted));
+}
+
+MOTIONLANG_BODY void write_motion_or_view(const FilePath& path, const Motion& motion,
+                                          const MotionWriteOptions& options) {
+  write_file(path, motion_or_view_bytes(path, motion, options));
+}
+
+MOTIONLANG_BODY bool holds_several(const FilePath& path) {
+  const std::string kind = file_kind(path);
+  return kind == ".glb" || kind == ".html";
+}
+
+MOTIONLANG_BODY bool holds_together(const FilePath& path, std::span<const Motion> motions) {
+  const auto alike = [&](const Motion& m) { return m.skeleton == motions.front().skeleton; };
+  return holds_several(path) && (file_kind(path) != ".glb" || std::all_of(motions.begin(), motions.end(), alike));
+}
+
+MOTIONLANG_BODY void write_motions(const FilePath& path, std::span<const Motion> motions) {
+  const std::string kind = file_kind(path);
+  if (!holds_several(path))
+    raise<config_error>(103, path.string(), ": several motions are written to .glb and .html, not '", kind, "'");
+  if (kind == ".glb") return write_glb(path, motions);
+  std::vector<ViewerMotion> shown;
+  for (const Motion& m : motions) shown.push_back({m});
+  write_viewer(path, shown);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The file of one motion of several: out_walk.bvh, and out_walk_2.bvh for another "walk".
+inline std::filesystem::path several_name(std::filesystem::path out, const std::string& name,
+                                          std::set<std::string>& taken) {
+  const std::string extension = out.extension().string();
+  return unique_name(out.replace_extension().string() + "_" + safe_file_name(name), taken) + extension;
+}
+
+/// The longest side of the box around a rest pose, which stands, sits or lies.
+inline double reach_of(const Skeleton& skeleton) {
+  if (skeleton.size() == 0) return 0;
+  const auto positions = skeleton.rest_positions();
+  const Box box = box_of(positions);
+  const auto size = box.high - box.low;
+  return std::max({size.x, size.y, size.z});
+}
+
+/// Rates and times as people read them: "20 per second, 3.00 s".
+inline std::string rate_and_time(double fps, double seconds) {
+  char text[96];
+  std::snprintf(text, sizeof text, "%g per second, %.2f s", fps, seconds);
+  return text;
+}
+
+/// A line about names of joints that a BVH file cannot hold, if there are some.
+inline std::string changed_names(const std::filesystem::path& path, const Skeleton& skeleton) {
+  const std::vector<std::string> names = bvh_names(skeleton);
+  std::size_t changed = 0, first = 0;
+  for (std::size_t j = names.size(); j-- > 0;) {
+    if (names[j] != skeleton.names[j]) first = j, ++changed;
+  }
+  if (changed == 0) return {};
+  const std::string line =
+      concat_text(path.string(), ": ",
+                  changed == 1 ? "the name of 1 joint is" : concat_text("the names of ", changed, " joints are"),
+                  " not as a BVH file can hold: '", skeleton.names[first], "' is '", names[first], "' in it\n");
+  return printable(line, "\n");
+}
+
+class OneConversion {
+ public:
+  OneConversion(const std::filesystem::path& in, const std::filesystem::path& out, const MotionConversion& how,
+                ConversionNotes& notes, std::set<std::string>& taken)
+      : in_(in), out_(out), how_(how), notes_(notes), taken_(taken) {}
+
+  void run() {
+    if (file_kind(in_) != ".npz")
+      motions_ = read_motions(in_, how_.read, &notes_.input);
+    else if (how_.body == nullptr)
+      read_amass_file();
+    else
+      read_for_body();
+    RetargetReport report;
+    for (const Motion& m : motions_) note(m);
+    for (const Motion& m : motions_) attempt(m.name, [&] { made_.push_back(edited(m, report)); });
+    if (!report.table.empty()) notes_.results += to_string(report) + "\n";
+    if (!made_.empty()) write();
+    if (failures_ > 0)
+      raise<config_error>(101, "convert: ", failures_, " of the ", counted(motions_.size(), "motion"), " of ",
+                          in_.string(), " could not be made:", reasons_);
+  }
+
+ private:
+  /// Notes about a motion for the person who converts it.
+  void note(const Motion& m) {
+    const std::string where = in_.string() + (motions_.size() == 1 ? "" : " " + m.name) + ": ";
+    char text[160];
+    if (const Index frames = detect_t_pose_lead_in(m); frames > 0 && how_.time.from == 0) {
+      std::snprintf(text, sizeof text,
+                    "begins with %s of a T-pose in front of the recording; `from` %.3g leaves it out",
+                    counted(frames, "frame").c_str(), static_cast<double>(frames) / m.fps);
+      notes_.input += where + text + "\n";
+    }
+    if (const auto stands = find_up_axis(m); stands && file_kind(in_) != ".npz") {
+      const std::string axis(to_string(stands->axis));  // "-Y"
+      std::snprintf(text, sizeof text, "the figure stands along %s, not +Y: `up` %c%s turns it up", axis.c_str(),
+                    lower(axis[1]), axis[0] == '-' ? "-down" : "");
+      notes_.input += where + text + "\n";
+    }
+    constexpr double smallest = 0.5, largest = 4;  // metres
+    const double reach = reach_of(m.skeleton);
+    if (reach > 0 && (reach < smallest || reach > largest)) {
+      std::snprintf(text, sizeof text, "the figure is %.2g m large%s", reach,
+                    file_kind(in_) == ".bvh" ? ": set `scale` to the length of its unit in metres" : "");
+      notes_.input += where + text + "\n";
+    }
+  }
+  /// Whose motion it is stays with AMASS files; joints and features do not have it, nor hands.
+  void read_amass_file() {
+    AmassSequence sequence = read_amass_sequence(in_, how_.read.rate);
+    motions_.push_back(amass_motion(sequence, in_.stem().string()));
+    const auto is_set = [](double x) { return x != 0; };
+    bool hands = false;
+    for (Index f = 0; f < sequence.frames; ++f) {
+      const auto columns = static_cast<std::size_t>(sequence.columns);
+      const auto row = std::span(sequence.poses).subspan(static_cast<std::size_t>(f) * columns, columns).subspan(66);
+      hands = hands || std::any_of(row.begin(), row.end(), is_set);
+    }
+    const bool shape = std::any_of(sequence.betas.begin(), sequence.betas.end(), is_set) && file_kind(out_) != ".npz";
+    if (hands || shape)
+      notes_.input = in_.string() + ": left out are " +
+                     (hands && shape ? "hands, face and betas"
+                      : hands        ? "hands and face"
+                                     : "betas") +
+                     "; `body` shows them\n";
+    amass_ = {std::move(sequence.gender), std::move(sequence.betas)};
+  }
+  void read_for_body() {
+    BodyClip clip = how_.body->read(in_, how_.read.rate);
+    motions_.push_back(std::move(clip.motion));
+    betas_ = std::move(clip.betas);
+    notes_.input = std::move(clip.notes);
+    if (how_.denoise && clip.has_more)
+      notes_.input += in_.string() + ": what `denoise` makes is without hands and face\n";
+  }
+
+  /// Features that are not on the clip's own joints, arrays of positions and AMASS are on SMPL's joints, feet are fixed
+  /// there, and the user's body has these or its own.
+  bool wants_smpl(const Motion& m) const {
+    if (how_.body != nullptr && !how_.body->has_joints_of(m)) return true;
+    if (how_.body != nullptr && !how_.body->takes_any_joints()) return false;
+    const std::string features = how_.data_set != nullptr ? std::string(how_.data_set->features) : how_.features;
+    const bool others = !features.empty() && !has_joints_of(motion_features(features), m);
+    const std::string kind = file_kind(out_);
+    const bool unknown_order = features.empty() && kind == ".npy" && !has_joints_of_arrays(m);
+    return how_.edits.smpl || how_.edits.fix_feet || others || unknown_order || kind == ".npz";
+  }
+  /// `report` is set if the joints were others than SMPL's and had to become these.
+  Motion edited(Motion m, RetargetReport& report) const {
+    m = edit_time(std::move(m), how_.time);
+    if (how_.denoise) m = how_.denoise(m);
+    MotionEdits edits = how_.edits;
+    edits.smpl = wants_smpl(m);
+    m = edit_motion(std::move(m), edits, &report);
+    if (how_.skeleton && m.skeleton != *how_.skeleton) m = retarget(m, *how_.skeleton);
+    return m;
+  }
+
+  /// If one of several motions fails, it is reported, and the others go on.
+  template <class Work>
+  void attempt(const std::string& name, Work work) {
+    guard<error>(work, [&](const error& e) {
+      if (motions_.size() == 1) return false;
+      reasons_ += "\n" + name + ": " + e.what();
+      ++failures_;
+      return true;
+    });
+  }
+
+  void write() {
+    how_.inputs.refuse(out_);
+    if (how_.rig) {
+      notes_.results += how_.rig(out_, made_);
+    } else if (how_.body != nullptr && holds_several(out_)) {
+      write_on_body(out_, made_);
+    } else if (motions_.size() > 1 && how_.features.empty() && holds_together(out_, made_)) {
+      write_motions(out_, made_);
+      notes_.results += concat_text(out_.string(), ": ", counted(made_.size(), "motion"), ", ",
+                                    counted(made_.front().skeleton.size(), "joint"), "\n");
+    } else if (how_.data_set != nullptr) {
+      for (const Motion& m : made_)
+        attempt(m.name, [&] { write_clip(unique_name(safe_file_name(m.name), taken_), m); });
+    } else {
+      for (const Motion& m : made_) {
+        const auto path = motions_.size() == 1 ? out_ : several_name(out_, m.name, taken_);
+        attempt(m.name, [&] { write_one(path, m); });
+      }
+    }
+  }
+  void write_on_body(const std::filesystem::path& path, const std::vector<Motion>& motions) {
+    const BodyFiles made = how_.body->write(path, motions, betas_);
+    const std::string files =
+        file_kind(path) == ".obj" ? concat_text(" in ", counted(made.files, "file"), ", one for each frame") : "";
+    notes_.results += concat_text(path.string(), files, ": ", counted(motions.size(), "motion"), " on ", made.body,
+                                  " of ", made.vertices, " vertices\n");
+  }
+  void write_clip(const std::string& id, const Motion& m) {
+    const AddedClip clip = add_humanml3d_clip(out_, id, m, *how_.data_set, how_.time.fps, how_.replace);
+    char rate[32];
+    std::snprintf(rate, sizeof rate, "%g", clip.fps);
+    notes_.results += concat_text(out_.string(), ": clip ", id, ", ", counted(clip.frames, "frame"), " at ", rate,
+                                  " per second, ", counted(clip.captions, "caption"), "\n");
+  }
+  void write_one(const std::filesystem::path& path, const Motion& m) {
+    how_.inputs.refuse(path);
+    if (how_.body != nullptr) return write_on_body(path, {m});
+    if (!how_.features.empty()) return write_features(path, m);
+    write_motion_or_view(path, m, {.scale = how_.scale, .body = amass_.value_or(AmassBody{})});
+    notes_.results += line_about_motion(path, m);
+  }
+  void write_features(const std::filesystem::path& path, const Motion& m) {
+    if (file_kind(path) != ".npy")
+      raise<option_error>(103, path.string(), ": features are written to .npy, not '", file_kind(path), "'");
+    const FeatureRows made = write_features_npy(path, m, motion_features(how_.features), how_.time.fps);
+    notes_.results += concat_text(path.string(), ": ", counted(made.rows, "row"), " of ", made.width, " numbers at ",
+                                  rate_and_time(made.fps, made.seconds()), "\n");
+  }
+
+  std::filesystem::path in_, out_;
+  const MotionConversion& how_;
+  ConversionNotes& notes_;
+  std::set<std::string>& taken_;
+  std::vector<Motion> motions_;
+  std::vector<float> betas_;        // of an AMASS file, for a body
+  std::optional<AmassBody> amass_;  // the same for another AMASS file
+  std::vector<Motion> made_;
+  std::string reasons_;
+  std::size_t failures_ = 0;
+};
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::string line_about_motion(const std::filesystem::path& path, const Motion& motion) {
+  const std::string changed = file_kind(path) == ".bvh" ? detail::changed_names(path, motion.skeleton) : "";
+  return concat_text(path.string(), ": ", counted(motion.frames(), "frame"), " at ",
+                     detail::rate_and_time(motion.fps, motion.seconds()), ", ",
+                     counted(motion.skeleton.size(), "joint"), "\n", changed);
+}
+
+MOTIONLANG_BODY void convert_motions(const std::filesystem::path& in, const std::filesystem::path& out,
+                                     const MotionConversion& how, ConversionNotes* notes,
+                                     std::set<std::string>* taken) {
+  ConversionNotes own_notes;
+  std::set<std::string> own_names;
+  detail::OneConversion(in, out, how, notes != nullptr ? *notes : own_notes, taken != nullptr ? *taken : own_names)
+      .run();
+}
+
+// Written motions must not be among the originals: they could take the place of a file that is still to be read. In a
+// folder below them they are not read by the next run.
+MOTIONLANG_BODY std::vector<std::filesystem::path> files_to_convert(const std::filesystem::path& in,
+                                                                    const std::filesystem::path& out,
+                                                                    const std::string& extension,
+                                                                    std::string* skipped) {
+  const bool are_motions = is_motion_file("a" + extension);
+  if (are_motions && is_same_place(in, out))
+    raise<option_error>(102, "convert: ", extension, " files of ", in.string(),
+                        " cannot go into the folder itself: name another one, which may be below it");
+  auto files = motion_files_below(in, are_motions ? out : std::filesystem::path(), skipped);
+  if (files.empty()) raise<config_error>(101, "convert: no motion file in ", in.string());
+  return files;
+}
+
+MOTIONLANG_BODY void convert_files(const std::vector<std::filesystem::path>& files, const std::filesystem::path& in,
+                                   const std::filesystem::path& out, const std::string& extension, MotionConversion how,
+                                   FolderConversion& result, Progress progress) {
+  result.files = files.size();
+  for (const auto& file : files) how.inputs.add(file);
+  const MotionReadOptions read = how.read;
+  std::set<std::string> taken;
+  for (const auto& file : files) {
+    ConversionNotes notes;
+    const auto convert = [&] {
+      how.read = options_for_file(read, file);
+      std::filesystem::path to = out;
+      if (out.empty()) {
+        to = beside_motion(file, extension);
+      } else if (how.data_set == nullptr) {
+        const auto place = out / file.lexically_relative(in).replace_extension();
+        std::filesystem::create_directories(place.parent_path());
+        to = unique_name(place.string(), taken) + extension;
+      }
+      convert_motions(file, to, how, &notes, &taken);
+    };
+    const auto failed = [&](const std::exception& e) {
+      result.failures.push_back(file.string() + ": " + e.what());
+      return true;
+    };
+    if (detail::guard<std::exception>(convert, failed)) {
+      ++result.converted;
+      std::istringstream lines(notes.input);
+      for (std::string line; std::getline(lines, line);) {
+        const std::string name = file.string();
+        auto& [first, more] = result.notes[line.starts_with(name) ? line.substr(name.size()) : line];
+        if (first.empty())
+          first = line;
+        else
+          ++more;
+      }
+    }
+    ++result.done;
+    progress(static_cast<Index>(result.done), static_cast<Index>(files.size()));
+  }
+}
+
+MOTIONLANG_BODY void convert_folder(const std::filesystem::path& in, const std::filesystem::path& out,
+                                    const std::string& extension, MotionConversion how, FolderConversion& result,
+                                    Progress progress) {
+  const auto files = files_to_convert(in, out, how.data_set != nullptr ? ".npy" : extension);
+  convert_files(files, in, out, extension, std::move(how), result, progress);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_VIEW_INSPECT_FOLDER_HPP  // <motionlang/view/inspect_folder.hpp>
+#define MOTIONLANG_HAS_VIEW_INSPECT_FOLDER_HPP
+/// Finds what is wrong with the motions of a folder: every file is read and inspected, and mended copies are written.
+///
+///     const auto found = inspect_folder("clips", {.clean = "mended", .strips = 3});
+///     write_file("report.html", inspection_html(found, "clips"));
+
 #ifndef MOTIONLANG_HAS_VIEW_INSPECTION_PAGE_HPP  // <motionlang/view/inspection_page.hpp>
 #define MOTIONLANG_HAS_VIEW_INSPECTION_PAGE_HPP
 /// The findings of a folder of motions as one HTML page: a table of what was found how often, then every motion with
@@ -24812,6 +26990,237 @@ MOTIONLANG_BODY std::string inspection_html(std::span<const InspectedMotion> mot
 
 MOTIONLANG_NAMESPACE_END
 #endif
+#endif
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct InspectFolderOptions {
+  MotionReadOptions read{};
+  std::filesystem::path clean{};  // folder for mended copies (.bvh) below the names of the originals; "": none
+  int strips = 0;                 // motions with each fault that get a film strip
+};
+
+/// The motions of `files`, which are below `folder`, in their order; a file that cannot be read is one of them.
+/// notes   gets what the readers note about the files
+/// Throws  option_error 102 for a copy that would take the place of an original; io_error 401 for a copy that cannot be
+///         written; cancelled
+std::vector<InspectedMotion> inspect_files(const std::vector<std::filesystem::path>& files,
+                                           const std::filesystem::path& folder, const InspectFolderOptions& options,
+                                           Progress progress = {}, std::string* notes = nullptr);
+/// Those that motion_files_below finds.
+/// notes   gets a line about each file and folder that was skipped, and what the readers note
+/// Throws  config_error 101 if there is none, what motion_files_below throws, and as above
+std::vector<InspectedMotion> inspect_folder(const std::filesystem::path& folder,
+                                            const InspectFolderOptions& options = {}, std::string* notes = nullptr,
+                                            Progress progress = {});
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_VIEW_INSPECT_FOLDER_IPP  // <motionlang/view/inspect_folder.ipp>
+#define MOTIONLANG_HAS_VIEW_INSPECT_FOLDER_IPP
+// Bodies of inspect_folder.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+class FolderInspection {
+ public:
+  FolderInspection(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder,
+                   const InspectFolderOptions& options, std::string* notes)
+      : o_(options), folder_(folder), inputs_(files), notes_(notes) {}
+
+  void add(const std::filesystem::path& file) {
+    const std::string name = file.lexically_relative(folder_).string();
+    std::vector<Motion> motions;
+    const auto read = [&] { motions = read_motions(file, options_for_file(o_.read, file), notes_); };
+    const auto note_values = [&](const numeric_error& e) {
+      found_.push_back({name, "", {}, {{Fault::not_finite, e.what()}}, {}});
+      return true;
+    };
+    guard<error>([&] { guard<numeric_error>(read, note_values); },
+                 [&](const error& e) {
+                   found_.push_back({name, "", e.what(), {}, {}});
+                   return true;
+                 });
+    const bool several = is_gltf(file) || motions.size() > 1;
+    for (const Motion& m : motions) {
+      Inspection seen = inspect_motion(m);
+      if (!o_.clean.empty()) clean(m, seen, several ? name + " " + safe_file_name(m.name) + ".bvh" : name);
+      found_.push_back({several ? name + " " + m.name : name, about(m), {}, std::move(seen.findings), {}});
+      if (wants_strip(found_.back())) found_.back().strip = film_strip_svg(m, {}, {.title = found_.back().name});
+    }
+  }
+  std::vector<InspectedMotion> found() && { return std::move(found_); }
+
+ private:
+  static std::string about(const Motion& m) {
+    char text[96];
+    std::snprintf(text, sizeof text, "%.2f s, %g frames per second, %s", m.seconds(), m.fps,
+                  counted(m.skeleton.size(), "joint").c_str());
+    return text;
+  }
+  /// The first few motions of every fault.
+  bool wants_strip(const InspectedMotion& m) {
+    bool wanted = false;
+    for (const Finding& f : m.findings) {
+      const bool drawable = f.fault != Fault::not_finite && f.fault != Fault::empty;
+      if (drawable && drawn_[static_cast<std::size_t>(f.fault)]++ < o_.strips) wanted = true;
+    }
+    return wanted;
+  }
+  /// A copy as BVH, a.npz.bvh of a.npz, unless there is nothing that could be written.
+  void clean(const Motion& motion, const Inspection& seen, const std::string& name) {
+    if (seen.has(Fault::not_finite) || seen.has(Fault::empty)) return;
+    const std::string stem =
+        file_kind(name) == ".bvh" ? std::filesystem::path(name).replace_extension().string() : name;
+    const std::filesystem::path path = o_.clean / (unique_name(stem, copies_) + ".bvh");
+    inputs_.refuse(path);
+    std::filesystem::create_directories(path.parent_path());
+    write_motion(path, mended(motion, seen.cure));
+  }
+
+  const InspectFolderOptions& o_;
+  std::filesystem::path folder_;
+  InputFiles inputs_;
+  std::string* notes_;
+  std::vector<InspectedMotion> found_;
+  std::set<std::string> copies_;
+  std::array<int, fault_info.size()> drawn_{};
+};
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<InspectedMotion> inspect_files(const std::vector<std::filesystem::path>& files,
+                                                           const std::filesystem::path& folder,
+                                                           const InspectFolderOptions& options, Progress progress,
+                                                           std::string* notes) {
+  detail::FolderInspection inspection(files, folder, options, notes);
+  Index done = 0;
+  for (const auto& file : files) {
+    inspection.add(file);
+    progress(++done, std::ssize(files));
+  }
+  return std::move(inspection).found();
+}
+
+MOTIONLANG_BODY std::vector<InspectedMotion> inspect_folder(const std::filesystem::path& folder,
+                                                            const InspectFolderOptions& options, std::string* notes,
+                                                            Progress progress) {
+  const auto files = motion_files_below(folder, options.clean, notes);
+  if (files.empty())
+    raise<config_error>(101, "no .bvh, .amc, .npz, .npy, .glb or .vrma file below '", folder.string(), "'");
+  return inspect_files(files, folder, options, progress, notes);
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
+#ifndef MOTIONLANG_HAS_VIEW_LOAD_SHOWN_BODY_HPP  // <motionlang/view/load_shown_body.hpp>
+#define MOTIONLANG_HAS_VIEW_LOAD_SHOWN_BODY_HPP
+/// Bodies that motions are shown on: the user's own of the SMPL family, or the free one of capsules. A body is read
+/// once, for all motions.
+///
+///     const auto body = load_shown_body<B>({.file = "SMPLH_NEUTRAL.npz"});
+///     const BodyClip clip = body->read("amass/walk.npz");
+///     body->write("walk.glb", {clip.motion}, clip.betas);
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// Capsules along the bones of whatever joints there are.
+template <Backend B>
+class FreeShownBody final : public ShownBody {
+  using S = typename B::scalar;
+
+ public:
+  explicit FreeShownBody(const ShownBodyOptions& o) {
+    for (const double b : o.betas) betas_.push_back(static_cast<S>(b));
+  }
+  bool has_joints_of(const Motion&) const override { return true; }
+  bool takes_any_joints() const override { return true; }
+  BodyClip read(const std::filesystem::path& npz, double fps) const override {
+    return {read_amass(npz, {}, fps).motion, {}, {}};
+  }
+  BodyFiles write(const std::filesystem::path& path, std::vector<Motion> motions,
+                  const std::vector<float>&) const override {
+    if (motions.empty()) raise<config_error>(101, path.string(), ": no motion");
+    auto body = figure_body<B>(motions.front().skeleton);
+    prepare(body.model);
+    const Index files = write_on_body(path, body, std::span<const Motion>(motions), std::span<const S>(betas_));
+    return {"the free body", body.model.vertices(), files};
+  }
+
+ private:
+  std::vector<S> betas_;  // refused: it has no shapes
+};
+
+template <Backend B>
+class OwnShownBody final : public ShownBody {
+  using S = typename B::scalar;
+
+ public:
+  explicit OwnShownBody(const ShownBodyOptions& o)
+      : body_(read_body<B>(o.file, {.betas = std::ssize(o.betas), .most_betas = amass_betas, .expressions = 0})),
+        joints_(body_skeleton(body_).names) {
+    prepare(body_.model);
+    for (const double b : o.betas) betas_.push_back(static_cast<S>(b));
+    if (!betas_.empty()) betas_.resize(static_cast<std::size_t>(body_.model.shapedirs.size(1)));
+  }
+  bool has_joints_of(const Motion& m) const override { return m.skeleton.names == joints_; }
+
+  BodyClip read(const std::filesystem::path& npz, double fps) const override {
+    const auto sequence = read_amass_sequence(npz, fps);
+    const std::string name = npz.stem().string();
+    if (body_.kind == BodyKind::other)
+      return {amass_motion(sequence, name),
+              {},
+              npz.string() + ": left out are hands and betas: the body is not one of SMPL's\n"};
+    auto clip = amass_on_body(sequence, name, body_);
+    const bool has_more = !clip.parts.empty();
+    if (betas_.empty()) {
+      const auto last = std::find_if(sequence.betas.rbegin(), sequence.betas.rend(), [](double b) { return b != 0; });
+      const bool fit = has_shapes_of(sequence, body_.kind);
+      const auto has = sequence.betas.rend() - last, common = fit ? std::min(has, std::ssize(clip.betas)) : 0;
+      if (has > 0 && !fit) clip.left_out.push_back("betas, which are of other shapes");
+      if (common > 0) clip.parts.push_back(concat_text("betas 1 to ", common, " (", sequence.gender, ")"));
+      if (fit && has > common) clip.left_out.push_back(concat_text("betas ", common + 1, " to ", has));
+    }
+    std::string notes = join_text(clip.parts);
+    if (!clip.left_out.empty())
+      notes += (notes.empty() ? "left out are " : "; left out are ") + join_text(clip.left_out);
+    if (!notes.empty()) notes = npz.string() + " on " + to_string(body_.kind) + ": " + notes + "\n";
+    return {std::move(clip.motion), {clip.betas.begin(), clip.betas.end()}, std::move(notes), has_more};
+  }
+  BodyFiles write(const std::filesystem::path& path, std::vector<Motion> motions,
+                  const std::vector<float>& betas) const override {
+    for (Motion& m : motions) {
+      if (!has_joints_of(m)) m = on_smpl(m);
+    }
+    const std::vector<S> shape = betas_.empty() ? std::vector<S>(betas.begin(), betas.end()) : betas_;
+    const Index files = write_on_body(path, body_, std::span<const Motion>(motions), std::span<const S>(shape));
+    return {to_string(body_.kind), body_.model.vertices(), files};
+  }
+
+ private:
+  static constexpr Index amass_betas = 16;
+  std::vector<S> betas_;  // the user's, or none
+  Body<B> body_;
+  std::vector<std::string> joints_;
+};
+
+}  // namespace detail
+
+/// Throws what read_body throws.
+template <Backend B>
+std::unique_ptr<const ShownBody> load_shown_body(const ShownBodyOptions& options) {
+  if (options.file == "free") return std::make_unique<detail::FreeShownBody<B>>(options);
+  return std::make_unique<detail::OwnShownBody<B>>(options);
+}
+
+MOTIONLANG_NAMESPACE_END
 #endif
 
 #ifndef MOTIONLANG_HAS_VIEW_LOSS_CURVES_HPP  // <motionlang/view/loss_curves.hpp>
@@ -24939,7 +27348,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_VIEW_SEARCH_PAGE_HPP  // <motionlang/view/search_page.hpp>
 #define MOTIONLANG_HAS_VIEW_SEARCH_PAGE_HPP
-/// What a search found, as one HTML page: for each clip or moment its score, where it is, what is said about it, and a
+/// Search results as one HTML page: for each clip or moment its score, its place, its captions, and a
 /// film strip. Nothing comes from outside the file.
 
 MOTIONLANG_NAMESPACE_BEGIN
@@ -24953,6 +27362,9 @@ struct FoundMotion {
   std::string problem{};      // why there is none
 };
 
+/// Draws the strips: reads the files of the hits, or says why one could not be drawn.
+void draw_found(std::span<FoundMotion> found, const MotionReadOptions& read = {});
+
 /// query    what was searched for, in words
 /// summary  how many were searched, and what they are
 std::string search_html(std::span<const FoundMotion> found, std::string_view query, std::string_view summary);
@@ -24964,6 +27376,30 @@ MOTIONLANG_NAMESPACE_END
 // Bodies of search_page.hpp.
 
 MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The motion of a hit.
+inline Motion found_motion(const FoundMotion& f, const MotionReadOptions& read) {
+  for (const Motion& m : read_motions(f.clip.path, options_for_file(read, f.clip.path))) {
+    if (f.clip.name.empty() || m.name == f.clip.name) return edit_time(m, {.from = f.start, .to = f.end});
+  }
+  raise<config_error>(103, f.clip.path, ": no motion '", f.clip.name, "' any more");
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY void draw_found(std::span<FoundMotion> found, const MotionReadOptions& read) {
+  for (FoundMotion& f : found) {
+    const std::string title =
+        f.clip.name.empty() ? std::filesystem::path(f.clip.path).filename().string() : f.clip.name;
+    detail::guard<error>([&] { f.strip = film_strip_svg(detail::found_motion(f, read), {}, {.title = title}); },
+                         [&](const error& e) {
+                           f.problem = e.what();
+                           return true;
+                         });
+  }
+}
 
 MOTIONLANG_BODY std::string search_html(std::span<const FoundMotion> found, std::string_view query,
                                         std::string_view summary) {
@@ -24997,112 +27433,6 @@ MOTIONLANG_BODY std::string search_html(std::span<const FoundMotion> found, std:
   }
   if (found.empty()) out += "<p>Nothing was found.</p>\n";
   return out + "</body>\n</html>\n";
-}
-
-MOTIONLANG_NAMESPACE_END
-#endif
-#endif
-
-#ifndef MOTIONLANG_HAS_VIEW_VIEW_FILE_HPP  // <motionlang/view/view_file.hpp>
-#define MOTIONLANG_HAS_VIEW_VIEW_FILE_HPP
-/// Motions to look at, by the extension of the name: a page (.html) or a film strip (.svg, .png).
-///
-///     write_view("walk.html", read_motion("walk.bvh"));
-///     write_motion_or_view(argv[2], motion);             // or a motion file: whatever the user named
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-/// Whether write_view writes this kind: .html, .svg, .png.
-bool is_view(const FilePath& path);
-
-/// Writes a page or a picture. Throws config_error 103 for another extension, io_error 401, and what the writers throw.
-void write_view(const FilePath& path, const Motion& motion);
-
-/// A motion file (formats/motion_file.hpp) or a page or picture. Throws config_error 103 for an extension of none of
-/// them, and what write_motion and write_view throw.
-void write_motion_or_view(const FilePath& path, const Motion& motion, const MotionWriteOptions& options = {});
-
-/// The contents of such a file. `kind` is the extension, ".html", or a name that ends in it. Throws what
-/// write_motion_or_view throws, but io_error 401.
-std::vector<std::byte> motion_or_view_bytes(const FilePath& kind, const Motion& motion,
-                                            const MotionWriteOptions& options = {});
-
-/// Whether one file of this kind holds several motions: .glb, .html.
-bool holds_several(const FilePath& path);
-/// Whether one file of this kind holds these motions, of which there is one at least: those in GLB are on one skeleton.
-bool holds_together(const FilePath& path, std::span<const Motion> motions);
-/// Writes several motions into one file: animations of a GLB file, or a page on which one is chosen.
-/// Throws config_error 103 for another extension, io_error 401, and what write_glb and write_viewer throw.
-void write_motions(const FilePath& path, std::span<const Motion> motions);
-
-MOTIONLANG_NAMESPACE_END
-
-#ifndef MOTIONLANG_HAS_VIEW_VIEW_FILE_IPP  // <motionlang/view/view_file.ipp>
-#define MOTIONLANG_HAS_VIEW_VIEW_FILE_IPP
-// Bodies of view_file.hpp.
-
-MOTIONLANG_NAMESPACE_BEGIN
-
-MOTIONLANG_BODY bool is_view(const FilePath& path) {
-  const std::string kind = file_kind(path);
-  return kind == ".html" || kind == ".svg" || kind == ".png";
-}
-
-namespace detail {
-
-inline std::string view_text(const std::string& kind, const Motion& motion) {
-  if (kind == ".html") return viewer_html(motion);
-  if (kind == ".svg") return film_strip_svg(motion);
-  return encode_png(film_strip_picture(motion));
-}
-
-}  // namespace detail
-
-MOTIONLANG_BODY void write_view(const FilePath& path, const Motion& motion) {
-  const std::string kind = file_kind(path);
-  if (!is_view(path))
-    raise<config_error>(103, path.string(), ": pages and pictures are written to .html, .svg and .png, not '", kind,
-                        "'");
-  write_file(path, detail::view_text(kind, motion));
-}
-
-MOTIONLANG_BODY std::vector<std::byte> motion_or_view_bytes(const FilePath& kind, const Motion& motion,
-                                                            const MotionWriteOptions& options) {
-  const std::string wanted = detail::wanted_kind(kind);
-  if (is_view("view" + wanted)) {
-    const std::string text = detail::view_text(wanted, motion);
-    const auto bytes = std::as_bytes(std::span(text));
-    return {bytes.begin(), bytes.end()};
-  }
-  if (is_written_motion("motion" + wanted)) return motion_bytes(kind, motion, options);
-  raise<config_error>(103, kind.string(),
-                      ": motions are written to .bvh, .glb, .npz, .npy, .html, .svg and .png, not '", wanted, "'",
-                      detail::about_fbx(wanted));
-}
-
-MOTIONLANG_BODY void write_motion_or_view(const FilePath& path, const Motion& motion,
-                                          const MotionWriteOptions& options) {
-  write_file(path, motion_or_view_bytes(path, motion, options));
-}
-
-MOTIONLANG_BODY bool holds_several(const FilePath& path) {
-  const std::string kind = file_kind(path);
-  return kind == ".glb" || kind == ".html";
-}
-
-MOTIONLANG_BODY bool holds_together(const FilePath& path, std::span<const Motion> motions) {
-  const auto alike = [&](const Motion& m) { return m.skeleton == motions.front().skeleton; };
-  return holds_several(path) && (file_kind(path) != ".glb" || std::all_of(motions.begin(), motions.end(), alike));
-}
-
-MOTIONLANG_BODY void write_motions(const FilePath& path, std::span<const Motion> motions) {
-  const std::string kind = file_kind(path);
-  if (!holds_several(path))
-    raise<config_error>(103, path.string(), ": several motions are written to .glb and .html, not '", kind, "'");
-  if (kind == ".glb") return write_glb(path, motions);
-  std::vector<ViewerMotion> shown;
-  for (const Motion& m : motions) shown.push_back({m});
-  write_viewer(path, shown);
 }
 
 MOTIONLANG_NAMESPACE_END

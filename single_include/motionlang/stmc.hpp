@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-/// motionlang 0.1.0, generated from include/ by tests/tools/amalgamate.cpp. Changes belong there.
-#pragma once
+/// motionlang 0.2.0, generated from include/ by tests/tools/amalgamate.cpp. Changes belong there.
+#if !defined(MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC)
+#ifndef MOTIONLANG_SINGLE_STMC_HPP
+#define MOTIONLANG_SINGLE_STMC_HPP
 
 #ifndef MOTIONLANG_HAS_STMC_HPP  // <motionlang/stmc.hpp>
 #define MOTIONLANG_HAS_STMC_HPP
@@ -13,22 +15,22 @@
 ///                                              "raise both arms # 2.0 # 5.0 # left arm # right arm\n");
 ///     const ml::Motion motion = ml::generate_motion(stmc, timeline, {.seed = 7});
 ///
-/// What the model itself makes, before it is smoothed and put on its feet: stmc.generate and stmc_motion. Writers of
+/// stmc.generate and stmc_motion give the model's own output, without smoothing and foot fixing. Writers of
 /// BVH, GLB, NPZ and pages are in <motionlang/formats/...> and <motionlang/view/...>. Who calculates with the features
 /// (exp, max, ...) includes <motionlang/backend/eigen.hpp> as well; the compiler says so.
 ///
 /// Linking motionlang::instantiated compiles several times faster: Stmc over EigenBackend<float> is in the library
-/// then, and this header only says what can be called. For other backends (the compiler says so), and for
-/// `generate_from`, include <motionlang/generate/generate_motion.ipp> and <motionlang/weights/stmc_file.hpp> as well.
+/// then, and this header only says what can be called. For other backends, and for `generate_from`, include
+/// <motionlang/generate/generate_motion.ipp> and <motionlang/weights/stmc_file.hpp> as well; the compiler says so.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP  // <motionlang/backend/detail/eigen_class.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_EIGEN_CLASS_HPP
-/// What a model needs of the Eigen backend: its operations, and of the bodies those of the kernels, arithmetic among
+/// The part of the Eigen backend that a model needs: its operations, and bodies of the kernels, arithmetic among
 /// them. Those that include Eigen, functions and maxima, come with <motionlang/backend/eigen.hpp>.
 
 #ifndef MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP  // <motionlang/backend/dense_ops.hpp>
 #define MOTIONLANG_HAS_BACKEND_DENSE_OPS_HPP
-/// What all backends over Dense storage share: making tensors, moving numbers without calculating, and how a reduction
+/// Operations that all backends over Dense storage share: making tensors, moving values, and how a reduction
 /// is shared by threads.
 
 #include <algorithm>  // fill, min
@@ -67,7 +69,7 @@
 /// Without exceptions (-fno-exceptions) an error prints its message and ends the program, unless
 /// MOTIONLANG_THROW(exception) is defined, the same in all units: it gets the exception as an object (an error,
 /// std::bad_alloc, cancelled), on whichever thread it happens, and must not return; std::_Exit ends a program from any
-/// thread. What is caught otherwise (a value in a file of weights that cannot be read is passed over) ends it too.
+/// thread. What is caught otherwise (a value in a file of weights that cannot be read is skipped) ends it too.
 ///
 /// A message reads `[motionlang.shape.201] matmul: inner sizes differ: lhs (2, 60, 512), rhs (256, 1024); at
 /// layers.3.linear1`: family and id, the operation, what is wrong with both values, and (with MOTIONLANG_DIAGNOSTICS)
@@ -86,8 +88,9 @@
 
 #ifndef MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP  // <motionlang/core/standard_library.hpp>
 #define MOTIONLANG_HAS_CORE_STANDARD_LIBRARY_HPP
-/// What libc++ lacks of C++20, on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14), `from_chars` and
-/// `to_chars` of floating-point values. The same bits and the same characters as with every other standard library.
+/// The parts of C++20 that libc++ lacks, on macOS, in WebAssembly and on Linux: `bit_cast` (before libc++ 14),
+/// `from_chars` and `to_chars` of floating-point values. The same bits and the same characters as with every other
+/// standard library.
 
 #include <charconv>  // from_chars, to_chars
 
@@ -100,9 +103,9 @@
 #endif
 
 #define MOTIONLANG_VERSION_MAJOR 0
-#define MOTIONLANG_VERSION_MINOR 1
+#define MOTIONLANG_VERSION_MINOR 2
 #define MOTIONLANG_VERSION_PATCH 0
-#define MOTIONLANG_VERSION "0.1.0"
+#define MOTIONLANG_VERSION "0.2.0"
 
 /// Every public name lives in `motionlang`, inside this inline namespace. The tag changes with options that change
 /// layouts, and without exceptions, so that object files built with different options do not link silently against each
@@ -257,7 +260,7 @@ std::from_chars_result read_decimal(const char* first, const char* last, F& valu
   return {p, std::errc{}};
 }
 
-/// What printf wrote, with a point in place of the locale's, which may have several bytes.
+/// The text that printf wrote, with a point in place of the locale's, which may have several bytes.
 inline std::string with_point(std::string_view printed) {
   std::string out;
   bool inside = false;
@@ -338,7 +341,7 @@ inline std::string fixed_text(const Decimal& d, double x) {
   return out.insert(out.size() - places, ".");
 }
 
-/// What `std::to_chars` writes without a precision: fixed, scientific or, if not told, the shorter of the two.
+/// The text of `std::to_chars` without a precision: fixed, scientific or, by default, the shorter of the two.
 template <class F>
 std::string shortest_text(F x, std::chars_format format = {}) {
   using enum std::chars_format;
@@ -352,7 +355,7 @@ std::string shortest_text(F x, std::chars_format format = {}) {
   const bool shorter = format != fixed && with_exponent.size() < without.size();
   return sign + (format == scientific || shorter ? with_exponent : without);
 }
-/// What it writes with a number of decimal places: fixed or scientific.
+/// The text of `std::to_chars` with a number of decimal places: fixed or scientific.
 template <class F>
 std::string text_with_places(F x, std::chars_format format, int places) {
   using enum std::chars_format;
@@ -462,7 +465,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What `decode_utf8` returns for bytes that are not UTF-8.
+/// The result of `decode_utf8` for bytes that are not UTF-8.
 inline constexpr char32_t invalid_code_point = 0xFFFFFFFF;
 
 /// The code point that starts at text[at]; moves `at` behind it. Bytes that are not UTF-8 (stray or missing
@@ -486,7 +489,7 @@ constexpr char32_t decode_utf8(std::string_view text, std::size_t& at) {
   return c;
 }
 
-/// Whether the whole text is UTF-8.
+/// True if the whole text is UTF-8.
 constexpr bool is_utf8(std::string_view text) {
   for (std::size_t at = 0; at < text.size();) {
     if (decode_utf8(text, at) == invalid_code_point) return false;
@@ -494,7 +497,7 @@ constexpr bool is_utf8(std::string_view text) {
   return true;
 }
 
-/// The longest beginning of a text that has at most so many bytes and ends between two characters.
+/// The longest beginning of a text that has at most this many bytes and ends between two characters.
 constexpr std::string_view utf8_head(std::string_view text, std::size_t bytes) {
   if (text.size() <= bytes) return text;
   for (std::size_t start = bytes - (bytes < 3 ? bytes : 3); start < bytes; ++start) {
@@ -888,11 +891,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_LIFETIME_HPP  // <motionlang/core/lifetime.hpp>
 #define MOTIONLANG_HAS_CORE_LIFETIME_HPP
-/// Help against memory that is used after its end: a mark for compilers, and marks of free memory for the address
+/// Help against memory that is used after it was freed: a mark for compilers, and marks of free memory for the address
 /// sanitizer.
 
-/// Behind the declaration of a member function or of a parameter: the result refers to it. Clang warns where it is a
-/// temporary, or a variable whose function returns the result. GCC has no such mark.
+/// Marks a member function or a parameter to which the result refers. Clang warns if it is a temporary, or a local
+/// variable of a function that returns the result. GCC has no such mark.
 #if defined(__has_cpp_attribute)
 #if __has_cpp_attribute(clang::lifetimebound)
 #define MOTIONLANG_LIFETIMEBOUND [[clang::lifetimebound]]
@@ -905,7 +908,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// Whether this unit is compiled for the address sanitizer (-fsanitize=address).
+/// True if this unit is compiled for the address sanitizer (-fsanitize=address).
 #if defined(__SANITIZE_ADDRESS__)
 inline constexpr bool address_sanitizer = true;
 #elif defined(__has_feature)
@@ -918,8 +921,8 @@ inline constexpr bool address_sanitizer = false;
 inline constexpr bool address_sanitizer = false;
 #endif
 
-/// Memory that nobody may use until allow_access: the sanitizer reports whoever does. Nothing happens where the bodies
-/// of the library are compiled without the sanitizer.
+/// Forbids the use of memory until allow_access: the sanitizer reports every use. Without the sanitizer these calls do
+/// nothing.
 void forbid_access(const void* memory, std::size_t bytes);
 void allow_access(const void* memory, std::size_t bytes);
 
@@ -976,7 +979,7 @@ class BufferPool {
  public:
   static BufferPool& local() { return thread_object<BufferPool>(); }
 
-  /// A buffer of at least so many bytes, and its way back, for the calling thread.
+  /// A buffer of at least this many bytes, and its way back, for the calling thread.
   static detail::Buffer* take(std::size_t bytes) {
     const int bucket = bucket_of(bytes);
     return gone_ ? make(bucket, bytes, 0) : local().reuse(bucket, bytes);
@@ -1167,7 +1170,7 @@ constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (
 
 }  // namespace detail
 
-/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, so many lie in
+/// `bytes` bytes at a multiple of 64, not initialised; `used` of them from the start will be written, mostly in
 /// large pages.
 void* take_memory(std::size_t bytes, std::size_t used);
 
@@ -1302,8 +1305,8 @@ inline float sin(float x) { return std::sin(x); }
 inline float cos(float x) { return std::cos(x); }
 inline float atan2(float y, float x) { return std::atan2(y, x); }
 
-/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10, whose last digit often is
-/// another than the C library's. For published tables of frequencies: thousands of frames later it decides the fourth
+/// exp(x) as PyTorch (1.13 of Debian) computes it for float tensors: SLEEF's expf_u10. Its last digit often differs
+/// from that of the C library. Published tables of frequencies need it: after thousands of frames it decides the fourth
 /// digit.
 inline float torch_exp(float x) {
   if (!(x >= -104.0f)) return x < 0 ? 0.0f : x;  // NaN stays
@@ -1317,8 +1320,8 @@ inline float torch_exp(float x) {
   return std::ldexp(1.0f + std::fma(f * f, p, f), static_cast<int>(n));
 }
 
-/// `a < b ? x : y`. The one branch that also works element by element: both x and y are always computed, so neither may
-/// be NaN where it is not taken if the result is to be differentiated.
+/// `a < b ? x : y`, which also works element by element. Both x and y are always computed. If the result is to be
+/// differentiated, neither may be NaN, even where it is not taken.
 constexpr double where_less(double a, double b, double x, double y) { return a < b ? x : y; }
 constexpr float where_less(float a, float b, float x, float y) { return a < b ? x : y; }
 
@@ -1469,8 +1472,8 @@ concept ScalarLike = std::copyable<S> && requires(const S& a, const S& b) {
 /// backend only computes. Everything else (softmax, attention, ...) has a default in these primitives; a backend may
 /// add its own version under the same name (see tensor/fused.hpp).
 ///
-/// tensor    can be made without anything, copied and moved. One that is made so is no tensor yet: its shape is (0) and
-///           to_span gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
+/// tensor    can be default-constructed, copied and moved. A default-constructed tensor has the shape (0), and to_span
+///           gives nothing. One that was moved from is the same. Tensor<B, Rank> refuses such a tensor before
 ///           an operation of the backend sees it. A list of no values has the shape (0) too; `bool defined() const`,
 ///           if the tensor has it, tells one from the other
 /// Minimum   data      full, from_span, to_span, shape
@@ -1573,7 +1576,7 @@ class Dense {
 
   Dense(const Dense&) = default;
   Dense& operator=(const Dense&) = default;
-  /// What was moved from is again nothing.
+  /// A tensor that was moved from holds nothing.
   Dense(Dense&& o) noexcept
       : buffer_(std::move(o.buffer_)), shape_(std::exchange(o.shape_, nothing)), offset_(std::exchange(o.offset_, 0)) {}
   Dense& operator=(Dense&& o) noexcept {
@@ -1601,7 +1604,7 @@ class Dense {
   /// For writing: only right after construction or when `unique()`.
   S* data() MOTIONLANG_LIFETIMEBOUND { return static_cast<S*>(buffer_.data()) + offset_; }
   std::span<const S> span() const MOTIONLANG_LIFETIMEBOUND { return {data(), static_cast<std::size_t>(count())}; }
-  /// Whether there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
+  /// True if there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
   bool defined() const { return static_cast<bool>(buffer_); }
 
   /// Nobody else can see the numbers, so an operation may overwrite them.
@@ -1638,16 +1641,16 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_PARALLEL_HPP  // <motionlang/core/parallel.hpp>
 #define MOTIONLANG_HAS_CORE_PARALLEL_HPP
-/// Threads: a small pool of them and `parallel_for`, how many are used, and what threads of a program may share.
+/// A small pool of threads and `parallel_for`, their number, and the objects that threads of a program may share.
 ///
 /// How many   processor_count() threads calculate (core/processors.hpp: what the process is given, in a container too),
 ///            at most 256. set_thread_count(n) changes that for the whole process. The results are the same bits
 /// From several threads of a program at once
-///   may be shared    everything that is const: models, tensors, skeletons, indices, text encoders. Copying a handle of
-///                    the same tensor, and using it, too. One call calculates in the pool at a time, others wait for it
-///   may not          what is written: a tensor that is assigned to, a generator that draws, an AdamW that steps, a
-///                    KeptMotion that is filled. Give each thread its own, or a lock. A Context counts its masks: one
-///                    for each call
+///   may be shared    everything that is const: models, tensors, skeletons, indices, text encoders. Threads may
+///                    copy and use handles of the same tensor. The pool serves one call at a time; other calls wait
+///   may not          objects that change: a tensor that is assigned to, a generator that draws, an AdamW that steps, a
+///                    KeptMotion that is filled. Give each thread its own, or a lock. A Context counts its masks, so
+///                    each call needs its own
 ///   Autodiff         variables may be shared; operations behind a loss belong to the thread that calls `backward`
 ///   at rest          set_thread_count and set_product_precision (backend/precision.hpp): while no work is running
 ///
@@ -1691,10 +1694,10 @@ namespace detail {
 inline constexpr Index worth_a_thread = 16384;  // numbers
 }
 
-/// Calls f(first, last) for pieces of 0 ... count-1, in one piece what is not worth two threads (`cost` numbers per
-/// element). Of elements of many numbers, such as rows, every thread has as many: in the next region it finds what it
-/// wrote in its cache. Pieces of single numbers begin at the same places for any number of threads: vectors and what is
-/// left beside them are the same.
+/// Calls f(first, last) for pieces of 0 ... count-1. Work that is too small for two threads is one piece (`cost` values
+/// per element). For large elements, such as rows, every thread gets the same share in each region, which is then still
+/// in its cache. Pieces of single values begin at the same places for any number of threads, so full vectors and
+/// remainders are the same.
 template <class F>
 void parallel_ranges(Index count, Index cost, const F& f) {
   const Index grain = std::max<Index>(1, detail::worth_a_thread / std::max<Index>(1, cost));
@@ -1705,8 +1708,9 @@ void parallel_ranges(Index count, Index cost, const F& f) {
   parallel_for(equal, [&](Index i) { f(count * i / equal, count * (i + 1) / equal); });
 }
 
-/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix of so many rows: for what goes through the
-/// rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number of threads.
+/// Calls f(first, last) for pieces of the columns 0 ... width-1 of a matrix with this many rows, for functions that go
+/// through the rows in their order. Pieces begin at multiples of 16, so that whole vectors are the same for any number
+/// of threads.
 template <class F>
 void parallel_columns(Index rows, Index width, const F& f) {
   const Index pieces = rows * width < detail::worth_a_thread ? 1 : std::clamp<Index>(width / 64, 1, parallel_width());
@@ -1728,16 +1732,16 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_PROCESSORS_HPP  // <motionlang/core/processors.hpp>
 #define MOTIONLANG_HAS_CORE_PROCESSORS_HPP
-/// How many threads pay for this process: the processors that it may run on, and no more than the processor time that
-/// its control group is given (containers, batch systems). More would spend the group's time with waiting for each
-/// other, and then all are stopped.
+/// The number of useful threads: the processors on which this process may run, limited by the processor time of its
+/// control group (containers, batch systems). More threads would use up the group's time by waiting for each other, and
+/// the system would then stop all of them.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` says which group this process
-/// belongs to, the folders of `root` what it is given. What cannot be read is no limit.
+/// Linux' control groups, version 2 and, where they are counted there, 1: `processes` names the group of
+/// this process, and the folders of `root` hold its limits. A file that cannot be read sets no limit.
 struct ControlGroups {
   std::string root = "/sys/fs/cgroup", processes = "/proc/self/cgroup";
 
@@ -1747,13 +1751,13 @@ struct ControlGroups {
  private:
   template <class F>
   static void for_lines(const std::string& path, const F& f);
-  /// "quota period", both in microseconds, in one file or in two. A quota of "max" or -1 is none.
+  /// "quota period", both in microseconds, in one file or in two. A quota of "max" or -1 is unlimited.
   static int limit(const std::string& quota_file, const std::string& period_file, int all);
 };
 
 }  // namespace detail
 
-/// At least 1.
+/// The number of useful threads, at least 1.
 int processor_count();
 
 MOTIONLANG_NAMESPACE_END
@@ -1802,7 +1806,7 @@ MOTIONLANG_BODY int ControlGroups::processors(int all) const {
 
 MOTIONLANG_BODY int ControlGroups::limit(const std::string& quota_file, const std::string& period_file, int all) {
   double quota = 0, period = 0;
-  // NOLINTBEGIN(cert-err34-c): what is no number stays 0, which is no limit
+  // NOLINTBEGIN(cert-err34-c): what is not a number stays 0, which is not a limit
   for_lines(quota_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf %lf", &quota, &period); });
   if (!period_file.empty())
     for_lines(period_file, [&](const std::string& line) { std::sscanf(line.c_str(), "%lf", &period); });
@@ -1916,7 +1920,7 @@ class ThreadPool {
     for (; workers_ > 0; --workers_) threads_[static_cast<std::size_t>(workers_ - 1)].join();
   }
 
-  /// What a worker does. A function that std::thread is given the address of: the code of a lambda would be a part of
+  /// The work of a thread. It is a function whose address std::thread takes: the code of a lambda would be a part of
   /// std::thread's, which a program and a shared library, each with its own copy of this pool and of `inside_`, have in
   /// common.
   static void start(ThreadPool* pool, int number, unsigned seen) {
@@ -2469,7 +2473,7 @@ class Tensor {
   Shape shape() const { return B::shape(data_); }
   Index size(int axis) const { return shape()[normalize_axis(axis, Rank, "Tensor::size")]; }
   Index count() const { return shape().count(); }
-  /// Whether there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
+  /// True if there is a tensor, perhaps an empty one; else nothing is made yet, or it was moved from.
   bool defined() const {
     if constexpr (Rank == 1 && requires(const typename B::tensor& t) { t.defined(); }) return data_.defined();
     return shape().rank() == Rank;
@@ -3640,7 +3644,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_BACKEND_DETAIL_GELU_TABLE_HPP  // <motionlang/backend/detail/gelu_table.hpp>
 #define MOTIONLANG_HAS_BACKEND_DETAIL_GELU_TABLE_HPP
-/// What gelu(x) lacks to relu(x), as polynomials of degree 4 around 0, 1/4, 2/4, ... 31/4.
+/// The difference of relu(x) and gelu(x), as polynomials of degree 4 around 0, 1/4, 2/4, ... 31/4.
 ///
 /// gelu(x) = x Phi(x) = max(x, 0) - g(|x|),   g(c) = c (1 - Phi(c)) (Hendrycks and Gimpel 2016, Phi: normal
 /// distribution function). g is bounded by 0.17 and dies out above c = 5.5. Processors that look up 32 numbers in one
@@ -3694,7 +3698,7 @@ MOTIONLANG_NAMESPACE_END
 /// MOTIONLANG_KERNELS (portable, avx2, avx512, avx512_bf16, amx) in the environment chooses instead of the processor.
 
 #if defined(__x86_64__)
-// What a compiler may use in code for these sets (GCC and clang: target attribute), and what processor_has asks for.
+// Features for the target attribute of GCC and Clang in code for these sets; processor_has asks for them.
 #define MOTIONLANG_AVX2 "avx2,fma"
 #define MOTIONLANG_AVX512 "avx512f,avx512vl,avx512dq,avx512bw," MOTIONLANG_AVX2
 #endif
@@ -3703,7 +3707,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Each has those before it; the last two differ from avx512 in products of bfloat16 only.
+/// Each set includes those before it. The last two differ from avx512 only in products of bfloat16.
 enum class Isa { portable, avx2, avx512, avx512_bf16, amx, best };
 
 #if defined(__x86_64__)
@@ -3712,14 +3716,14 @@ bool has_amx_bf16();
 
 bool processor_has(Isa isa);
 
-/// What MOTIONLANG_KERNELS names, or the best. Throws config_error 103 for an unknown name and for one that
+/// The set that MOTIONLANG_KERNELS names, or the best one. Throws config_error 103 for an unknown name and for one that
 /// this processor lacks.
 Isa wanted_isa();
 
-// Clang inlines less into such functions than GCC, and what is not inlined stays narrow.
+// Clang inlines less into such functions than GCC, and code that is not inlined uses narrow registers.
 #if defined(__x86_64__) && !defined(__clang__)
 #define MOTIONLANG_WIDER_COPIES
-/// avx512, avx2 or portable: the sets that differ for code with vectors only.
+/// avx512, avx2 or portable: the sets that differ for code without products of bfloat16.
 Isa widest_vectors();
 template <class F>
 __attribute__((target(MOTIONLANG_AVX2), flatten)) void with_avx2(const F& f) {
@@ -3991,1744 +3995,9 @@ MOTIONLANG_NAMESPACE_END
 #else  // without the optimiser higher tiles would only take longer to compile
 #define MOTIONLANG_TILE_ROWS 2
 #endif
-// All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail::MOTIONLANG_ISA {
-
-// Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
-// Included once for every instruction set by kernels.hpp; no include guard on purpose.
-
-template <class S>
-struct VectorOf {
-  typedef S type __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-  typedef S loose __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(sizeof(S)), may_alias));
-  using bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
-  typedef bits mask __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-};
-template <class S>
-using Vec = typename VectorOf<S>::type;
-template <class S>
-using Mask = typename VectorOf<S>::mask;
-template <class S>
-inline constexpr int lanes = MOTIONLANG_VECTOR_BYTES / static_cast<int>(sizeof(S));
-
-// Everything below is inlined: passing such vectors between functions would depend on the caller's instruction set.
-#define MOTIONLANG_INLINE inline __attribute__((always_inline))
-
-template <class S>
-MOTIONLANG_INLINE Vec<S> load(const S* p) {
-  return *reinterpret_cast<const typename VectorOf<S>::loose*>(p);
-}
-template <class S>
-MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
-  *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
-}
-/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
-template <class S>
-MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
-#if defined(__clang__)
-  __builtin_nontemporal_store(v, reinterpret_cast<Vec<S>*>(p));
-#elif defined(__x86_64__)
-  auto* at = reinterpret_cast<float*>(p);
-#if MOTIONLANG_VECTOR_BYTES == 64
-  __builtin_ia32_movntps512(at, (Vec<float>)v);
-#elif MOTIONLANG_VECTOR_BYTES == 32
-  __builtin_ia32_movntps256(at, (Vec<float>)v);
-#else
-  __builtin_ia32_movntps(at, (Vec<float>)v);
-#endif
-#else
-  store(p, v);
-#endif
-}
-/// Asks for n numbers that are read soon.
-template <class Number>
-MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
-  for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
-}
-MOTIONLANG_INLINE void end_of_streams() {
-#if defined(__x86_64__)
-  __builtin_ia32_sfence();
-#endif
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> splat(S x) {
-  return x - Vec<S>{};
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above are 0
-  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)] = {};
-  for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
-  return load(t);
-}
-/// The first n numbers (all lanes if there are so many), then zeros; nothing is read if n <= 0.
-template <class S>
-MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
-  return n >= lanes<S> ? load(p) : load_some(p, n);
-}
-template <class S>
-MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
-  for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
-}
-template <class S>
-MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
-  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
-}
-// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
-// (Where one of them is a constant, GCC 12 makes two instructions of it for vectors of 64 bytes.)
-template <class S>
-MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
-#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
-  if constexpr (sizeof(S) == 4) {
-    Vec<S> r;
-    asm("vmaxps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
-    return r;
-  }
-#endif
-  return a > b ? a : b;
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
-#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
-  if constexpr (sizeof(S) == 4) {
-    Vec<S> r;
-    asm("vminps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
-    return r;
-  }
-#endif
-  return a < b ? a : b;
-}
-/// Lanes of `found` become negative where x is NaN or infinite: all bits of its exponent are set.
-template <class S>
-MOTIONLANG_INLINE void find_not_finite(const Vec<S>& x, Mask<S>& found) {
-  constexpr auto exponent = detail::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
-  found |= (~(Mask<S>)x & exponent) - 1;
-}
-template <class S>
-MOTIONLANG_INLINE bool any_negative(const Mask<S>& v) {
-  bool any = false;
-  for (int i = 0; i < lanes<S>; ++i) any |= v[i] < 0;
-  return any;
-}
-/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
-template <class S, int half, int... l>
-MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
-  return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
-}
-// Halves are put together until one lane is left: sums have a fixed order.
-template <class S, int half = lanes<S> / 2>
-MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  if constexpr (half == 0)
-    return v[0];
-  else
-    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
-}
-template <class S, int half = lanes<S> / 2>
-MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  if constexpr (half == 0)
-    return v[0];
-  else
-    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
-}
-
-/// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
-template <class S, int half, int... l>
-MOTIONLANG_INLINE void swap_blocks(Vec<S>& a, Vec<S>& b, std::integer_sequence<int, l...>) {
-  constexpr int n = lanes<S>;
-  const Vec<S> upper = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l - half : l)...);
-  b = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l : l + half)...);
-  a = upper;
-}
-/// v[i][j] becomes v[j][i]: blocks of 1, 2, 4, ... lanes are swapped.
-template <class S, int half = 1>
-MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
-  if constexpr (half < lanes<S>) {
-#pragma GCC unroll 16
-    for (int i = 0; i < lanes<S>; ++i) {
-      if ((i & half) == 0) swap_blocks<S, half>(v[i], v[i + half], std::make_integer_sequence<int, lanes<S>>{});
-    }
-    transpose_lanes<S, 2 * half>(v);
-  }
-}
-
-/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
-/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
-  constexpr bool single = sizeof(S) == 4;
-  constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
-  const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
-  // lowest bits.
-  const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
-  const Vec<S> shifted = c * S(1.4426950408889634) + magic;
-  const Vec<S> n = shifted - magic;
-  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
-                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
-  Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
-  if constexpr (!single) {
-    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
-      p = p * f + S(k);
-  }
-  for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
-  const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
-  return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
-}
-
-/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
-/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
-template <class S>
-MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
-  Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
-  p = p * y + S(6.364869382952854e-06);
-  q = q * y + S(7.602274008301123e-05);
-  p = p * y + S(0.00017693884114677917);
-  q = q * y + S(0.0019305587808950675);
-  p = p * y + S(0.004725908484413717);
-  q = q * y + S(0.029119172061619288);
-  p = p * y + S(0.0346923636272431);
-  q = q * y + S(0.25362643899642984);
-  p = p * y + S(0.3989422129894181);
-  q = q * y + S(1);
-  return p / q;
-}
-/// erf(x) = 2 Phi(sqrt(2) x) - 1. Float: absolute error below 5e-7. Double: libm.
-template <class S>
-MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
-    return c * phi_ratio<S>(c * c * S(2)) * S(2.8284271247461901);
-  } else {
-    Vec<S> r{};
-    for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
-    return r;
-  }
-}
-#if MOTIONLANG_VECTOR_BYTES == 64
-/// 32 numbers: lane i of the result is that which the lowest five bits of index[i] say.
-MOTIONLANG_INLINE Vec<float> look_up(const float* table, const Vec<float>& index) {
-  Vec<float> r = load(table);
-  asm("vpermt2ps %2, %1, %0" : "+v"(r) : "v"(index), "v"(load(table + 16)));
-  return r;
-}
-/// By gelu_table.hpp: absolute error below 1e-7 for x < 0, relative error below 5e-7 for x > 0.
-MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
-  static_assert(GeluTable::cells == 32 && GeluTable::width == 0.25);
-  constexpr auto last = static_cast<float>(GeluTable::width * (GeluTable::cells - 1));
-  Vec<float> c, d;
-  asm("vrangeps $0xa, %2, %1, %0" : "=v"(c) : "v"(x), "v"(splat(last)));  // min(|x|, last)
-  asm("vreduceps $0x24, %1, %0" : "=v"(d) : "v"(c));                      // c - i / 4, i = round(4 c)
-  const Vec<float> i = c + 3145728.f;                                     // 1.5 * 2^21: i in the lowest bits
-  const auto& table = gelu_table.by_power;
-  Vec<float> g = look_up(table[GeluTable::degree], i);
-#pragma GCC unroll 8
-  for (int n = GeluTable::degree; n-- > 0;) g = g * d + look_up(table[n], i);
-  return vmax<float>(Vec<float>{}, x) - g;
-}
-#endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
-/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
-#if MOTIONLANG_VECTOR_BYTES == 64
-  if constexpr (sizeof(S) == 4) return gelu_by_table(x);
-#endif
-  const Vec<S> h = x * S(0.5);
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> y = x * x;
-    return h + (y < splat(S(32)) ? y * phi_ratio<S>(y) : (Vec<S>)((Mask<S>)h & 0x7fffffff));
-  } else {
-    return h + h * verf<S>(x * S(0.70710678118654752));
-  }
-}
-
-/// Square root of x >= 0: Newton's iteration for 1/sqrt(x) from an estimate by shifting the exponent; within 1 ulp.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
-  constexpr bool single = sizeof(S) == 4;
-  using Bits = typename VectorOf<S>::bits;
-  Vec<S> y = (Vec<S>)(static_cast<Bits>(single ? 0x5F375A86 : 0x5FE6EB50C7B537A9) - ((Mask<S>)x >> 1));
-  for (int i = 0; i < (single ? 3 : 5); ++i) y = y * (S(1.5) - x * S(0.5) * y * y);
-  const Vec<S> r = x * y;
-  return r + S(0.5) * y * (x - r * r);
-}
-
-/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
-/// Double: libm.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> y = x * x;
-    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
-    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
-    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
-    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
-    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
-  } else {
-    Vec<S> r{};
-    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
-    return r;
-  }
-}
-//
-// Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
-
-template <Activation act, class S>
-MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
-  switch (act) {
-    case Activation::none:
-      return x;
-    case Activation::relu:
-      return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu:
-      return vgelu<S>(x);
-    case Activation::silu:
-      return x / (vexp<S>(-x) + S(1));
-    case Activation::tanh:
-      return vtanh<S>(x);
-    case Activation::quick_gelu:
-      return x / (vexp<S>(x * S(-1.702)) + S(1));
-    case Activation::gelu_new: {
-      const Vec<S> h = x * S(0.5);
-      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
-    }
-    case Activation::sigmoid:
-      return S(1) / (vexp<S>(-x) + S(1));
-  }
-  return x;
-}
-
-/// Derivative at x.
-///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
-template <Activation act, class S>
-MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
-  switch (act) {
-    case Activation::none:
-      return splat(S(1));
-    case Activation::relu:
-      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
-    case Activation::gelu: {
-      const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
-      return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
-    }
-    case Activation::silu: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
-      return s + x * s * (S(1) - s);
-    }
-    case Activation::tanh: {
-      const Vec<S> t = vtanh<S>(x);
-      return S(1) - t * t;
-    }
-    case Activation::quick_gelu: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
-      return s + x * s * (S(1) - s) * S(1.702);
-    }
-    case Activation::gelu_new: {
-      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
-      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
-    }
-    case Activation::sigmoid: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
-      return s * (S(1) - s);
-    }
-  }
-  return splat(S(1));
-}
-
-/// f.operator()<act>().
-template <class F>
-void with_activation(Activation act, const F& f) {
-  switch (act) {
-    case Activation::none:
-      return f.template operator()<Activation::none>();
-    case Activation::relu:
-      return f.template operator()<Activation::relu>();
-    case Activation::gelu:
-      return f.template operator()<Activation::gelu>();
-    case Activation::silu:
-      return f.template operator()<Activation::silu>();
-    case Activation::tanh:
-      return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu:
-      return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new:
-      return f.template operator()<Activation::gelu_new>();
-    case Activation::sigmoid:
-      return f.template operator()<Activation::sigmoid>();
-  }
-}
-
-/// y = act(x) for so many rows of `width` numbers, which begin ldx and ldy apart; y may be x.
-template <class S>
-void activate_rows(const S* x, Index ldx, Index rows, Index width, Activation act, S* y, Index ldy) {
-  constexpr int l = lanes<S>;
-  with_activation(act, [=]<Activation a>() {
-    for (Index r = 0; r < rows; ++r) {
-      const S* from = x + r * ldx;
-      S* to = y + r * ldy;
-      Index i = 0;
-      for (; i + l <= width; i += l) store(to + i, apply_activation<a, S>(load(from + i)));
-      if (i < width) store_some(to + i, apply_activation<a, S>(load_some(from + i, width - i)), width - i);
-    }
-  });
-}
-template <class S>
-void activate(const S* x, Index n, Activation act, S* y) {
-  activate_rows(x, n, 1, n, act, y, n);
-}
-/// dx = dy act'(x) for n numbers.
-template <class S>
-void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
-  constexpr int l = lanes<S>;
-  with_activation(act, [=]<Activation a>() {
-    Index i = 0;
-    for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<a, S>(load(x + i)));
-    if (i < n) store_some(dx + i, load_some(dy + i, n - i) * activation_slope<a, S>(load_some(x + i, n - i)), n - i);
-  });
-}
-//
-// Matrix product with packed right-hand side: register tiles, cache blocks, epilogue in the tile.
-//
-//   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
-//   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
-//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
-//            well. (All panels at a time where A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
-//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
-//            result's rows are written, one after the other: the lines under them, which come from memory first, the
-//            processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
-//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
-//            the next rows of A.
-//   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
-
-template <class S>
-inline constexpr Index panel_width = 2 * lanes<S>;
-inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 1024;
-inline constexpr Index panel_block = 8;
-inline constexpr Index most_tiles = 16;        // of rows in a block
-inline constexpr Index near_caches = 4 << 20;  // bytes
-// for rows of A, and as much for a group of panels
-inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
-template <class S>
-// of a tile of a transposed A, copied
-inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
-
-template <class S>
-constexpr Index bytes(Index count) {
-  return count * static_cast<Index>(sizeof(S));
-}
-template <class S>
-const std::byte* as_bytes(const S* x) {
-  return reinterpret_cast<const std::byte*>(x);
-}
-
-/// Rows of A, `row_bytes` each, in a block of so many bytes: at most most_tiles tiles.
-constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
-  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
-}
-
-/// Rows k0 ... k1-1 of all panels of B, whose element (k, n) is b[k * stride + n].
-template <class S>
-void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels) {
-  constexpr Index w = panel_width<S>, l = lanes<S>;
-  constexpr Index ahead = 8;  // rows
-  for (Index i = k0; i < k1; ++i) {
-    const S* in = b + i * stride;
-    S* out = panels + i * w;
-    for (Index columns = n; columns > 0; columns -= w, in += w, out += k * w) {
-      __builtin_prefetch(in + ahead * stride), __builtin_prefetch(in + ahead * stride + l);
-      store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
-    }
-  }
-}
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
-template <class S, bool looks>
-bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
-  constexpr Index w = panel_width<S>, l = lanes<S>;
-  Mask<S> found{};
-  for (Index j = first; j < last; ++j) {
-    S* out = panels + j * k * w;
-    const Index columns = n - j * w;
-    const S* in = b + j * w * stride;
-    for (Index i = 0; i < k; i += l) {
-      const Index rows = k - i < l ? k - i : l;
-      for (Index c = 0; c < w; c += l) {
-        Vec<S> square[lanes<S>];
-#pragma GCC unroll 16
-        for (int q = 0; q < lanes<S>; ++q) {
-          const S* from = in + (c + q) * stride + i;
-          square[q] = load_first(from, c + q < columns ? rows : 0);
-          if constexpr (looks) find_not_finite<S>(square[q], found);
-        }
-        transpose_lanes<S>(square);
-        for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
-      }
-    }
-  }
-  return !any_negative<S>(found);
-}
-
-/// Rows of A, whose element (i, k) is at[i * stride + k], or, when transposed, at[i + k * stride].
-template <class S>
-struct Rows {
-  const S* at;
-  Index stride;
-  bool transposed;
-
-  Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
-  Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
-};
-
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for
-/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
-/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
-/// which fetches by itself lines that follow each other (20 % slower from memory).
-struct Ahead {
-  const std::byte* at = nullptr;
-  Index step = 0;
-
-  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between
-  /// them.
-  MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
-    const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
-    return {next + i * step * steps, step};
-  }
-  MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
-};
-
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
-template <class S>
-struct Epilogue {
-  bool accumulate = false;
-  const S* bias = nullptr;      // of the panel's first column
-  const S* residual = nullptr;  // of the tile's first element
-  Index residual_stride = 0;
-  Activation act = Activation::none;
-
-  /// Of the tile that begins at a row and column of a product; `first` and `last`: of the blocks of k.
-  static Epilogue of(const Gemm<S>& g, Index row, Index column, bool first, bool last) {
-    Epilogue e{.accumulate = !first};
-    if (!last) return e;
-    e.act = g.act;
-    if (g.bias != nullptr) e.bias = g.bias + column;
-    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
-    return e;
-  }
-  Epilogue from_column(Index column) const {
-    Epilogue e = *this;
-    if (bias != nullptr) e.bias += column;
-    if (residual != nullptr) e.residual += column;
-    return e;
-  }
-  Epilogue from_row(Index row) const {
-    Epilogue e = *this;
-    if (residual != nullptr) e.residual += row * residual_stride;
-    return e;
-  }
-};
-
-/// Asks for the rows of c and of the residual that a tile is put into.
-template <class S, int R>
-MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
-  constexpr int l = lanes<S>;
-  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
-  if (e.residual == nullptr) return;
-  for (int i = 0; i < R; ++i) {
-    const S* row = e.residual + i * e.residual_stride;
-    __builtin_prefetch(row), __builtin_prefetch(row + l);
-  }
-}
-
-/// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
-template <class S>
-[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
-                                         const Epilogue<S>& e) {
-  constexpr Index l = lanes<S>;
-  for (Index r = 0; r < rows; ++r) {
-    for (Index i = 0; i < columns; i += l) {
-      const Index n = columns - i;
-      S* out = c + r * ldc + i;
-      Vec<S> x = sums[2 * r + i / l];
-      if (e.accumulate) x += load_first(out, n);
-      if (e.bias != nullptr) x += load_first(e.bias + i, n);
-      if (e.residual != nullptr) x += load_first(e.residual + r * e.residual_stride + i, n);
-      store_first(out, x, n);
-    }
-  }
-}
-
-/// c (R x columns) = the sums of a tile, c0 and c1 being its two vectors of columns.
-template <class S, int R>
-MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
-  constexpr int l = lanes<S>;
-  if (columns >= 2 * l) {
-    const Vec<S> z0 = e.bias == nullptr ? Vec<S>{} : load(e.bias), z1 = e.bias == nullptr ? Vec<S>{} : load(e.bias + l);
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      S* out = c + i * ldc;
-      if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
-      c0[i] += z0, c1[i] += z1;
-      if (e.residual != nullptr)
-        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
-      store(out, c0[i]), store(out + l, c1[i]);
-    }
-  } else {
-    Vec<S> sums[static_cast<std::size_t>(2 * R)];
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) sums[2 * i] = c0[i], sums[2 * i + 1] = c1[i];
-    put_narrow_result(sums, R, c, ldc, columns, e);
-  }
-  if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
-}
-
-/// What kind of tile: of A as it lies, of a transposed A, or of A as it lies times the first half of a panel only.
-enum class TileKind { plain, transposed, half };
-
-/// c (R x columns) = a (R x k) panel.
-template <class S, int R, TileKind kind>
-void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
-          Ahead ahead) {
-  constexpr Index w = panel_width<S>;
-  constexpr int l = lanes<S>;
-  constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
-  Vec<S> c0[R], c1[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
-  fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
-  // strides is known to be 1, which saves additions (1 to 4 % of the time).
-  const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
-  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
-          *p4 = p0 + 12 * row_stride;
-#pragma GCC unroll 2
-  for (Index at = 0; at < k; ++at) {
-    if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
-    const Vec<S> b0 = load(panel), b1 = half ? Vec<S>{} : load(panel + l);
-    panel += w;
-    __builtin_prefetch(panel + 16 * w);
-    __builtin_prefetch(panel + 16 * w + l);
-    ahead.fetch();
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const S x = i < 3    ? p0[i * row_stride]
-                  : i < 6  ? p1[(i - 3) * row_stride]
-                  : i < 9  ? p2[(i - 6) * row_stride]
-                  : i < 12 ? p3[(i - 9) * row_stride]
-                           : p4[(i - 12) * row_stride];
-      c0[i] += x * b0;
-      if constexpr (!half) c1[i] += x * b1;
-    }
-    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
-  }
-  put_result<S, R>(c0, c1, c, ldc, columns, e);
-}
-
-template <class S>
-using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
-/// The tile of so many rows for what is left of the columns.
-template <class S>
-TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
-  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-    return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
-                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
-                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
-  }
-  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
-  const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
-  return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
-}
-
-/// First row of part i of n nearly equal parts.
-MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
-
-/// How a product over k is split: pieces of k, and rows of A at a time.
-template <class S>
-struct Blocks {
-  Index count, rows;
-
-  explicit Blocks(Index k)
-      : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
-        rows(rows_at_once(bytes<S>((k + count - 1) / count), tile_rows, half_cache)) {}
-};
-template <class S>
-Index gemm_rows(Index k) {
-  return Blocks<S>(k).rows;
-}
-/// Numbers of scratch that gemm_block needs.
-template <class S>
-Index gemm_scratch(Index k) {
-  return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
-}
-
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
-/// other. `readable`: rows that A has from here on.
-template <class S>
-void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
-  constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
-  const Index tiles = (rows + tile_rows - 1) / tile_rows;
-  for (Index k = 0; k < depth; ++k, a += lda, out += pitch) {
-    if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
-    for (Index t = 0; t < tiles; ++t) {
-      const Index first = part(rows, t, tiles);
-      for (Index i = 0; i < pitch; i += l)
-        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
-    }
-  }
-}
-
-/// What is made at a time: of k the part k0 ... k1-1 of rows top ... below-1 times panels left ... right-1.
-template <class S>
-struct GemmPiece {
-  static constexpr Index w = panel_width<S>;
-  const Gemm<S>& g;
-  S* scratch;
-  bool copies, far;                   // rows of A are copied as they are; the result is larger than the nearer caches
-  Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
-  Index left = 0, right = 0;
-  Index k0 = 0, k1 = 0;
-  // panels that are read after it: at last the first ones once more, if nothing else is known
-  const std::byte* next = nullptr;
-  Index next_bytes = std::numeric_limits<Index>::max();
-
-  Index depth() const { return k1 - k0; }
-  Index pitch() const { return depth() + 16; }
-  const S* slice(Index panel) const { return g.panels + (panel * g.k + k0) * w; }
-
-  Rows<S> rows_of(Index tile, Index row) const {
-    if (g.a_transposed) return {scratch + tile * depth() * tile_pitch<S>, tile_pitch<S>, true};
-    if (copies) return {scratch + (row - top) * pitch(), pitch(), false};
-    return {g.a + row * g.lda + k0, g.lda, false};
-  }
-  void copy_rows(Index first, Index last) const {
-    for (Index r = first; r < last; ++r) {
-      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
-    }
-  }
-
-  void multiply() const {
-    const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
-    const bool whole = depth == g.k, transposed = g.a_transposed;
-    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
-    const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
-    // tile's when it is next.
-    if (transposed)
-      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
-    else if (copies && !far)
-      copy_rows(top, below);
-    for (Index group = 0; group < groups; ++group) {
-      const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
-      const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
-      const std::byte* next_panels = j1 < right ? as_bytes(slice(j1)) : next;
-      const Index next_panel_bytes = j1 < right ? panel_bytes : std::min(panel_bytes, next_bytes);
-      for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
-        height = top + part(below - top, t + 1, tiles) - row;
-        const Index next_row = row + height;
-        if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
-        // none.)
-        const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
-        const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
-        const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
-        for (Index i = 0; i < panels; ++i) {
-          const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead =
-              i < row_panels
-                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
-                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
-          S* c = g.c + row * g.ldc + j * w;
-          const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
-          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
-        }
-      }
-    }
-  }
-};
-
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
-template <class S>
-void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
-  const Blocks<S> split(g.k);
-  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
-  // once.
-  const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
-  const bool all_panels = copies || g.a_transposed || blocks == 1;
-  const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
-  const bool far = bytes<S>(g.m * g.n) > near_caches;
-  for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
-    const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
-    GemmPiece<S> piece{.g = g,
-                       .scratch = scratch,
-                       .copies = copies,
-                       .far = far,
-                       .top = r0 + part(r1 - r0, row_block, row_blocks),
-                       .below = r0 + part(r1 - r0, row_block + 1, row_blocks),
-                       .end = r1,
-                       .left = left,
-                       .right = std::min(j1, left + wide),
-                       .k0 = part(g.k, block, blocks),
-                       .k1 = part(g.k, block + 1, blocks)};
-    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
-               last = next_rows && piece.below == r1;
-    const S* next = g.panels + ((next_rows      ? j0
-                                 : next_columns ? piece.right
-                                                : left) *
-                                    g.k +
-                                (next_columns ? 0 : piece.k1)) *
-                                   piece.w;
-    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
-    if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
-    piece.multiply();
-  }
-}
-//
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
-// or one head (backward), never for a batch.
-//
-//   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
-//   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
-
-/// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
-/// none waits.
-template <class S, int R>
-MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
-  constexpr int l = lanes<S>;
-  const Index padded = (n + l - 1) / l * l;
-  constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
-  Vec<S> largest[R], sum[R], inverse[R];
-  S shift[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) {
-    for (Index c = visible[i]; c < padded; ++c) rows[i * pitch + c] = hidden;
-    largest[i] = splat(hidden), sum[i] = Vec<S>{};
-  }
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) largest[i] = vmax<S>(largest[i], load(rows + i * pitch + c));
-  }
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) shift[i] = reduce_max<S>(largest[i]) * scale;
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const Vec<S> e = vexp<S>(load(rows + i * pitch + c) * scale - shift[i]);
-      store(rows + i * pitch + c, e);
-      sum[i] += e;
-    }
-  }
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) inverse[i] = splat(S(1) / reduce_add<S>(sum[i]));
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) store(rows + i * pitch + c, load(rows + i * pitch + c) * inverse[i]);
-  }
-}
-inline constexpr int softmax_group = 4;  // of rows
-/// The same for `count` rows, the first of which is query `first`; causal: row i sees keys up to its own number.
-template <class S>
-void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bool causal, S scale) {
-  for (Index r = 0; r < count;) {
-    Index visible[softmax_group];
-    for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
-    if (r + softmax_group <= count)
-      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
-    else
-      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
-  }
-}
-
-/// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
-template <class S>
-void dropout(const S* x, Index n, Index first, const Dropout& d, S* y) {
-  typedef std::uint32_t Bits __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-  constexpr Index l = MOTIONLANG_VECTOR_BYTES / 4;
-  const std::uint32_t limit = d.limit();
-  const auto key0 = static_cast<std::uint32_t>(d.key) +
-                    static_cast<std::uint32_t>(static_cast<std::uint64_t>(first) >> 32) * 0x27D4EB2Fu;
-  const auto key1 = static_cast<std::uint32_t>(d.key >> 32);
-  const S keep = static_cast<S>(1.0 / (1.0 - d.p));
-  Bits counter;
-  for (Index i = 0; i < l; ++i) counter[i] = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(i);
-  for (Index i = 0; i < n; i += l, counter += static_cast<std::uint32_t>(l)) {
-    Bits h = counter * 0x9E3779B1u + key0;
-    h = (h ^ (h >> 16)) * 0x85EBCA6Bu + key1;
-    h = (h ^ (h >> 13)) * 0xC2B2AE35u;
-    h = h ^ (h >> 16);
-    if (sizeof(S) == 4 && i + l <= n) {
-      const Vec<S> kept = load(x + i) * keep;
-      store(y + i, (Mask<S>)(h >= limit) ? kept : Vec<S>{});
-    } else {
-      for (Index c = 0; c < l && i + c < n; ++c) y[i + c] = h[c] >= limit ? x[i + c] * keep : S(0);
-    }
-  }
-}
-
-template <class S>
-MOTIONLANG_INLINE Index padded_panels(Index n) {
-  return (n + panel_width<S> - 1) / panel_width<S>;
-}
-
-/// The products of attention in S. (Bf16Products is the other kind.)
-template <class S>
-struct FloatProducts {
-  using Number = S;
-  static constexpr Index rows = tile_rows;  // that products are fastest with
-  static void begin() {}
-  static void end() {}
-  /// Columns that products write of n.
-  static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
-  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
-  static Index panels(Index k, Index n) { return columns(n) * k; }
-  static Index scratch(Index) { return 0; }
-
-  static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    if (stride_n == 1)
-      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else
-      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
-  }
-  /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
-  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
-                       bool whole_panels) {
-    constexpr Index w = panel_width<S>;
-    const Index tiles = (count + tile_rows - 1) / tile_rows;
-    const Epilogue<S> plain;
-    for (Index j = 0; j < padded_panels<S>(n); ++j) {
-      for (Index t = 0; t < tiles; ++t) {
-        const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
-      }
-    }
-  }
-};
-
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
-/// columns of.
-template <class S>
-struct AttentionHead {
-  const Attention<S>& t;
-  Index head, q0, k0, queries, keys;
-  const S *q, *k, *v;
-
-  AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
-      : t(a),
-        head(head_number),
-        q0(a.q_offsets[sequence]),
-        k0(a.k_offsets[sequence]),
-        queries(a.q_offsets[sequence + 1] - q0),
-        keys(a.k_offsets[sequence + 1] - k0),
-        q(a.q + q0 * a.q_stride + head * a.width),
-        k(a.k + k0 * a.k_stride + head * a.width),
-        v(a.v + k0 * a.v_stride + head * a.width) {}
-
-  S scale() const { return S(1) / std::sqrt(static_cast<S>(t.width)); }
-  /// Scores of `count` queries from `first` on, q k^T, become their rows of P: relative scores, softmax, dropout.
-  void weights(Index first, Index count, S* rows, Index pitch) const {
-    const S unscale = std::sqrt(static_cast<S>(t.width));
-    for (Index r = 0; r < count && t.relative_scores != nullptr; ++r) {
-      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
-      for (Index c = 0; c < keys; ++c) rows[r * pitch + c] += relative[c] * unscale;
-    }
-    softmax_rows_of(rows, pitch, count, keys, first, t.causal, scale());
-    for (Index r = 0; r < count && t.dropout.p > 0; ++r)
-      dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
-  }
-  Index mask_at(Index query) const {
-    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
-  }
-};
-
-/// Distance of rows of scores, whose columns up to the end of a panel are written.
-template <class P>
-Index score_pitch(Index keys) {
-  return P::columns(keys) + 16;
-}
-/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
-template <class P>
-Index attention_scratch(Index keys, Index width) {
-  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
-         P::scratch(std::max(keys, width));
-}
-/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
-template <class P>
-Index attention_vjp_scratch(Index queries, Index keys, Index width) {
-  const Index longest = std::max(keys, queries);
-  return P::panels(width, keys) + P::panels(longest, width) + 2 * queries * score_pitch<P>(keys) +
-         P::scratch(std::max(longest, width));
-}
-
-/// Output of one head, for one of so many pieces of its queries.
-template <class P, class S = typename P::Number>
-void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
-  const AttentionHead<S> h(t, sequence, head);
-  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
-              end = part(tiles, piece + 1, pieces);
-  if (begin == end) return;
-  const Index pitch = score_pitch<P>(h.keys);
-  S* vp = kt + P::panels(t.width, h.keys);
-  S* scores = vp + P::panels(h.keys, t.width);
-  S* scratch = scores + P::rows * pitch;
-  S* o = t.o + h.q0 * t.o_stride + head * t.width;
-  P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
-  P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
-  P::begin();
-  for (Index i = begin; i < end; ++i) {
-    const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
-    P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
-    h.weights(first, rows, scores, pitch);
-    P::multiply({scores, pitch, false}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
-  }
-  P::end();
-}
-
-/// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
-template <class P, class S = typename P::Number>
-void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* a) {
-  constexpr int l = lanes<S>;
-  const AttentionHead<S> h(t, sequence, head);
-  const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
-  const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
-  const S scale = h.scale();
-  S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
-  S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
-  S* ds = p + queries * pitch;                           // dP, later dS
-  S* scratch = ds + queries * pitch;
-  P::begin();
-  P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
-  P::multiply({h.q, t.q_stride, false}, queries, width, a, keys, p, pitch, scratch, true);
-  P::pack(h.v, width, keys, Index{1}, t.v_stride, a);
-  P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
-  for (Index r = 0; r < queries; ++r) {
-    S *pr = p + r * pitch, *dr = ds + r * pitch;
-    if (r % softmax_group == 0)
-      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
-    if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
-    Vec<S> sum{};
-    for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
-    const S mean = reduce_add<S>(sum);
-    for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
-    if (t.dropout.p > 0) dropout(pr, keys, h.mask_at(r), t.dropout, pr);
-  }
-  S* dq = g.d_q + h.q0 * t.q_stride + head * width;
-  S* dk = g.d_k + h.k0 * t.k_stride + head * width;
-  S* dv = g.d_v + h.k0 * t.v_stride + head * width;
-  P::pack(h.k, keys, width, t.k_stride, Index{1}, b);
-  P::multiply({ds, pitch, false}, queries, keys, b, width, dq, t.q_stride, scratch, false);
-  P::pack(h.q, queries, width, t.q_stride, Index{1}, b);
-  P::multiply({ds, pitch, true}, keys, queries, b, width, dk, t.k_stride, scratch, false);
-  P::pack(d_o, queries, width, t.o_stride, Index{1}, b);
-  P::multiply({p, pitch, true}, keys, queries, b, width, dv, t.v_stride, scratch, false);
-  P::end();
-}
-//
-// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
-
-inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
-/// many chains of sums: none waits.
-template <class S, int R>
-MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
-  constexpr int l = lanes<S>;
-  const Index whole = n / l * l;
-  Vec<S> sum[R], square[R];
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) sum[r] = square[r] = Vec<S>{};
-  for (Index i = 0; i < whole; i += l) {
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) sum[r] += load(x + r * n + i);
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    S total = reduce_add<S>(sum[r]);
-    for (Index i = whole; i < n; ++i) total += x[r * n + i];
-    mean[r] = total / static_cast<S>(n);
-  }
-  for (Index i = 0; i < whole; i += l) {
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> d = load(x + r * n + i) - mean[r];
-      square[r] += d * d;
-    }
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    S variance = reduce_add<S>(square[r]);
-    for (Index i = whole; i < n; ++i) variance += (x[r * n + i] - mean[r]) * (x[r * n + i] - mean[r]);
-    rstd[r] = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
-  }
-}
-
-/// layer_norm_rows of R rows.
-template <class S, int R>
-MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  const S* x = t.x + first * n;
-  S* y = t.y + first * n;
-  if (t.residual != nullptr) {
-    const S* z = t.residual + first * n;
-    for (Index i = 0; i < R * n; i += l)
-      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
-    x = y;
-  }
-  S mean[R], rstd[R];
-  row_moments<S, R>(x, n, t.eps, mean, rstd);
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i), bias = load(t.bias + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      __builtin_prefetch(x + (R + r) * n + i);  // of the next rows
-      store(y + r * n + i, (load(x + r * n + i) - mean[r]) * rstd[r] * weight + bias);
-    }
-  }
-  for (Index i = whole; i < n; ++i) {
-    for (int r = 0; r < R; ++r) y[r * n + i] = (x[r * n + i] - mean[r]) * rstd[r] * t.weight[i] + t.bias[i];
-  }
-}
-/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
-template <class S>
-void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
-  for (; first + norm_group <= last; first += norm_group) normalize_rows<S, norm_group>(t, first);
-  for (; first < last; ++first) normalize_rows<S, 1>(t, first);
-}
-
-/// layer_norm_rows_vjp of R rows.
-template <class S, int R>
-MOTIONLANG_INLINE void normalize_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  const S *x = t.x + first * n, *g = dy + first * n;
-  S* d = dx + first * n;
-  S mean[R], rstd[R], h0[R], h1[R];
-  row_moments<S, R>(x, n, t.eps, mean, rstd);
-  Vec<S> sum_h[R], sum_hx[R];
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) sum_h[r] = sum_hx[r] = Vec<S>{};
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> h = load(g + r * n + i) * weight;
-      sum_h[r] += h;
-      sum_hx[r] += h * ((load(x + r * n + i) - mean[r]) * rstd[r]);
-    }
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    h0[r] = reduce_add<S>(sum_h[r]), h1[r] = reduce_add<S>(sum_hx[r]);
-    for (Index i = whole; i < n; ++i) {
-      const S h = g[r * n + i] * t.weight[i];
-      h0[r] += h;
-      h1[r] += h * ((x[r * n + i] - mean[r]) * rstd[r]);
-    }
-    h0[r] /= static_cast<S>(n);
-    h1[r] /= static_cast<S>(n);
-  }
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> xhat = (load(x + r * n + i) - mean[r]) * rstd[r];
-      store(d + r * n + i, (load(g + r * n + i) * weight - h0[r] - xhat * h1[r]) * rstd[r]);
-    }
-  }
-  for (int r = 0; r < R; ++r) {
-    for (Index i = whole; i < n; ++i) {
-      d[r * n + i] = (g[r * n + i] * t.weight[i] - h0[r] - (x[r * n + i] - mean[r]) * rstd[r] * h1[r]) * rstd[r];
-    }
-    moments[2 * (first + r)] = mean[r], moments[2 * (first + r) + 1] = rstd[r];
-  }
-}
-/// dx = rstd (h - mean(h) - xhat mean(h xhat)),  h = dy weight,  xhat = (x - mean) rstd
-template <class S>
-void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first, Index last) {
-  for (; first + norm_group <= last; first += norm_group) normalize_rows_vjp<S, norm_group>(t, dy, dx, moments, first);
-  for (; first < last; ++first) normalize_rows_vjp<S, 1>(t, dy, dx, moments, first);
-}
-/// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
-template <class S>
-void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
-                            Index first, Index last) {
-  for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
-  for (Index r = 0; r < rows; ++r) {
-    const S mean = moments[2 * r], rstd = moments[2 * r + 1];
-    const S *x = t.x + r * t.width, *g = dy + r * t.width;
-    for (Index i = first; i < last; ++i) {
-      dweight[i] += g[i] * ((x[i] - mean) * rstd);
-      dbias[i] += g[i];
-    }
-  }
-}
-
-/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
-template <class S>
-void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
-  for (Index r = first; r < last; ++r) {
-    std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
-    softmax_rows_at<S, 1>(scratch, n, n, &n, S(1));
-    std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
-  }
-}
-
-/// Columns first ... last-1 of y; first is a multiple of `lanes`.
-template <class S>
-void transpose(const Transposed<S>& t, Index first, Index last) {
-  constexpr Index l = lanes<S>;
-  for (Index j = first; j < last; j += l) {
-    const Index n = std::min(l, last - j);
-    const bool whole = n == l;
-    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
-    for (Index r = 0; r < t.rows; ++r) {
-      const S* z = t.z + j * t.rows + r;
-      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
-      S* y = t.y + r * t.width + j;
-      Vec<S> x{};
-      if (whole) {
-#pragma GCC unroll 16
-        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
-        x += bias;
-        if (residual != nullptr) x += load(residual);
-        store(y, x);
-      } else {
-        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
-        x += bias;
-        if (residual != nullptr) x += load_some(residual, n);
-        store_some(y, x, n);
-      }
-    }
-    if (t.act != Activation::none) activate_rows(t.y + j, t.width, t.rows, n, t.act, t.y + j, t.width);
-  }
-}
-
-template <BinaryOp op, class S>
-MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
-  switch (op) {
-    case BinaryOp::add:
-      return a + b;
-    case BinaryOp::sub:
-      return a - b;
-    case BinaryOp::mul:
-      return a * b;
-    case BinaryOp::div:
-      return a / b;
-    case BinaryOp::maximum:
-      return a < b ? b : a;
-  }
-  return a;
-}
-/// A repeated operand is read again and again from one vector of copies.
-template <BinaryOp op, class S>
-MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
-  constexpr int l = lanes<S>;
-  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
-  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a,
-          *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
-  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
-  Index i = 0;
-  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
-  const Index n = t.count - i;
-  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
-}
-template <class S>
-void binary(const Binary<S>& t) {
-  switch (t.op) {
-    case BinaryOp::add:
-      return binary_loop<BinaryOp::add>(t);
-    case BinaryOp::sub:
-      return binary_loop<BinaryOp::sub>(t);
-    case BinaryOp::mul:
-      return binary_loop<BinaryOp::mul>(t);
-    case BinaryOp::div:
-      return binary_loop<BinaryOp::div>(t);
-    case BinaryOp::maximum:
-      return binary_loop<BinaryOp::maximum>(t);
-  }
-}
-
-template <class S>
-void error_function(const S* x, Index n, S* y) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(y + i, verf<S>(load(x + i)));
-  store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
-}
-
-/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
-template <class S>
-void row_sums(const S* x, Index n, Index first, Index last, S* y) {
-  constexpr int l = lanes<S>;
-  for (Index r = first; r < last; ++r) {
-    const S* row = x + r * n;
-    Vec<S> sums[4] = {};
-    Index i = 0;
-    for (; i + 4 * l <= n; i += 4 * l) {
-#pragma GCC unroll 4
-      for (int c = 0; c < 4; ++c) sums[c] += load(row + i + c * l);
-    }
-    for (; i < n; i += l) sums[0] += load_first(row + i, n - i);
-    y[r] = reduce_add<S>(sums[0] + sums[1] + (sums[2] + sums[3]));
-  }
-}
-/// Sums of the columns first ... last-1 over all rows.
-template <class S>
-void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
-  for (Index i = first; i < last; ++i) y[i] = S(0);
-  for (Index r = 0; r < rows; ++r) {
-    for (Index i = first; i < last; ++i) y[i] += x[r * width + i];
-  }
-}
-
-template <class S>
-MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
-                                      Vec<S>& v) {
-  const Vec<S> g = gradient * t.gradient_scale;
-  m = m * t.beta1 + g * t.rest1;
-  v = v * t.beta2 + g * g * t.rest2;
-  return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
-}
-/// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
-template <class S>
-void adamw(const AdamwStep<S>& t, Index first, Index last) {
-  constexpr int l = lanes<S>;
-  Index i = first;
-  for (; i + l <= last; i += l) {
-    Vec<S> m = load(t.m + i), v = load(t.v + i);
-    store(t.p + i, adamw_update<S>(t, load(t.p + i), load(t.g + i), m, v));
-    store(t.m + i, m), store(t.v + i, v);
-  }
-  const Index n = last - i;
-  Vec<S> m = load_some(t.m + i, n), v = load_some(t.v + i, n);
-  store_some(t.p + i, adamw_update<S>(t, load_some(t.p + i, n), load_some(t.g + i, n), m, v), n);
-  store_some(t.m + i, m, n), store_some(t.v + i, v, n);
-}
-
-#define MOTIONLANG_STRING_OF(x) #x
-#define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
-
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
-// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
-//
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
-//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
-//            which some round to 0.
-//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
-//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
-//            number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
-//            thread.
-
-typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
-typedef std::uint16_t Halves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2)));
-typedef std::uint16_t LooseHalves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2), aligned(2), may_alias));
-inline constexpr Index word_lanes = MOTIONLANG_VECTOR_BYTES / 4;
-
-/// The nearest bfloat16, ties to even, in the upper half of each word; NaN stays NaN.
-MOTIONLANG_INLINE Words round_to_bf16(const Vec<float>& x) {
-  const Words w = (Words)x, rounded = w + (w >> 16 & 1u) + 0x7FFFu;
-  return ((w & 0x7FFFFFFFu) > 0x7F800000u ? w | 0x400000u : rounded) & 0xFFFF0000u;
-}
-MOTIONLANG_INLINE void store_rounded(float* y, const Words& w) { store(y, (Vec<float>)w); }
-MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
-  *reinterpret_cast<LooseHalves*>(y) = __builtin_convertvector(w >> 16, Halves);
-}
-
-/// A vector of numbers, rounded; zeros from the n-th on.
-MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
-/// Of two vectors of rounded numbers: pairs of bfloat16.
-MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
-MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
-
-/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
-/// squares of lanes are transposed.
-template <class Element>
-void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
-  constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
-  for (Index r = 0; r < rows; r += l) {
-    const Index n = std::min(rows - r, l);
-    for (Index i = 0; i < padded; i += depth) {
-      Vec<float> square[lanes<float>];
-#pragma GCC unroll 16
-      for (int q = 0; q < lanes<float>; ++q) {
-        const auto row = [&](Index at) {
-          // no prefetcher follows pieces so far apart
-          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
-          return rounded(a + at * lda + r, at < k ? n : 0);
-        };
-        if constexpr (sizeof(Element) == 4) {
-          square[q] = (Vec<float>)row(i + q);
-        } else {
-          square[q] = (Vec<float>)pairs(row(i + 2 * q), row(i + 2 * q + 1));
-        }
-      }
-      transpose_lanes<float>(square);
-      for (Index c = 0; c < n; ++c) std::memcpy(y + (r + c) * pitch + i, &square[c], sizeof square[c]);
-    }
-  }
-}
-
-/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
-/// time, through as many panels as lie in different parts of the cache.
-template <class Tile>
-void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
-  constexpr Index ahead = 8;  // rows
-  const Index depth = bf16_depth(k), count = (n + bf16_columns - 1) / bf16_columns;
-  for (Index left = 0; left < count; left += panel_block) {
-    for (Index i = k0; i < k1; i += 2) {
-      const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
-      std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-      for (Index j = left; j < std::min(count, left + panel_block);
-           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-        fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
-        const Index columns = n - j * bf16_columns;
-        Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
-      }
-    }
-  }
-}
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
-template <class Tile, bool looks>
-bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
-                          std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
-  const Index depth = bf16_depth(k);
-  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
-  Mask<float> found{};
-  for (Index j = first; j < last; ++j) {
-    std::uint16_t* out = panels + j * depth * bf16_columns;
-    const float* in = b + j * bf16_columns * stride;
-    const Index columns = n - j * bf16_columns;
-    for (Index i0 = 0; i0 < depth; i0 += block) {
-      const Index length = std::min(block, depth - i0);
-      for (Index c = 0; c < bf16_columns; ++c) {
-        const float* row = in + c * stride + i0;
-        const Index there = c < columns ? std::min(k - i0, length) : 0;
-        if constexpr (looks) {
-          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
-        }
-        Tile::round_row(row, there, length, lines + c * pitch);
-      }
-      for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
-        for (Index c = 0; c < bf16_columns; c += l) {
-          Vec<float> square[lanes<float>];  // column, pair
-#pragma GCC unroll 16
-          for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
-          transpose_lanes<float>(square);
-          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
-        }
-      }
-    }
-  }
-  return !any_negative<float>(found);
-}
-
-/// Bytes of a pair of k in a panel.
-inline constexpr Index pair_bytes = 4 * bf16_columns;
-
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
-/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
-/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
-/// same cache set.
-inline bool streams(const Gemm<float>& g) {
-  constexpr Index all = 16 << 20;
-  const bool whole_lines =
-      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
-  return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
-}
-/// Rows of one panel's width, from where a tile has put them.
-inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
-  for (Index r = 0; r < rows; ++r, from += bf16_columns, to += ldc) {
-    for (Index i = 0; i < bf16_columns; i += lanes<float>) store_stream(to + i, load(from + i));
-  }
-}
-
-class PanelSplit;
-
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
-/// over `depth` of k.
-template <class Element>
-struct TileProduct {
-  const Element* a;
-  Index pitch, height;
-  const std::uint16_t* panel;
-  Index depth;
-  float* c;
-  Index ldc, columns;
-  Epilogue<float> e{};
-  Ahead ahead{};
-  bool panel_stays = true;         // in the cache, for the next tile; else the rows stay
-  bool stream = false;             // c is written past the caches
-  Index number = 0;                // of the tile among those of this panel
-  bool first = true, last = true;  // piece of k
-  PanelSplit* next = nullptr;      // of floats in parts: the panel that is split meanwhile
-};
-
-/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
-///     round_row(x, n, padded, y)       y = n numbers, rounded, then zeros up to `padded`, a multiple of 32
-///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
-template <class Tile>
-struct RegisterTile {
-  static constexpr bool even = true;                                 // rows are split evenly among tiles
-  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
-  static constexpr Index pieces(Index, Index) { return 1; }          // of k
-  static void begin() {}
-  static void end() {}
-
-  template <class Element>
-  void multiply(const TileProduct<Element>& t) {
-    static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-      return std::array{&Tile::template rows_of<R + 1>...};
-    }
-    (std::make_integer_sequence<int, Tile::rows>{});
-    const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
-    if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
-    alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
-    rows_of(t.a, t.pitch, t.panel, t.depth, result, bf16_columns, t.columns, t.e, t.ahead);
-    stream_rows(result, t.height, t.c, t.ldc);
-  }
-  void finish() {}
-};
-
-/// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
-struct WideningTile : RegisterTile<WideningTile> {
-  using Element = float;
-  static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
-  static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
-  template <class Number>
-  static void round_row(const float* x, Index n, Index padded, Number* y) {
-    for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
-  }
-  static void round_pairs(const float* x, Index nx, const float* y, Index ny, std::uint16_t* out) {
-    for (Index c = 0; c < bf16_columns; c += word_lanes) {
-      store_words(out + 2 * c, pairs(rounded(x + c, nx - c), rounded(y + c, ny - c)));
-    }
-  }
-
-  template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
-                      Index columns, const Epilogue<float>& e, Ahead ahead) {
-    constexpr int l = lanes<float>;
-    for (Index column = 0; column < columns; column += 2 * l) {
-      const Epilogue<float> piece = e.from_column(column);
-      fetch_result<float, R>(c + column, ldc, piece);
-      if (column > 0) ahead.step = 0;  // once is enough
-      Vec<float> c0[R], c1[R];
-#pragma GCC unroll 16
-      for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
-      const std::uint16_t* b = panel + 2 * column;
-      for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
-        ahead.fetch();
-        const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
-        const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
-        const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
-#pragma GCC unroll 16
-        for (int i = 0; i < R; ++i) {
-          const float x = a[i * pitch + k], y = a[i * pitch + k + 1];
-          c0[i] += x * even0;
-          c1[i] += x * even1;
-          c0[i] += y * odd0;
-          c1[i] += y * odd1;
-        }
-      }
-      put_result<float, R>(c0, c1, c + column, ldc, columns - column, piece);
-    }
-  }
-};
-
-/// The first `count` rows of A, side by side.
-template <class Tile>
-void round_rows(const Rows<float>& a, Index count, Index k, Index depth, typename Tile::Element* y, Index pitch) {
-  if (a.transposed) return round_columns(a.at, a.stride, count, k, depth, y, pitch);
-  for (Index r = 0; r < count; ++r) Tile::round_row(a.from(r).at, k, depth, y + r * pitch);
-}
-
-/// Rows of A in scratch at once, and their distance.
-template <class Tile>
-Index bf16_rows(Index k) {
-  return rows_at_once(bytes<typename Tile::Element>(bf16_depth(k)), Tile::rows, half_cache / 2 * 3);
-}
-template <class Tile>
-constexpr Index bf16_pitch(Index depth) {
-  return depth + 64 / static_cast<Index>(sizeof(typename Tile::Element));
-}
-/// Numbers of scratch that bf16_gemm_block needs.
-template <class Tile>
-Index bf16_scratch(Index k) {
-  return bf16_rows<Tile>(k) * bf16_pitch<Tile>(bf16_depth(k));
-}
-
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
-template <class Tile>
-void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
-                     float* scratch) {
-  using Element = typename Tile::Element;
-  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
-  Element* a = reinterpret_cast<Element*>(scratch);
-  const bool stream = streams(g);
-  Tile tile;
-  Tile::begin();
-  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
-  const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
-  for (Index block = 0; block < row_blocks; ++block) {
-    const Index top = r0 + unit * part(units, block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
-                tiles = (rows + Tile::rows - 1) / Tile::rows;
-    const Index pieces = Tile::pieces(depth, tiles);
-    round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
-    for (Index j = j0; j < j1; ++j) {
-      const std::uint16_t* panel = panels + j * depth * bf16_columns;
-      const bool last = j + 1 == j1 && top + rows == r1;
-      const std::byte* next = as_bytes(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
-      const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
-      for (Index step = 0; step < pieces * tiles; ++step) {
-        const Index piece = step / tiles, t = step % tiles;
-        const Index k0 = 32 * part(depth / 32, piece, pieces),
-                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
-        const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
-        const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        const Index row = top + first, column = j * bf16_columns;
-        const auto ahead =
-            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
-        TileProduct<Element> product{.a = a + first * pitch + k0,
-                                     .pitch = pitch,
-                                     .height = height,
-                                     .panel = panel + k0 * bf16_columns,
-                                     .depth = k1 - k0,
-                                     .c = g.c + row * g.ldc + column,
-                                     .ldc = g.ldc,
-                                     .columns = std::min(g.n - column, bf16_columns),
-                                     .e = Epilogue<float>::of(g, row, column, true, true),
-                                     .ahead = ahead,
-                                     .panel_stays = tiles > 1,
-                                     .stream = stream,
-                                     .number = t,
-                                     .first = piece == 0,
-                                     .last = piece + 1 == pieces};
-        tile.multiply(product);
-      }
-    }
-  }
-  tile.finish();
-  if (stream) end_of_streams();
-  Tile::end();
-}
-
-/// The products of attention (attention.inc) in bfloat16; scores and softmax stay in float.
-template <class Tile>
-struct Bf16Products {
-  using Number = float;
-  using Element = typename Tile::Element;
-  static constexpr Index rows = Tile::rows;
-  static void begin() { Tile::begin(); }
-  static void end() { Tile::end(); }
-  static Index columns(Index n) { return bf16_depth(n); }
-  static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
-  static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
-
-  static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
-    auto* out = reinterpret_cast<std::uint16_t*>(panels);
-    if (stride_n == 1)
-      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else
-      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
-  }
-  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
-                       float* scratch, bool whole_panels) {
-    const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
-    auto* rounded_rows = reinterpret_cast<Element*>(scratch);
-    Tile tile;
-    for (Index first = 0; first < count; first += Tile::rows) {
-      const Index height = std::min<Index>(Tile::rows, count - first);
-      round_rows<Tile>(a.from(first), height, k, depth, rounded_rows, pitch);
-      for (Index j = 0; j < n; j += bf16_columns) {
-        const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
-        tile.multiply(TileProduct<Element>{.a = rounded_rows,
-                                           .pitch = pitch,
-                                           .height = height,
-                                           .panel = panel,
-                                           .depth = Tile::depth(k),
-                                           .c = c + first * ldc + j,
-                                           .ldc = ldc,
-                                           .columns = whole_panels ? bf16_columns : std::min(n - j, bf16_columns),
-                                           .ahead = {as_bytes(panel)},
-                                           .panel_stays = false});
-      }
-    }
-    tile.finish();
-  }
-};
-
-template <class Tile>
-const Bf16Kernels& bf16_table() {
-  static constexpr Bf16Kernels t{.name = Tile::name,
-                                 .tile_rows = Tile::rows,
-                                 .gemm_rows = &bf16_rows<Tile>,
-                                 .gemm_scratch = &bf16_scratch<Tile>,
-                                 .pack_rows = &bf16_pack_rows<Tile>,
-                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
-                                 .gemm_block = &bf16_gemm_block<Tile>,
-                                 .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
-                                 .attention_head = &attention_head<Bf16Products<Tile>>,
-                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
-                                 .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
-  return t;
-}
-
-template <class S>
-const Kernels<S>& table() {
-  static constexpr Kernels<S> t{
-      .isa = Isa::MOTIONLANG_ISA,
-      .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
-      .panel_width = panel_width<S>,
-      .tile_rows = tile_rows,
-      .gemm_rows = &gemm_rows<S>,
-      .gemm_scratch = &gemm_scratch<S>,
-      .pack_rows = &pack_rows<S>,
-      .pack_transposed = &pack_transposed<S, true>,
-      .gemm_block = &gemm_block<S>,
-      .attention_scratch = &attention_scratch<FloatProducts<S>>,
-      .attention_head = &attention_head<FloatProducts<S>>,
-      .dropout = &dropout<S>,
-      .layer_norm_rows = &layer_norm_rows<S>,
-      .softmax_rows = &softmax_rows<S>,
-      .transpose = &transpose<S>,
-      .activate = &activate<S>,
-      .binary = &binary<S>,
-      .error_function = &error_function<S>,
-      .row_sums = &row_sums<S>,
-      .column_sums = &column_sums<S>,
-  };
-  return t;
-}
-template <class S>
-const GradientKernels<S>& gradient_table() {
-  static constexpr GradientKernels<S> t{
-      .attention_scratch = &attention_vjp_scratch<FloatProducts<S>>,
-      .attention_head = &attention_head_vjp<FloatProducts<S>>,
-      .layer_norm_rows = &layer_norm_rows_vjp<S>,
-      .layer_norm_columns = &layer_norm_columns_vjp<S>,
-      .activate = &activate_vjp<S>,
-      .adamw = &adamw<S>,
-  };
-  return t;
-}
-
-#undef MOTIONLANG_STRING
-#undef MOTIONLANG_STRING_OF
-#undef MOTIONLANG_INLINE
-
-}  // namespace detail::MOTIONLANG_ISA
-MOTIONLANG_NAMESPACE_END
+#define MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC
+#include "stmc.hpp"
+#undef MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
@@ -5740,1744 +4009,9 @@ MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX2)
 #define MOTIONLANG_ISA avx2
 #define MOTIONLANG_VECTOR_BYTES 32
 #define MOTIONLANG_TILE_ROWS 6
-// All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail::MOTIONLANG_ISA {
-
-// Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
-// Included once for every instruction set by kernels.hpp; no include guard on purpose.
-
-template <class S>
-struct VectorOf {
-  typedef S type __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-  typedef S loose __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(sizeof(S)), may_alias));
-  using bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
-  typedef bits mask __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-};
-template <class S>
-using Vec = typename VectorOf<S>::type;
-template <class S>
-using Mask = typename VectorOf<S>::mask;
-template <class S>
-inline constexpr int lanes = MOTIONLANG_VECTOR_BYTES / static_cast<int>(sizeof(S));
-
-// Everything below is inlined: passing such vectors between functions would depend on the caller's instruction set.
-#define MOTIONLANG_INLINE inline __attribute__((always_inline))
-
-template <class S>
-MOTIONLANG_INLINE Vec<S> load(const S* p) {
-  return *reinterpret_cast<const typename VectorOf<S>::loose*>(p);
-}
-template <class S>
-MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
-  *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
-}
-/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
-template <class S>
-MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
-#if defined(__clang__)
-  __builtin_nontemporal_store(v, reinterpret_cast<Vec<S>*>(p));
-#elif defined(__x86_64__)
-  auto* at = reinterpret_cast<float*>(p);
-#if MOTIONLANG_VECTOR_BYTES == 64
-  __builtin_ia32_movntps512(at, (Vec<float>)v);
-#elif MOTIONLANG_VECTOR_BYTES == 32
-  __builtin_ia32_movntps256(at, (Vec<float>)v);
-#else
-  __builtin_ia32_movntps(at, (Vec<float>)v);
-#endif
-#else
-  store(p, v);
-#endif
-}
-/// Asks for n numbers that are read soon.
-template <class Number>
-MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
-  for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
-}
-MOTIONLANG_INLINE void end_of_streams() {
-#if defined(__x86_64__)
-  __builtin_ia32_sfence();
-#endif
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> splat(S x) {
-  return x - Vec<S>{};
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above are 0
-  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)] = {};
-  for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
-  return load(t);
-}
-/// The first n numbers (all lanes if there are so many), then zeros; nothing is read if n <= 0.
-template <class S>
-MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
-  return n >= lanes<S> ? load(p) : load_some(p, n);
-}
-template <class S>
-MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
-  for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
-}
-template <class S>
-MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
-  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
-}
-// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
-// (Where one of them is a constant, GCC 12 makes two instructions of it for vectors of 64 bytes.)
-template <class S>
-MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
-#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
-  if constexpr (sizeof(S) == 4) {
-    Vec<S> r;
-    asm("vmaxps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
-    return r;
-  }
-#endif
-  return a > b ? a : b;
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
-#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
-  if constexpr (sizeof(S) == 4) {
-    Vec<S> r;
-    asm("vminps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
-    return r;
-  }
-#endif
-  return a < b ? a : b;
-}
-/// Lanes of `found` become negative where x is NaN or infinite: all bits of its exponent are set.
-template <class S>
-MOTIONLANG_INLINE void find_not_finite(const Vec<S>& x, Mask<S>& found) {
-  constexpr auto exponent = detail::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
-  found |= (~(Mask<S>)x & exponent) - 1;
-}
-template <class S>
-MOTIONLANG_INLINE bool any_negative(const Mask<S>& v) {
-  bool any = false;
-  for (int i = 0; i < lanes<S>; ++i) any |= v[i] < 0;
-  return any;
-}
-/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
-template <class S, int half, int... l>
-MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
-  return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
-}
-// Halves are put together until one lane is left: sums have a fixed order.
-template <class S, int half = lanes<S> / 2>
-MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  if constexpr (half == 0)
-    return v[0];
-  else
-    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
-}
-template <class S, int half = lanes<S> / 2>
-MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  if constexpr (half == 0)
-    return v[0];
-  else
-    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
-}
-
-/// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
-template <class S, int half, int... l>
-MOTIONLANG_INLINE void swap_blocks(Vec<S>& a, Vec<S>& b, std::integer_sequence<int, l...>) {
-  constexpr int n = lanes<S>;
-  const Vec<S> upper = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l - half : l)...);
-  b = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l : l + half)...);
-  a = upper;
-}
-/// v[i][j] becomes v[j][i]: blocks of 1, 2, 4, ... lanes are swapped.
-template <class S, int half = 1>
-MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
-  if constexpr (half < lanes<S>) {
-#pragma GCC unroll 16
-    for (int i = 0; i < lanes<S>; ++i) {
-      if ((i & half) == 0) swap_blocks<S, half>(v[i], v[i + half], std::make_integer_sequence<int, lanes<S>>{});
-    }
-    transpose_lanes<S, 2 * half>(v);
-  }
-}
-
-/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
-/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
-  constexpr bool single = sizeof(S) == 4;
-  constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
-  const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
-  // lowest bits.
-  const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
-  const Vec<S> shifted = c * S(1.4426950408889634) + magic;
-  const Vec<S> n = shifted - magic;
-  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
-                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
-  Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
-  if constexpr (!single) {
-    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
-      p = p * f + S(k);
-  }
-  for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
-  const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
-  return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
-}
-
-/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
-/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
-template <class S>
-MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
-  Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
-  p = p * y + S(6.364869382952854e-06);
-  q = q * y + S(7.602274008301123e-05);
-  p = p * y + S(0.00017693884114677917);
-  q = q * y + S(0.0019305587808950675);
-  p = p * y + S(0.004725908484413717);
-  q = q * y + S(0.029119172061619288);
-  p = p * y + S(0.0346923636272431);
-  q = q * y + S(0.25362643899642984);
-  p = p * y + S(0.3989422129894181);
-  q = q * y + S(1);
-  return p / q;
-}
-/// erf(x) = 2 Phi(sqrt(2) x) - 1. Float: absolute error below 5e-7. Double: libm.
-template <class S>
-MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
-    return c * phi_ratio<S>(c * c * S(2)) * S(2.8284271247461901);
-  } else {
-    Vec<S> r{};
-    for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
-    return r;
-  }
-}
-#if MOTIONLANG_VECTOR_BYTES == 64
-/// 32 numbers: lane i of the result is that which the lowest five bits of index[i] say.
-MOTIONLANG_INLINE Vec<float> look_up(const float* table, const Vec<float>& index) {
-  Vec<float> r = load(table);
-  asm("vpermt2ps %2, %1, %0" : "+v"(r) : "v"(index), "v"(load(table + 16)));
-  return r;
-}
-/// By gelu_table.hpp: absolute error below 1e-7 for x < 0, relative error below 5e-7 for x > 0.
-MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
-  static_assert(GeluTable::cells == 32 && GeluTable::width == 0.25);
-  constexpr auto last = static_cast<float>(GeluTable::width * (GeluTable::cells - 1));
-  Vec<float> c, d;
-  asm("vrangeps $0xa, %2, %1, %0" : "=v"(c) : "v"(x), "v"(splat(last)));  // min(|x|, last)
-  asm("vreduceps $0x24, %1, %0" : "=v"(d) : "v"(c));                      // c - i / 4, i = round(4 c)
-  const Vec<float> i = c + 3145728.f;                                     // 1.5 * 2^21: i in the lowest bits
-  const auto& table = gelu_table.by_power;
-  Vec<float> g = look_up(table[GeluTable::degree], i);
-#pragma GCC unroll 8
-  for (int n = GeluTable::degree; n-- > 0;) g = g * d + look_up(table[n], i);
-  return vmax<float>(Vec<float>{}, x) - g;
-}
-#endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
-/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
-#if MOTIONLANG_VECTOR_BYTES == 64
-  if constexpr (sizeof(S) == 4) return gelu_by_table(x);
-#endif
-  const Vec<S> h = x * S(0.5);
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> y = x * x;
-    return h + (y < splat(S(32)) ? y * phi_ratio<S>(y) : (Vec<S>)((Mask<S>)h & 0x7fffffff));
-  } else {
-    return h + h * verf<S>(x * S(0.70710678118654752));
-  }
-}
-
-/// Square root of x >= 0: Newton's iteration for 1/sqrt(x) from an estimate by shifting the exponent; within 1 ulp.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
-  constexpr bool single = sizeof(S) == 4;
-  using Bits = typename VectorOf<S>::bits;
-  Vec<S> y = (Vec<S>)(static_cast<Bits>(single ? 0x5F375A86 : 0x5FE6EB50C7B537A9) - ((Mask<S>)x >> 1));
-  for (int i = 0; i < (single ? 3 : 5); ++i) y = y * (S(1.5) - x * S(0.5) * y * y);
-  const Vec<S> r = x * y;
-  return r + S(0.5) * y * (x - r * r);
-}
-
-/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
-/// Double: libm.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> y = x * x;
-    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
-    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
-    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
-    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
-    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
-  } else {
-    Vec<S> r{};
-    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
-    return r;
-  }
-}
-//
-// Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
-
-template <Activation act, class S>
-MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
-  switch (act) {
-    case Activation::none:
-      return x;
-    case Activation::relu:
-      return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu:
-      return vgelu<S>(x);
-    case Activation::silu:
-      return x / (vexp<S>(-x) + S(1));
-    case Activation::tanh:
-      return vtanh<S>(x);
-    case Activation::quick_gelu:
-      return x / (vexp<S>(x * S(-1.702)) + S(1));
-    case Activation::gelu_new: {
-      const Vec<S> h = x * S(0.5);
-      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
-    }
-    case Activation::sigmoid:
-      return S(1) / (vexp<S>(-x) + S(1));
-  }
-  return x;
-}
-
-/// Derivative at x.
-///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
-template <Activation act, class S>
-MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
-  switch (act) {
-    case Activation::none:
-      return splat(S(1));
-    case Activation::relu:
-      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
-    case Activation::gelu: {
-      const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
-      return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
-    }
-    case Activation::silu: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
-      return s + x * s * (S(1) - s);
-    }
-    case Activation::tanh: {
-      const Vec<S> t = vtanh<S>(x);
-      return S(1) - t * t;
-    }
-    case Activation::quick_gelu: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
-      return s + x * s * (S(1) - s) * S(1.702);
-    }
-    case Activation::gelu_new: {
-      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
-      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
-    }
-    case Activation::sigmoid: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
-      return s * (S(1) - s);
-    }
-  }
-  return splat(S(1));
-}
-
-/// f.operator()<act>().
-template <class F>
-void with_activation(Activation act, const F& f) {
-  switch (act) {
-    case Activation::none:
-      return f.template operator()<Activation::none>();
-    case Activation::relu:
-      return f.template operator()<Activation::relu>();
-    case Activation::gelu:
-      return f.template operator()<Activation::gelu>();
-    case Activation::silu:
-      return f.template operator()<Activation::silu>();
-    case Activation::tanh:
-      return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu:
-      return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new:
-      return f.template operator()<Activation::gelu_new>();
-    case Activation::sigmoid:
-      return f.template operator()<Activation::sigmoid>();
-  }
-}
-
-/// y = act(x) for so many rows of `width` numbers, which begin ldx and ldy apart; y may be x.
-template <class S>
-void activate_rows(const S* x, Index ldx, Index rows, Index width, Activation act, S* y, Index ldy) {
-  constexpr int l = lanes<S>;
-  with_activation(act, [=]<Activation a>() {
-    for (Index r = 0; r < rows; ++r) {
-      const S* from = x + r * ldx;
-      S* to = y + r * ldy;
-      Index i = 0;
-      for (; i + l <= width; i += l) store(to + i, apply_activation<a, S>(load(from + i)));
-      if (i < width) store_some(to + i, apply_activation<a, S>(load_some(from + i, width - i)), width - i);
-    }
-  });
-}
-template <class S>
-void activate(const S* x, Index n, Activation act, S* y) {
-  activate_rows(x, n, 1, n, act, y, n);
-}
-/// dx = dy act'(x) for n numbers.
-template <class S>
-void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
-  constexpr int l = lanes<S>;
-  with_activation(act, [=]<Activation a>() {
-    Index i = 0;
-    for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<a, S>(load(x + i)));
-    if (i < n) store_some(dx + i, load_some(dy + i, n - i) * activation_slope<a, S>(load_some(x + i, n - i)), n - i);
-  });
-}
-//
-// Matrix product with packed right-hand side: register tiles, cache blocks, epilogue in the tile.
-//
-//   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
-//   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
-//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
-//            well. (All panels at a time where A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
-//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
-//            result's rows are written, one after the other: the lines under them, which come from memory first, the
-//            processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
-//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
-//            the next rows of A.
-//   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
-
-template <class S>
-inline constexpr Index panel_width = 2 * lanes<S>;
-inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 1024;
-inline constexpr Index panel_block = 8;
-inline constexpr Index most_tiles = 16;        // of rows in a block
-inline constexpr Index near_caches = 4 << 20;  // bytes
-// for rows of A, and as much for a group of panels
-inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
-template <class S>
-// of a tile of a transposed A, copied
-inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
-
-template <class S>
-constexpr Index bytes(Index count) {
-  return count * static_cast<Index>(sizeof(S));
-}
-template <class S>
-const std::byte* as_bytes(const S* x) {
-  return reinterpret_cast<const std::byte*>(x);
-}
-
-/// Rows of A, `row_bytes` each, in a block of so many bytes: at most most_tiles tiles.
-constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
-  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
-}
-
-/// Rows k0 ... k1-1 of all panels of B, whose element (k, n) is b[k * stride + n].
-template <class S>
-void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels) {
-  constexpr Index w = panel_width<S>, l = lanes<S>;
-  constexpr Index ahead = 8;  // rows
-  for (Index i = k0; i < k1; ++i) {
-    const S* in = b + i * stride;
-    S* out = panels + i * w;
-    for (Index columns = n; columns > 0; columns -= w, in += w, out += k * w) {
-      __builtin_prefetch(in + ahead * stride), __builtin_prefetch(in + ahead * stride + l);
-      store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
-    }
-  }
-}
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
-template <class S, bool looks>
-bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
-  constexpr Index w = panel_width<S>, l = lanes<S>;
-  Mask<S> found{};
-  for (Index j = first; j < last; ++j) {
-    S* out = panels + j * k * w;
-    const Index columns = n - j * w;
-    const S* in = b + j * w * stride;
-    for (Index i = 0; i < k; i += l) {
-      const Index rows = k - i < l ? k - i : l;
-      for (Index c = 0; c < w; c += l) {
-        Vec<S> square[lanes<S>];
-#pragma GCC unroll 16
-        for (int q = 0; q < lanes<S>; ++q) {
-          const S* from = in + (c + q) * stride + i;
-          square[q] = load_first(from, c + q < columns ? rows : 0);
-          if constexpr (looks) find_not_finite<S>(square[q], found);
-        }
-        transpose_lanes<S>(square);
-        for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
-      }
-    }
-  }
-  return !any_negative<S>(found);
-}
-
-/// Rows of A, whose element (i, k) is at[i * stride + k], or, when transposed, at[i + k * stride].
-template <class S>
-struct Rows {
-  const S* at;
-  Index stride;
-  bool transposed;
-
-  Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
-  Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
-};
-
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for
-/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
-/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
-/// which fetches by itself lines that follow each other (20 % slower from memory).
-struct Ahead {
-  const std::byte* at = nullptr;
-  Index step = 0;
-
-  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between
-  /// them.
-  MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
-    const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
-    return {next + i * step * steps, step};
-  }
-  MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
-};
-
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
-template <class S>
-struct Epilogue {
-  bool accumulate = false;
-  const S* bias = nullptr;      // of the panel's first column
-  const S* residual = nullptr;  // of the tile's first element
-  Index residual_stride = 0;
-  Activation act = Activation::none;
-
-  /// Of the tile that begins at a row and column of a product; `first` and `last`: of the blocks of k.
-  static Epilogue of(const Gemm<S>& g, Index row, Index column, bool first, bool last) {
-    Epilogue e{.accumulate = !first};
-    if (!last) return e;
-    e.act = g.act;
-    if (g.bias != nullptr) e.bias = g.bias + column;
-    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
-    return e;
-  }
-  Epilogue from_column(Index column) const {
-    Epilogue e = *this;
-    if (bias != nullptr) e.bias += column;
-    if (residual != nullptr) e.residual += column;
-    return e;
-  }
-  Epilogue from_row(Index row) const {
-    Epilogue e = *this;
-    if (residual != nullptr) e.residual += row * residual_stride;
-    return e;
-  }
-};
-
-/// Asks for the rows of c and of the residual that a tile is put into.
-template <class S, int R>
-MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
-  constexpr int l = lanes<S>;
-  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
-  if (e.residual == nullptr) return;
-  for (int i = 0; i < R; ++i) {
-    const S* row = e.residual + i * e.residual_stride;
-    __builtin_prefetch(row), __builtin_prefetch(row + l);
-  }
-}
-
-/// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
-template <class S>
-[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
-                                         const Epilogue<S>& e) {
-  constexpr Index l = lanes<S>;
-  for (Index r = 0; r < rows; ++r) {
-    for (Index i = 0; i < columns; i += l) {
-      const Index n = columns - i;
-      S* out = c + r * ldc + i;
-      Vec<S> x = sums[2 * r + i / l];
-      if (e.accumulate) x += load_first(out, n);
-      if (e.bias != nullptr) x += load_first(e.bias + i, n);
-      if (e.residual != nullptr) x += load_first(e.residual + r * e.residual_stride + i, n);
-      store_first(out, x, n);
-    }
-  }
-}
-
-/// c (R x columns) = the sums of a tile, c0 and c1 being its two vectors of columns.
-template <class S, int R>
-MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
-  constexpr int l = lanes<S>;
-  if (columns >= 2 * l) {
-    const Vec<S> z0 = e.bias == nullptr ? Vec<S>{} : load(e.bias), z1 = e.bias == nullptr ? Vec<S>{} : load(e.bias + l);
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      S* out = c + i * ldc;
-      if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
-      c0[i] += z0, c1[i] += z1;
-      if (e.residual != nullptr)
-        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
-      store(out, c0[i]), store(out + l, c1[i]);
-    }
-  } else {
-    Vec<S> sums[static_cast<std::size_t>(2 * R)];
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) sums[2 * i] = c0[i], sums[2 * i + 1] = c1[i];
-    put_narrow_result(sums, R, c, ldc, columns, e);
-  }
-  if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
-}
-
-/// What kind of tile: of A as it lies, of a transposed A, or of A as it lies times the first half of a panel only.
-enum class TileKind { plain, transposed, half };
-
-/// c (R x columns) = a (R x k) panel.
-template <class S, int R, TileKind kind>
-void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
-          Ahead ahead) {
-  constexpr Index w = panel_width<S>;
-  constexpr int l = lanes<S>;
-  constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
-  Vec<S> c0[R], c1[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
-  fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
-  // strides is known to be 1, which saves additions (1 to 4 % of the time).
-  const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
-  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
-          *p4 = p0 + 12 * row_stride;
-#pragma GCC unroll 2
-  for (Index at = 0; at < k; ++at) {
-    if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
-    const Vec<S> b0 = load(panel), b1 = half ? Vec<S>{} : load(panel + l);
-    panel += w;
-    __builtin_prefetch(panel + 16 * w);
-    __builtin_prefetch(panel + 16 * w + l);
-    ahead.fetch();
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const S x = i < 3    ? p0[i * row_stride]
-                  : i < 6  ? p1[(i - 3) * row_stride]
-                  : i < 9  ? p2[(i - 6) * row_stride]
-                  : i < 12 ? p3[(i - 9) * row_stride]
-                           : p4[(i - 12) * row_stride];
-      c0[i] += x * b0;
-      if constexpr (!half) c1[i] += x * b1;
-    }
-    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
-  }
-  put_result<S, R>(c0, c1, c, ldc, columns, e);
-}
-
-template <class S>
-using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
-/// The tile of so many rows for what is left of the columns.
-template <class S>
-TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
-  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-    return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
-                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
-                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
-  }
-  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
-  const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
-  return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
-}
-
-/// First row of part i of n nearly equal parts.
-MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
-
-/// How a product over k is split: pieces of k, and rows of A at a time.
-template <class S>
-struct Blocks {
-  Index count, rows;
-
-  explicit Blocks(Index k)
-      : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
-        rows(rows_at_once(bytes<S>((k + count - 1) / count), tile_rows, half_cache)) {}
-};
-template <class S>
-Index gemm_rows(Index k) {
-  return Blocks<S>(k).rows;
-}
-/// Numbers of scratch that gemm_block needs.
-template <class S>
-Index gemm_scratch(Index k) {
-  return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
-}
-
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
-/// other. `readable`: rows that A has from here on.
-template <class S>
-void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
-  constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
-  const Index tiles = (rows + tile_rows - 1) / tile_rows;
-  for (Index k = 0; k < depth; ++k, a += lda, out += pitch) {
-    if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
-    for (Index t = 0; t < tiles; ++t) {
-      const Index first = part(rows, t, tiles);
-      for (Index i = 0; i < pitch; i += l)
-        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
-    }
-  }
-}
-
-/// What is made at a time: of k the part k0 ... k1-1 of rows top ... below-1 times panels left ... right-1.
-template <class S>
-struct GemmPiece {
-  static constexpr Index w = panel_width<S>;
-  const Gemm<S>& g;
-  S* scratch;
-  bool copies, far;                   // rows of A are copied as they are; the result is larger than the nearer caches
-  Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
-  Index left = 0, right = 0;
-  Index k0 = 0, k1 = 0;
-  // panels that are read after it: at last the first ones once more, if nothing else is known
-  const std::byte* next = nullptr;
-  Index next_bytes = std::numeric_limits<Index>::max();
-
-  Index depth() const { return k1 - k0; }
-  Index pitch() const { return depth() + 16; }
-  const S* slice(Index panel) const { return g.panels + (panel * g.k + k0) * w; }
-
-  Rows<S> rows_of(Index tile, Index row) const {
-    if (g.a_transposed) return {scratch + tile * depth() * tile_pitch<S>, tile_pitch<S>, true};
-    if (copies) return {scratch + (row - top) * pitch(), pitch(), false};
-    return {g.a + row * g.lda + k0, g.lda, false};
-  }
-  void copy_rows(Index first, Index last) const {
-    for (Index r = first; r < last; ++r) {
-      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
-    }
-  }
-
-  void multiply() const {
-    const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
-    const bool whole = depth == g.k, transposed = g.a_transposed;
-    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
-    const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
-    // tile's when it is next.
-    if (transposed)
-      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
-    else if (copies && !far)
-      copy_rows(top, below);
-    for (Index group = 0; group < groups; ++group) {
-      const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
-      const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
-      const std::byte* next_panels = j1 < right ? as_bytes(slice(j1)) : next;
-      const Index next_panel_bytes = j1 < right ? panel_bytes : std::min(panel_bytes, next_bytes);
-      for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
-        height = top + part(below - top, t + 1, tiles) - row;
-        const Index next_row = row + height;
-        if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
-        // none.)
-        const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
-        const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
-        const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
-        for (Index i = 0; i < panels; ++i) {
-          const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead =
-              i < row_panels
-                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
-                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
-          S* c = g.c + row * g.ldc + j * w;
-          const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
-          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
-        }
-      }
-    }
-  }
-};
-
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
-template <class S>
-void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
-  const Blocks<S> split(g.k);
-  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
-  // once.
-  const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
-  const bool all_panels = copies || g.a_transposed || blocks == 1;
-  const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
-  const bool far = bytes<S>(g.m * g.n) > near_caches;
-  for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
-    const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
-    GemmPiece<S> piece{.g = g,
-                       .scratch = scratch,
-                       .copies = copies,
-                       .far = far,
-                       .top = r0 + part(r1 - r0, row_block, row_blocks),
-                       .below = r0 + part(r1 - r0, row_block + 1, row_blocks),
-                       .end = r1,
-                       .left = left,
-                       .right = std::min(j1, left + wide),
-                       .k0 = part(g.k, block, blocks),
-                       .k1 = part(g.k, block + 1, blocks)};
-    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
-               last = next_rows && piece.below == r1;
-    const S* next = g.panels + ((next_rows      ? j0
-                                 : next_columns ? piece.right
-                                                : left) *
-                                    g.k +
-                                (next_columns ? 0 : piece.k1)) *
-                                   piece.w;
-    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
-    if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
-    piece.multiply();
-  }
-}
-//
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
-// or one head (backward), never for a batch.
-//
-//   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
-//   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
-
-/// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
-/// none waits.
-template <class S, int R>
-MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
-  constexpr int l = lanes<S>;
-  const Index padded = (n + l - 1) / l * l;
-  constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
-  Vec<S> largest[R], sum[R], inverse[R];
-  S shift[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) {
-    for (Index c = visible[i]; c < padded; ++c) rows[i * pitch + c] = hidden;
-    largest[i] = splat(hidden), sum[i] = Vec<S>{};
-  }
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) largest[i] = vmax<S>(largest[i], load(rows + i * pitch + c));
-  }
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) shift[i] = reduce_max<S>(largest[i]) * scale;
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const Vec<S> e = vexp<S>(load(rows + i * pitch + c) * scale - shift[i]);
-      store(rows + i * pitch + c, e);
-      sum[i] += e;
-    }
-  }
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) inverse[i] = splat(S(1) / reduce_add<S>(sum[i]));
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) store(rows + i * pitch + c, load(rows + i * pitch + c) * inverse[i]);
-  }
-}
-inline constexpr int softmax_group = 4;  // of rows
-/// The same for `count` rows, the first of which is query `first`; causal: row i sees keys up to its own number.
-template <class S>
-void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bool causal, S scale) {
-  for (Index r = 0; r < count;) {
-    Index visible[softmax_group];
-    for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
-    if (r + softmax_group <= count)
-      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
-    else
-      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
-  }
-}
-
-/// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
-template <class S>
-void dropout(const S* x, Index n, Index first, const Dropout& d, S* y) {
-  typedef std::uint32_t Bits __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-  constexpr Index l = MOTIONLANG_VECTOR_BYTES / 4;
-  const std::uint32_t limit = d.limit();
-  const auto key0 = static_cast<std::uint32_t>(d.key) +
-                    static_cast<std::uint32_t>(static_cast<std::uint64_t>(first) >> 32) * 0x27D4EB2Fu;
-  const auto key1 = static_cast<std::uint32_t>(d.key >> 32);
-  const S keep = static_cast<S>(1.0 / (1.0 - d.p));
-  Bits counter;
-  for (Index i = 0; i < l; ++i) counter[i] = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(i);
-  for (Index i = 0; i < n; i += l, counter += static_cast<std::uint32_t>(l)) {
-    Bits h = counter * 0x9E3779B1u + key0;
-    h = (h ^ (h >> 16)) * 0x85EBCA6Bu + key1;
-    h = (h ^ (h >> 13)) * 0xC2B2AE35u;
-    h = h ^ (h >> 16);
-    if (sizeof(S) == 4 && i + l <= n) {
-      const Vec<S> kept = load(x + i) * keep;
-      store(y + i, (Mask<S>)(h >= limit) ? kept : Vec<S>{});
-    } else {
-      for (Index c = 0; c < l && i + c < n; ++c) y[i + c] = h[c] >= limit ? x[i + c] * keep : S(0);
-    }
-  }
-}
-
-template <class S>
-MOTIONLANG_INLINE Index padded_panels(Index n) {
-  return (n + panel_width<S> - 1) / panel_width<S>;
-}
-
-/// The products of attention in S. (Bf16Products is the other kind.)
-template <class S>
-struct FloatProducts {
-  using Number = S;
-  static constexpr Index rows = tile_rows;  // that products are fastest with
-  static void begin() {}
-  static void end() {}
-  /// Columns that products write of n.
-  static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
-  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
-  static Index panels(Index k, Index n) { return columns(n) * k; }
-  static Index scratch(Index) { return 0; }
-
-  static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    if (stride_n == 1)
-      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else
-      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
-  }
-  /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
-  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
-                       bool whole_panels) {
-    constexpr Index w = panel_width<S>;
-    const Index tiles = (count + tile_rows - 1) / tile_rows;
-    const Epilogue<S> plain;
-    for (Index j = 0; j < padded_panels<S>(n); ++j) {
-      for (Index t = 0; t < tiles; ++t) {
-        const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
-      }
-    }
-  }
-};
-
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
-/// columns of.
-template <class S>
-struct AttentionHead {
-  const Attention<S>& t;
-  Index head, q0, k0, queries, keys;
-  const S *q, *k, *v;
-
-  AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
-      : t(a),
-        head(head_number),
-        q0(a.q_offsets[sequence]),
-        k0(a.k_offsets[sequence]),
-        queries(a.q_offsets[sequence + 1] - q0),
-        keys(a.k_offsets[sequence + 1] - k0),
-        q(a.q + q0 * a.q_stride + head * a.width),
-        k(a.k + k0 * a.k_stride + head * a.width),
-        v(a.v + k0 * a.v_stride + head * a.width) {}
-
-  S scale() const { return S(1) / std::sqrt(static_cast<S>(t.width)); }
-  /// Scores of `count` queries from `first` on, q k^T, become their rows of P: relative scores, softmax, dropout.
-  void weights(Index first, Index count, S* rows, Index pitch) const {
-    const S unscale = std::sqrt(static_cast<S>(t.width));
-    for (Index r = 0; r < count && t.relative_scores != nullptr; ++r) {
-      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
-      for (Index c = 0; c < keys; ++c) rows[r * pitch + c] += relative[c] * unscale;
-    }
-    softmax_rows_of(rows, pitch, count, keys, first, t.causal, scale());
-    for (Index r = 0; r < count && t.dropout.p > 0; ++r)
-      dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
-  }
-  Index mask_at(Index query) const {
-    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
-  }
-};
-
-/// Distance of rows of scores, whose columns up to the end of a panel are written.
-template <class P>
-Index score_pitch(Index keys) {
-  return P::columns(keys) + 16;
-}
-/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
-template <class P>
-Index attention_scratch(Index keys, Index width) {
-  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
-         P::scratch(std::max(keys, width));
-}
-/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
-template <class P>
-Index attention_vjp_scratch(Index queries, Index keys, Index width) {
-  const Index longest = std::max(keys, queries);
-  return P::panels(width, keys) + P::panels(longest, width) + 2 * queries * score_pitch<P>(keys) +
-         P::scratch(std::max(longest, width));
-}
-
-/// Output of one head, for one of so many pieces of its queries.
-template <class P, class S = typename P::Number>
-void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
-  const AttentionHead<S> h(t, sequence, head);
-  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
-              end = part(tiles, piece + 1, pieces);
-  if (begin == end) return;
-  const Index pitch = score_pitch<P>(h.keys);
-  S* vp = kt + P::panels(t.width, h.keys);
-  S* scores = vp + P::panels(h.keys, t.width);
-  S* scratch = scores + P::rows * pitch;
-  S* o = t.o + h.q0 * t.o_stride + head * t.width;
-  P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
-  P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
-  P::begin();
-  for (Index i = begin; i < end; ++i) {
-    const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
-    P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
-    h.weights(first, rows, scores, pitch);
-    P::multiply({scores, pitch, false}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
-  }
-  P::end();
-}
-
-/// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
-template <class P, class S = typename P::Number>
-void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* a) {
-  constexpr int l = lanes<S>;
-  const AttentionHead<S> h(t, sequence, head);
-  const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
-  const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
-  const S scale = h.scale();
-  S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
-  S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
-  S* ds = p + queries * pitch;                           // dP, later dS
-  S* scratch = ds + queries * pitch;
-  P::begin();
-  P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
-  P::multiply({h.q, t.q_stride, false}, queries, width, a, keys, p, pitch, scratch, true);
-  P::pack(h.v, width, keys, Index{1}, t.v_stride, a);
-  P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
-  for (Index r = 0; r < queries; ++r) {
-    S *pr = p + r * pitch, *dr = ds + r * pitch;
-    if (r % softmax_group == 0)
-      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
-    if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
-    Vec<S> sum{};
-    for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
-    const S mean = reduce_add<S>(sum);
-    for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
-    if (t.dropout.p > 0) dropout(pr, keys, h.mask_at(r), t.dropout, pr);
-  }
-  S* dq = g.d_q + h.q0 * t.q_stride + head * width;
-  S* dk = g.d_k + h.k0 * t.k_stride + head * width;
-  S* dv = g.d_v + h.k0 * t.v_stride + head * width;
-  P::pack(h.k, keys, width, t.k_stride, Index{1}, b);
-  P::multiply({ds, pitch, false}, queries, keys, b, width, dq, t.q_stride, scratch, false);
-  P::pack(h.q, queries, width, t.q_stride, Index{1}, b);
-  P::multiply({ds, pitch, true}, keys, queries, b, width, dk, t.k_stride, scratch, false);
-  P::pack(d_o, queries, width, t.o_stride, Index{1}, b);
-  P::multiply({p, pitch, true}, keys, queries, b, width, dv, t.v_stride, scratch, false);
-  P::end();
-}
-//
-// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
-
-inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
-/// many chains of sums: none waits.
-template <class S, int R>
-MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
-  constexpr int l = lanes<S>;
-  const Index whole = n / l * l;
-  Vec<S> sum[R], square[R];
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) sum[r] = square[r] = Vec<S>{};
-  for (Index i = 0; i < whole; i += l) {
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) sum[r] += load(x + r * n + i);
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    S total = reduce_add<S>(sum[r]);
-    for (Index i = whole; i < n; ++i) total += x[r * n + i];
-    mean[r] = total / static_cast<S>(n);
-  }
-  for (Index i = 0; i < whole; i += l) {
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> d = load(x + r * n + i) - mean[r];
-      square[r] += d * d;
-    }
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    S variance = reduce_add<S>(square[r]);
-    for (Index i = whole; i < n; ++i) variance += (x[r * n + i] - mean[r]) * (x[r * n + i] - mean[r]);
-    rstd[r] = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
-  }
-}
-
-/// layer_norm_rows of R rows.
-template <class S, int R>
-MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  const S* x = t.x + first * n;
-  S* y = t.y + first * n;
-  if (t.residual != nullptr) {
-    const S* z = t.residual + first * n;
-    for (Index i = 0; i < R * n; i += l)
-      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
-    x = y;
-  }
-  S mean[R], rstd[R];
-  row_moments<S, R>(x, n, t.eps, mean, rstd);
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i), bias = load(t.bias + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      __builtin_prefetch(x + (R + r) * n + i);  // of the next rows
-      store(y + r * n + i, (load(x + r * n + i) - mean[r]) * rstd[r] * weight + bias);
-    }
-  }
-  for (Index i = whole; i < n; ++i) {
-    for (int r = 0; r < R; ++r) y[r * n + i] = (x[r * n + i] - mean[r]) * rstd[r] * t.weight[i] + t.bias[i];
-  }
-}
-/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
-template <class S>
-void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
-  for (; first + norm_group <= last; first += norm_group) normalize_rows<S, norm_group>(t, first);
-  for (; first < last; ++first) normalize_rows<S, 1>(t, first);
-}
-
-/// layer_norm_rows_vjp of R rows.
-template <class S, int R>
-MOTIONLANG_INLINE void normalize_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  const S *x = t.x + first * n, *g = dy + first * n;
-  S* d = dx + first * n;
-  S mean[R], rstd[R], h0[R], h1[R];
-  row_moments<S, R>(x, n, t.eps, mean, rstd);
-  Vec<S> sum_h[R], sum_hx[R];
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) sum_h[r] = sum_hx[r] = Vec<S>{};
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> h = load(g + r * n + i) * weight;
-      sum_h[r] += h;
-      sum_hx[r] += h * ((load(x + r * n + i) - mean[r]) * rstd[r]);
-    }
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    h0[r] = reduce_add<S>(sum_h[r]), h1[r] = reduce_add<S>(sum_hx[r]);
-    for (Index i = whole; i < n; ++i) {
-      const S h = g[r * n + i] * t.weight[i];
-      h0[r] += h;
-      h1[r] += h * ((x[r * n + i] - mean[r]) * rstd[r]);
-    }
-    h0[r] /= static_cast<S>(n);
-    h1[r] /= static_cast<S>(n);
-  }
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> xhat = (load(x + r * n + i) - mean[r]) * rstd[r];
-      store(d + r * n + i, (load(g + r * n + i) * weight - h0[r] - xhat * h1[r]) * rstd[r]);
-    }
-  }
-  for (int r = 0; r < R; ++r) {
-    for (Index i = whole; i < n; ++i) {
-      d[r * n + i] = (g[r * n + i] * t.weight[i] - h0[r] - (x[r * n + i] - mean[r]) * rstd[r] * h1[r]) * rstd[r];
-    }
-    moments[2 * (first + r)] = mean[r], moments[2 * (first + r) + 1] = rstd[r];
-  }
-}
-/// dx = rstd (h - mean(h) - xhat mean(h xhat)),  h = dy weight,  xhat = (x - mean) rstd
-template <class S>
-void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first, Index last) {
-  for (; first + norm_group <= last; first += norm_group) normalize_rows_vjp<S, norm_group>(t, dy, dx, moments, first);
-  for (; first < last; ++first) normalize_rows_vjp<S, 1>(t, dy, dx, moments, first);
-}
-/// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
-template <class S>
-void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
-                            Index first, Index last) {
-  for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
-  for (Index r = 0; r < rows; ++r) {
-    const S mean = moments[2 * r], rstd = moments[2 * r + 1];
-    const S *x = t.x + r * t.width, *g = dy + r * t.width;
-    for (Index i = first; i < last; ++i) {
-      dweight[i] += g[i] * ((x[i] - mean) * rstd);
-      dbias[i] += g[i];
-    }
-  }
-}
-
-/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
-template <class S>
-void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
-  for (Index r = first; r < last; ++r) {
-    std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
-    softmax_rows_at<S, 1>(scratch, n, n, &n, S(1));
-    std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
-  }
-}
-
-/// Columns first ... last-1 of y; first is a multiple of `lanes`.
-template <class S>
-void transpose(const Transposed<S>& t, Index first, Index last) {
-  constexpr Index l = lanes<S>;
-  for (Index j = first; j < last; j += l) {
-    const Index n = std::min(l, last - j);
-    const bool whole = n == l;
-    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
-    for (Index r = 0; r < t.rows; ++r) {
-      const S* z = t.z + j * t.rows + r;
-      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
-      S* y = t.y + r * t.width + j;
-      Vec<S> x{};
-      if (whole) {
-#pragma GCC unroll 16
-        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
-        x += bias;
-        if (residual != nullptr) x += load(residual);
-        store(y, x);
-      } else {
-        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
-        x += bias;
-        if (residual != nullptr) x += load_some(residual, n);
-        store_some(y, x, n);
-      }
-    }
-    if (t.act != Activation::none) activate_rows(t.y + j, t.width, t.rows, n, t.act, t.y + j, t.width);
-  }
-}
-
-template <BinaryOp op, class S>
-MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
-  switch (op) {
-    case BinaryOp::add:
-      return a + b;
-    case BinaryOp::sub:
-      return a - b;
-    case BinaryOp::mul:
-      return a * b;
-    case BinaryOp::div:
-      return a / b;
-    case BinaryOp::maximum:
-      return a < b ? b : a;
-  }
-  return a;
-}
-/// A repeated operand is read again and again from one vector of copies.
-template <BinaryOp op, class S>
-MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
-  constexpr int l = lanes<S>;
-  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
-  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a,
-          *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
-  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
-  Index i = 0;
-  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
-  const Index n = t.count - i;
-  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
-}
-template <class S>
-void binary(const Binary<S>& t) {
-  switch (t.op) {
-    case BinaryOp::add:
-      return binary_loop<BinaryOp::add>(t);
-    case BinaryOp::sub:
-      return binary_loop<BinaryOp::sub>(t);
-    case BinaryOp::mul:
-      return binary_loop<BinaryOp::mul>(t);
-    case BinaryOp::div:
-      return binary_loop<BinaryOp::div>(t);
-    case BinaryOp::maximum:
-      return binary_loop<BinaryOp::maximum>(t);
-  }
-}
-
-template <class S>
-void error_function(const S* x, Index n, S* y) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(y + i, verf<S>(load(x + i)));
-  store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
-}
-
-/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
-template <class S>
-void row_sums(const S* x, Index n, Index first, Index last, S* y) {
-  constexpr int l = lanes<S>;
-  for (Index r = first; r < last; ++r) {
-    const S* row = x + r * n;
-    Vec<S> sums[4] = {};
-    Index i = 0;
-    for (; i + 4 * l <= n; i += 4 * l) {
-#pragma GCC unroll 4
-      for (int c = 0; c < 4; ++c) sums[c] += load(row + i + c * l);
-    }
-    for (; i < n; i += l) sums[0] += load_first(row + i, n - i);
-    y[r] = reduce_add<S>(sums[0] + sums[1] + (sums[2] + sums[3]));
-  }
-}
-/// Sums of the columns first ... last-1 over all rows.
-template <class S>
-void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
-  for (Index i = first; i < last; ++i) y[i] = S(0);
-  for (Index r = 0; r < rows; ++r) {
-    for (Index i = first; i < last; ++i) y[i] += x[r * width + i];
-  }
-}
-
-template <class S>
-MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
-                                      Vec<S>& v) {
-  const Vec<S> g = gradient * t.gradient_scale;
-  m = m * t.beta1 + g * t.rest1;
-  v = v * t.beta2 + g * g * t.rest2;
-  return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
-}
-/// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
-template <class S>
-void adamw(const AdamwStep<S>& t, Index first, Index last) {
-  constexpr int l = lanes<S>;
-  Index i = first;
-  for (; i + l <= last; i += l) {
-    Vec<S> m = load(t.m + i), v = load(t.v + i);
-    store(t.p + i, adamw_update<S>(t, load(t.p + i), load(t.g + i), m, v));
-    store(t.m + i, m), store(t.v + i, v);
-  }
-  const Index n = last - i;
-  Vec<S> m = load_some(t.m + i, n), v = load_some(t.v + i, n);
-  store_some(t.p + i, adamw_update<S>(t, load_some(t.p + i, n), load_some(t.g + i, n), m, v), n);
-  store_some(t.m + i, m, n), store_some(t.v + i, v, n);
-}
-
-#define MOTIONLANG_STRING_OF(x) #x
-#define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
-
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
-// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
-//
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
-//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
-//            which some round to 0.
-//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
-//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
-//            number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
-//            thread.
-
-typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
-typedef std::uint16_t Halves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2)));
-typedef std::uint16_t LooseHalves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2), aligned(2), may_alias));
-inline constexpr Index word_lanes = MOTIONLANG_VECTOR_BYTES / 4;
-
-/// The nearest bfloat16, ties to even, in the upper half of each word; NaN stays NaN.
-MOTIONLANG_INLINE Words round_to_bf16(const Vec<float>& x) {
-  const Words w = (Words)x, rounded = w + (w >> 16 & 1u) + 0x7FFFu;
-  return ((w & 0x7FFFFFFFu) > 0x7F800000u ? w | 0x400000u : rounded) & 0xFFFF0000u;
-}
-MOTIONLANG_INLINE void store_rounded(float* y, const Words& w) { store(y, (Vec<float>)w); }
-MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
-  *reinterpret_cast<LooseHalves*>(y) = __builtin_convertvector(w >> 16, Halves);
-}
-
-/// A vector of numbers, rounded; zeros from the n-th on.
-MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
-/// Of two vectors of rounded numbers: pairs of bfloat16.
-MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
-MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
-
-/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
-/// squares of lanes are transposed.
-template <class Element>
-void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
-  constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
-  for (Index r = 0; r < rows; r += l) {
-    const Index n = std::min(rows - r, l);
-    for (Index i = 0; i < padded; i += depth) {
-      Vec<float> square[lanes<float>];
-#pragma GCC unroll 16
-      for (int q = 0; q < lanes<float>; ++q) {
-        const auto row = [&](Index at) {
-          // no prefetcher follows pieces so far apart
-          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
-          return rounded(a + at * lda + r, at < k ? n : 0);
-        };
-        if constexpr (sizeof(Element) == 4) {
-          square[q] = (Vec<float>)row(i + q);
-        } else {
-          square[q] = (Vec<float>)pairs(row(i + 2 * q), row(i + 2 * q + 1));
-        }
-      }
-      transpose_lanes<float>(square);
-      for (Index c = 0; c < n; ++c) std::memcpy(y + (r + c) * pitch + i, &square[c], sizeof square[c]);
-    }
-  }
-}
-
-/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
-/// time, through as many panels as lie in different parts of the cache.
-template <class Tile>
-void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
-  constexpr Index ahead = 8;  // rows
-  const Index depth = bf16_depth(k), count = (n + bf16_columns - 1) / bf16_columns;
-  for (Index left = 0; left < count; left += panel_block) {
-    for (Index i = k0; i < k1; i += 2) {
-      const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
-      std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-      for (Index j = left; j < std::min(count, left + panel_block);
-           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-        fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
-        const Index columns = n - j * bf16_columns;
-        Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
-      }
-    }
-  }
-}
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
-template <class Tile, bool looks>
-bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
-                          std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
-  const Index depth = bf16_depth(k);
-  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
-  Mask<float> found{};
-  for (Index j = first; j < last; ++j) {
-    std::uint16_t* out = panels + j * depth * bf16_columns;
-    const float* in = b + j * bf16_columns * stride;
-    const Index columns = n - j * bf16_columns;
-    for (Index i0 = 0; i0 < depth; i0 += block) {
-      const Index length = std::min(block, depth - i0);
-      for (Index c = 0; c < bf16_columns; ++c) {
-        const float* row = in + c * stride + i0;
-        const Index there = c < columns ? std::min(k - i0, length) : 0;
-        if constexpr (looks) {
-          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
-        }
-        Tile::round_row(row, there, length, lines + c * pitch);
-      }
-      for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
-        for (Index c = 0; c < bf16_columns; c += l) {
-          Vec<float> square[lanes<float>];  // column, pair
-#pragma GCC unroll 16
-          for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
-          transpose_lanes<float>(square);
-          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
-        }
-      }
-    }
-  }
-  return !any_negative<float>(found);
-}
-
-/// Bytes of a pair of k in a panel.
-inline constexpr Index pair_bytes = 4 * bf16_columns;
-
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
-/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
-/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
-/// same cache set.
-inline bool streams(const Gemm<float>& g) {
-  constexpr Index all = 16 << 20;
-  const bool whole_lines =
-      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
-  return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
-}
-/// Rows of one panel's width, from where a tile has put them.
-inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
-  for (Index r = 0; r < rows; ++r, from += bf16_columns, to += ldc) {
-    for (Index i = 0; i < bf16_columns; i += lanes<float>) store_stream(to + i, load(from + i));
-  }
-}
-
-class PanelSplit;
-
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
-/// over `depth` of k.
-template <class Element>
-struct TileProduct {
-  const Element* a;
-  Index pitch, height;
-  const std::uint16_t* panel;
-  Index depth;
-  float* c;
-  Index ldc, columns;
-  Epilogue<float> e{};
-  Ahead ahead{};
-  bool panel_stays = true;         // in the cache, for the next tile; else the rows stay
-  bool stream = false;             // c is written past the caches
-  Index number = 0;                // of the tile among those of this panel
-  bool first = true, last = true;  // piece of k
-  PanelSplit* next = nullptr;      // of floats in parts: the panel that is split meanwhile
-};
-
-/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
-///     round_row(x, n, padded, y)       y = n numbers, rounded, then zeros up to `padded`, a multiple of 32
-///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
-template <class Tile>
-struct RegisterTile {
-  static constexpr bool even = true;                                 // rows are split evenly among tiles
-  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
-  static constexpr Index pieces(Index, Index) { return 1; }          // of k
-  static void begin() {}
-  static void end() {}
-
-  template <class Element>
-  void multiply(const TileProduct<Element>& t) {
-    static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-      return std::array{&Tile::template rows_of<R + 1>...};
-    }
-    (std::make_integer_sequence<int, Tile::rows>{});
-    const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
-    if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
-    alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
-    rows_of(t.a, t.pitch, t.panel, t.depth, result, bf16_columns, t.columns, t.e, t.ahead);
-    stream_rows(result, t.height, t.c, t.ldc);
-  }
-  void finish() {}
-};
-
-/// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
-struct WideningTile : RegisterTile<WideningTile> {
-  using Element = float;
-  static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
-  static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
-  template <class Number>
-  static void round_row(const float* x, Index n, Index padded, Number* y) {
-    for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
-  }
-  static void round_pairs(const float* x, Index nx, const float* y, Index ny, std::uint16_t* out) {
-    for (Index c = 0; c < bf16_columns; c += word_lanes) {
-      store_words(out + 2 * c, pairs(rounded(x + c, nx - c), rounded(y + c, ny - c)));
-    }
-  }
-
-  template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
-                      Index columns, const Epilogue<float>& e, Ahead ahead) {
-    constexpr int l = lanes<float>;
-    for (Index column = 0; column < columns; column += 2 * l) {
-      const Epilogue<float> piece = e.from_column(column);
-      fetch_result<float, R>(c + column, ldc, piece);
-      if (column > 0) ahead.step = 0;  // once is enough
-      Vec<float> c0[R], c1[R];
-#pragma GCC unroll 16
-      for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
-      const std::uint16_t* b = panel + 2 * column;
-      for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
-        ahead.fetch();
-        const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
-        const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
-        const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
-#pragma GCC unroll 16
-        for (int i = 0; i < R; ++i) {
-          const float x = a[i * pitch + k], y = a[i * pitch + k + 1];
-          c0[i] += x * even0;
-          c1[i] += x * even1;
-          c0[i] += y * odd0;
-          c1[i] += y * odd1;
-        }
-      }
-      put_result<float, R>(c0, c1, c + column, ldc, columns - column, piece);
-    }
-  }
-};
-
-/// The first `count` rows of A, side by side.
-template <class Tile>
-void round_rows(const Rows<float>& a, Index count, Index k, Index depth, typename Tile::Element* y, Index pitch) {
-  if (a.transposed) return round_columns(a.at, a.stride, count, k, depth, y, pitch);
-  for (Index r = 0; r < count; ++r) Tile::round_row(a.from(r).at, k, depth, y + r * pitch);
-}
-
-/// Rows of A in scratch at once, and their distance.
-template <class Tile>
-Index bf16_rows(Index k) {
-  return rows_at_once(bytes<typename Tile::Element>(bf16_depth(k)), Tile::rows, half_cache / 2 * 3);
-}
-template <class Tile>
-constexpr Index bf16_pitch(Index depth) {
-  return depth + 64 / static_cast<Index>(sizeof(typename Tile::Element));
-}
-/// Numbers of scratch that bf16_gemm_block needs.
-template <class Tile>
-Index bf16_scratch(Index k) {
-  return bf16_rows<Tile>(k) * bf16_pitch<Tile>(bf16_depth(k));
-}
-
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
-template <class Tile>
-void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
-                     float* scratch) {
-  using Element = typename Tile::Element;
-  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
-  Element* a = reinterpret_cast<Element*>(scratch);
-  const bool stream = streams(g);
-  Tile tile;
-  Tile::begin();
-  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
-  const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
-  for (Index block = 0; block < row_blocks; ++block) {
-    const Index top = r0 + unit * part(units, block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
-                tiles = (rows + Tile::rows - 1) / Tile::rows;
-    const Index pieces = Tile::pieces(depth, tiles);
-    round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
-    for (Index j = j0; j < j1; ++j) {
-      const std::uint16_t* panel = panels + j * depth * bf16_columns;
-      const bool last = j + 1 == j1 && top + rows == r1;
-      const std::byte* next = as_bytes(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
-      const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
-      for (Index step = 0; step < pieces * tiles; ++step) {
-        const Index piece = step / tiles, t = step % tiles;
-        const Index k0 = 32 * part(depth / 32, piece, pieces),
-                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
-        const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
-        const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        const Index row = top + first, column = j * bf16_columns;
-        const auto ahead =
-            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
-        TileProduct<Element> product{.a = a + first * pitch + k0,
-                                     .pitch = pitch,
-                                     .height = height,
-                                     .panel = panel + k0 * bf16_columns,
-                                     .depth = k1 - k0,
-                                     .c = g.c + row * g.ldc + column,
-                                     .ldc = g.ldc,
-                                     .columns = std::min(g.n - column, bf16_columns),
-                                     .e = Epilogue<float>::of(g, row, column, true, true),
-                                     .ahead = ahead,
-                                     .panel_stays = tiles > 1,
-                                     .stream = stream,
-                                     .number = t,
-                                     .first = piece == 0,
-                                     .last = piece + 1 == pieces};
-        tile.multiply(product);
-      }
-    }
-  }
-  tile.finish();
-  if (stream) end_of_streams();
-  Tile::end();
-}
-
-/// The products of attention (attention.inc) in bfloat16; scores and softmax stay in float.
-template <class Tile>
-struct Bf16Products {
-  using Number = float;
-  using Element = typename Tile::Element;
-  static constexpr Index rows = Tile::rows;
-  static void begin() { Tile::begin(); }
-  static void end() { Tile::end(); }
-  static Index columns(Index n) { return bf16_depth(n); }
-  static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
-  static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
-
-  static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
-    auto* out = reinterpret_cast<std::uint16_t*>(panels);
-    if (stride_n == 1)
-      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else
-      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
-  }
-  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
-                       float* scratch, bool whole_panels) {
-    const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
-    auto* rounded_rows = reinterpret_cast<Element*>(scratch);
-    Tile tile;
-    for (Index first = 0; first < count; first += Tile::rows) {
-      const Index height = std::min<Index>(Tile::rows, count - first);
-      round_rows<Tile>(a.from(first), height, k, depth, rounded_rows, pitch);
-      for (Index j = 0; j < n; j += bf16_columns) {
-        const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
-        tile.multiply(TileProduct<Element>{.a = rounded_rows,
-                                           .pitch = pitch,
-                                           .height = height,
-                                           .panel = panel,
-                                           .depth = Tile::depth(k),
-                                           .c = c + first * ldc + j,
-                                           .ldc = ldc,
-                                           .columns = whole_panels ? bf16_columns : std::min(n - j, bf16_columns),
-                                           .ahead = {as_bytes(panel)},
-                                           .panel_stays = false});
-      }
-    }
-    tile.finish();
-  }
-};
-
-template <class Tile>
-const Bf16Kernels& bf16_table() {
-  static constexpr Bf16Kernels t{.name = Tile::name,
-                                 .tile_rows = Tile::rows,
-                                 .gemm_rows = &bf16_rows<Tile>,
-                                 .gemm_scratch = &bf16_scratch<Tile>,
-                                 .pack_rows = &bf16_pack_rows<Tile>,
-                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
-                                 .gemm_block = &bf16_gemm_block<Tile>,
-                                 .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
-                                 .attention_head = &attention_head<Bf16Products<Tile>>,
-                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
-                                 .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
-  return t;
-}
-
-template <class S>
-const Kernels<S>& table() {
-  static constexpr Kernels<S> t{
-      .isa = Isa::MOTIONLANG_ISA,
-      .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
-      .panel_width = panel_width<S>,
-      .tile_rows = tile_rows,
-      .gemm_rows = &gemm_rows<S>,
-      .gemm_scratch = &gemm_scratch<S>,
-      .pack_rows = &pack_rows<S>,
-      .pack_transposed = &pack_transposed<S, true>,
-      .gemm_block = &gemm_block<S>,
-      .attention_scratch = &attention_scratch<FloatProducts<S>>,
-      .attention_head = &attention_head<FloatProducts<S>>,
-      .dropout = &dropout<S>,
-      .layer_norm_rows = &layer_norm_rows<S>,
-      .softmax_rows = &softmax_rows<S>,
-      .transpose = &transpose<S>,
-      .activate = &activate<S>,
-      .binary = &binary<S>,
-      .error_function = &error_function<S>,
-      .row_sums = &row_sums<S>,
-      .column_sums = &column_sums<S>,
-  };
-  return t;
-}
-template <class S>
-const GradientKernels<S>& gradient_table() {
-  static constexpr GradientKernels<S> t{
-      .attention_scratch = &attention_vjp_scratch<FloatProducts<S>>,
-      .attention_head = &attention_head_vjp<FloatProducts<S>>,
-      .layer_norm_rows = &layer_norm_rows_vjp<S>,
-      .layer_norm_columns = &layer_norm_columns_vjp<S>,
-      .activate = &activate_vjp<S>,
-      .adamw = &adamw<S>,
-  };
-  return t;
-}
-
-#undef MOTIONLANG_STRING
-#undef MOTIONLANG_STRING_OF
-#undef MOTIONLANG_INLINE
-
-}  // namespace detail::MOTIONLANG_ISA
-MOTIONLANG_NAMESPACE_END
+#define MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC
+#include "stmc.hpp"
+#undef MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
@@ -7487,1744 +4021,9 @@ MOTIONLANG_TARGET_PUSH(MOTIONLANG_AVX512)
 #define MOTIONLANG_ISA avx512
 #define MOTIONLANG_VECTOR_BYTES 64
 #define MOTIONLANG_TILE_ROWS 14
-// All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
-
-MOTIONLANG_NAMESPACE_BEGIN
-namespace detail::MOTIONLANG_ISA {
-
-// Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
-// Included once for every instruction set by kernels.hpp; no include guard on purpose.
-
-template <class S>
-struct VectorOf {
-  typedef S type __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-  typedef S loose __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(sizeof(S)), may_alias));
-  using bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
-  typedef bits mask __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-};
-template <class S>
-using Vec = typename VectorOf<S>::type;
-template <class S>
-using Mask = typename VectorOf<S>::mask;
-template <class S>
-inline constexpr int lanes = MOTIONLANG_VECTOR_BYTES / static_cast<int>(sizeof(S));
-
-// Everything below is inlined: passing such vectors between functions would depend on the caller's instruction set.
-#define MOTIONLANG_INLINE inline __attribute__((always_inline))
-
-template <class S>
-MOTIONLANG_INLINE Vec<S> load(const S* p) {
-  return *reinterpret_cast<const typename VectorOf<S>::loose*>(p);
-}
-template <class S>
-MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
-  *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
-}
-/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
-template <class S>
-MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
-#if defined(__clang__)
-  __builtin_nontemporal_store(v, reinterpret_cast<Vec<S>*>(p));
-#elif defined(__x86_64__)
-  auto* at = reinterpret_cast<float*>(p);
-#if MOTIONLANG_VECTOR_BYTES == 64
-  __builtin_ia32_movntps512(at, (Vec<float>)v);
-#elif MOTIONLANG_VECTOR_BYTES == 32
-  __builtin_ia32_movntps256(at, (Vec<float>)v);
-#else
-  __builtin_ia32_movntps(at, (Vec<float>)v);
-#endif
-#else
-  store(p, v);
-#endif
-}
-/// Asks for n numbers that are read soon.
-template <class Number>
-MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
-  for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
-}
-MOTIONLANG_INLINE void end_of_streams() {
-#if defined(__x86_64__)
-  __builtin_ia32_sfence();
-#endif
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> splat(S x) {
-  return x - Vec<S>{};
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above are 0
-  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)] = {};
-  for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
-  return load(t);
-}
-/// The first n numbers (all lanes if there are so many), then zeros; nothing is read if n <= 0.
-template <class S>
-MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
-  return n >= lanes<S> ? load(p) : load_some(p, n);
-}
-template <class S>
-MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
-  for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
-}
-template <class S>
-MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
-  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
-}
-// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
-// (Where one of them is a constant, GCC 12 makes two instructions of it for vectors of 64 bytes.)
-template <class S>
-MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
-#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
-  if constexpr (sizeof(S) == 4) {
-    Vec<S> r;
-    asm("vmaxps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
-    return r;
-  }
-#endif
-  return a > b ? a : b;
-}
-template <class S>
-MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
-#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
-  if constexpr (sizeof(S) == 4) {
-    Vec<S> r;
-    asm("vminps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
-    return r;
-  }
-#endif
-  return a < b ? a : b;
-}
-/// Lanes of `found` become negative where x is NaN or infinite: all bits of its exponent are set.
-template <class S>
-MOTIONLANG_INLINE void find_not_finite(const Vec<S>& x, Mask<S>& found) {
-  constexpr auto exponent = detail::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
-  found |= (~(Mask<S>)x & exponent) - 1;
-}
-template <class S>
-MOTIONLANG_INLINE bool any_negative(const Mask<S>& v) {
-  bool any = false;
-  for (int i = 0; i < lanes<S>; ++i) any |= v[i] < 0;
-  return any;
-}
-/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
-template <class S, int half, int... l>
-MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
-  return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
-}
-// Halves are put together until one lane is left: sums have a fixed order.
-template <class S, int half = lanes<S> / 2>
-MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
-  if constexpr (half == 0)
-    return v[0];
-  else
-    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
-}
-template <class S, int half = lanes<S> / 2>
-MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
-  if constexpr (half == 0)
-    return v[0];
-  else
-    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
-}
-
-/// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
-template <class S, int half, int... l>
-MOTIONLANG_INLINE void swap_blocks(Vec<S>& a, Vec<S>& b, std::integer_sequence<int, l...>) {
-  constexpr int n = lanes<S>;
-  const Vec<S> upper = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l - half : l)...);
-  b = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l : l + half)...);
-  a = upper;
-}
-/// v[i][j] becomes v[j][i]: blocks of 1, 2, 4, ... lanes are swapped.
-template <class S, int half = 1>
-MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
-  if constexpr (half < lanes<S>) {
-#pragma GCC unroll 16
-    for (int i = 0; i < lanes<S>; ++i) {
-      if ((i & half) == 0) swap_blocks<S, half>(v[i], v[i + half], std::make_integer_sequence<int, lanes<S>>{});
-    }
-    transpose_lanes<S, 2 * half>(v);
-  }
-}
-
-/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
-/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
-  constexpr bool single = sizeof(S) == 4;
-  constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
-  const Vec<S> c = vmin<S>(splat(high), x);
-  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
-  // lowest bits.
-  const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
-  const Vec<S> shifted = c * S(1.4426950408889634) + magic;
-  const Vec<S> n = shifted - magic;
-  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
-                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
-  Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
-  if constexpr (!single) {
-    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
-      p = p * f + S(k);
-  }
-  for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
-  const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
-  return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
-}
-
-/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
-/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
-template <class S>
-MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
-  Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
-  p = p * y + S(6.364869382952854e-06);
-  q = q * y + S(7.602274008301123e-05);
-  p = p * y + S(0.00017693884114677917);
-  q = q * y + S(0.0019305587808950675);
-  p = p * y + S(0.004725908484413717);
-  q = q * y + S(0.029119172061619288);
-  p = p * y + S(0.0346923636272431);
-  q = q * y + S(0.25362643899642984);
-  p = p * y + S(0.3989422129894181);
-  q = q * y + S(1);
-  return p / q;
-}
-/// erf(x) = 2 Phi(sqrt(2) x) - 1. Float: absolute error below 5e-7. Double: libm.
-template <class S>
-MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
-    return c * phi_ratio<S>(c * c * S(2)) * S(2.8284271247461901);
-  } else {
-    Vec<S> r{};
-    for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
-    return r;
-  }
-}
-#if MOTIONLANG_VECTOR_BYTES == 64
-/// 32 numbers: lane i of the result is that which the lowest five bits of index[i] say.
-MOTIONLANG_INLINE Vec<float> look_up(const float* table, const Vec<float>& index) {
-  Vec<float> r = load(table);
-  asm("vpermt2ps %2, %1, %0" : "+v"(r) : "v"(index), "v"(load(table + 16)));
-  return r;
-}
-/// By gelu_table.hpp: absolute error below 1e-7 for x < 0, relative error below 5e-7 for x > 0.
-MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
-  static_assert(GeluTable::cells == 32 && GeluTable::width == 0.25);
-  constexpr auto last = static_cast<float>(GeluTable::width * (GeluTable::cells - 1));
-  Vec<float> c, d;
-  asm("vrangeps $0xa, %2, %1, %0" : "=v"(c) : "v"(x), "v"(splat(last)));  // min(|x|, last)
-  asm("vreduceps $0x24, %1, %0" : "=v"(d) : "v"(c));                      // c - i / 4, i = round(4 c)
-  const Vec<float> i = c + 3145728.f;                                     // 1.5 * 2^21: i in the lowest bits
-  const auto& table = gelu_table.by_power;
-  Vec<float> g = look_up(table[GeluTable::degree], i);
-#pragma GCC unroll 8
-  for (int n = GeluTable::degree; n-- > 0;) g = g * d + look_up(table[n], i);
-  return vmax<float>(Vec<float>{}, x) - g;
-}
-#endif
-/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
-/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
-#if MOTIONLANG_VECTOR_BYTES == 64
-  if constexpr (sizeof(S) == 4) return gelu_by_table(x);
-#endif
-  const Vec<S> h = x * S(0.5);
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> y = x * x;
-    return h + (y < splat(S(32)) ? y * phi_ratio<S>(y) : (Vec<S>)((Mask<S>)h & 0x7fffffff));
-  } else {
-    return h + h * verf<S>(x * S(0.70710678118654752));
-  }
-}
-
-/// Square root of x >= 0: Newton's iteration for 1/sqrt(x) from an estimate by shifting the exponent; within 1 ulp.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
-  constexpr bool single = sizeof(S) == 4;
-  using Bits = typename VectorOf<S>::bits;
-  Vec<S> y = (Vec<S>)(static_cast<Bits>(single ? 0x5F375A86 : 0x5FE6EB50C7B537A9) - ((Mask<S>)x >> 1));
-  for (int i = 0; i < (single ? 3 : 5); ++i) y = y * (S(1.5) - x * S(0.5) * y * y);
-  const Vec<S> r = x * y;
-  return r + S(0.5) * y * (x - r * r);
-}
-
-/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
-/// Double: libm.
-template <class S>
-MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
-  if constexpr (sizeof(S) == 4) {
-    const Vec<S> y = x * x;
-    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
-    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
-    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
-    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
-    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
-  } else {
-    Vec<S> r{};
-    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
-    return r;
-  }
-}
-//
-// Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
-
-template <Activation act, class S>
-MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
-  switch (act) {
-    case Activation::none:
-      return x;
-    case Activation::relu:
-      return vmax<S>(Vec<S>{}, x);
-    case Activation::gelu:
-      return vgelu<S>(x);
-    case Activation::silu:
-      return x / (vexp<S>(-x) + S(1));
-    case Activation::tanh:
-      return vtanh<S>(x);
-    case Activation::quick_gelu:
-      return x / (vexp<S>(x * S(-1.702)) + S(1));
-    case Activation::gelu_new: {
-      const Vec<S> h = x * S(0.5);
-      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
-    }
-    case Activation::sigmoid:
-      return S(1) / (vexp<S>(-x) + S(1));
-  }
-  return x;
-}
-
-/// Derivative at x.
-///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
-template <Activation act, class S>
-MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
-  switch (act) {
-    case Activation::none:
-      return splat(S(1));
-    case Activation::relu:
-      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
-    case Activation::gelu: {
-      const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
-      return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
-    }
-    case Activation::silu: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
-      return s + x * s * (S(1) - s);
-    }
-    case Activation::tanh: {
-      const Vec<S> t = vtanh<S>(x);
-      return S(1) - t * t;
-    }
-    case Activation::quick_gelu: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
-      return s + x * s * (S(1) - s) * S(1.702);
-    }
-    case Activation::gelu_new: {
-      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
-      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
-    }
-    case Activation::sigmoid: {
-      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
-      return s * (S(1) - s);
-    }
-  }
-  return splat(S(1));
-}
-
-/// f.operator()<act>().
-template <class F>
-void with_activation(Activation act, const F& f) {
-  switch (act) {
-    case Activation::none:
-      return f.template operator()<Activation::none>();
-    case Activation::relu:
-      return f.template operator()<Activation::relu>();
-    case Activation::gelu:
-      return f.template operator()<Activation::gelu>();
-    case Activation::silu:
-      return f.template operator()<Activation::silu>();
-    case Activation::tanh:
-      return f.template operator()<Activation::tanh>();
-    case Activation::quick_gelu:
-      return f.template operator()<Activation::quick_gelu>();
-    case Activation::gelu_new:
-      return f.template operator()<Activation::gelu_new>();
-    case Activation::sigmoid:
-      return f.template operator()<Activation::sigmoid>();
-  }
-}
-
-/// y = act(x) for so many rows of `width` numbers, which begin ldx and ldy apart; y may be x.
-template <class S>
-void activate_rows(const S* x, Index ldx, Index rows, Index width, Activation act, S* y, Index ldy) {
-  constexpr int l = lanes<S>;
-  with_activation(act, [=]<Activation a>() {
-    for (Index r = 0; r < rows; ++r) {
-      const S* from = x + r * ldx;
-      S* to = y + r * ldy;
-      Index i = 0;
-      for (; i + l <= width; i += l) store(to + i, apply_activation<a, S>(load(from + i)));
-      if (i < width) store_some(to + i, apply_activation<a, S>(load_some(from + i, width - i)), width - i);
-    }
-  });
-}
-template <class S>
-void activate(const S* x, Index n, Activation act, S* y) {
-  activate_rows(x, n, 1, n, act, y, n);
-}
-/// dx = dy act'(x) for n numbers.
-template <class S>
-void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
-  constexpr int l = lanes<S>;
-  with_activation(act, [=]<Activation a>() {
-    Index i = 0;
-    for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<a, S>(load(x + i)));
-    if (i < n) store_some(dx + i, load_some(dy + i, n - i) * activation_slope<a, S>(load_some(x + i, n - i)), n - i);
-  });
-}
-//
-// Matrix product with packed right-hand side: register tiles, cache blocks, epilogue in the tile.
-//
-//   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
-//   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
-//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
-//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
-//            well. (All panels at a time where A is copied first.)
-//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
-//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
-//            result's rows are written, one after the other: the lines under them, which come from memory first, the
-//            processor fetches by itself, and fewer pages are in use.
-//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
-//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
-//            the next rows of A.
-//   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
-
-template <class S>
-inline constexpr Index panel_width = 2 * lanes<S>;
-inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
-inline constexpr Index depth_block = 1024;
-inline constexpr Index panel_block = 8;
-inline constexpr Index most_tiles = 16;        // of rows in a block
-inline constexpr Index near_caches = 4 << 20;  // bytes
-// for rows of A, and as much for a group of panels
-inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
-template <class S>
-// of a tile of a transposed A, copied
-inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
-
-template <class S>
-constexpr Index bytes(Index count) {
-  return count * static_cast<Index>(sizeof(S));
-}
-template <class S>
-const std::byte* as_bytes(const S* x) {
-  return reinterpret_cast<const std::byte*>(x);
-}
-
-/// Rows of A, `row_bytes` each, in a block of so many bytes: at most most_tiles tiles.
-constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
-  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
-}
-
-/// Rows k0 ... k1-1 of all panels of B, whose element (k, n) is b[k * stride + n].
-template <class S>
-void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels) {
-  constexpr Index w = panel_width<S>, l = lanes<S>;
-  constexpr Index ahead = 8;  // rows
-  for (Index i = k0; i < k1; ++i) {
-    const S* in = b + i * stride;
-    S* out = panels + i * w;
-    for (Index columns = n; columns > 0; columns -= w, in += w, out += k * w) {
-      __builtin_prefetch(in + ahead * stride), __builtin_prefetch(in + ahead * stride + l);
-      store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
-    }
-  }
-}
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
-template <class S, bool looks>
-bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
-  constexpr Index w = panel_width<S>, l = lanes<S>;
-  Mask<S> found{};
-  for (Index j = first; j < last; ++j) {
-    S* out = panels + j * k * w;
-    const Index columns = n - j * w;
-    const S* in = b + j * w * stride;
-    for (Index i = 0; i < k; i += l) {
-      const Index rows = k - i < l ? k - i : l;
-      for (Index c = 0; c < w; c += l) {
-        Vec<S> square[lanes<S>];
-#pragma GCC unroll 16
-        for (int q = 0; q < lanes<S>; ++q) {
-          const S* from = in + (c + q) * stride + i;
-          square[q] = load_first(from, c + q < columns ? rows : 0);
-          if constexpr (looks) find_not_finite<S>(square[q], found);
-        }
-        transpose_lanes<S>(square);
-        for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
-      }
-    }
-  }
-  return !any_negative<S>(found);
-}
-
-/// Rows of A, whose element (i, k) is at[i * stride + k], or, when transposed, at[i + k * stride].
-template <class S>
-struct Rows {
-  const S* at;
-  Index stride;
-  bool transposed;
-
-  Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
-  Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
-};
-
-/// What is read after a tile: it is fetched into the second-level cache meanwhile, `step` bytes, a line at most, for
-/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
-/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
-/// which fetches by itself lines that follow each other (20 % slower from memory).
-struct Ahead {
-  const std::byte* at = nullptr;
-  Index step = 0;
-
-  /// Share i of n of `bytes` that begin at `next`, in so many steps: shares rather overlap than leave bytes between
-  /// them.
-  MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
-    const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
-    return {next + i * step * steps, step};
-  }
-  MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
-};
-
-/// What to do with a finished tile: add what is there already (k is split), bias, residual; then the nonlinearity.
-template <class S>
-struct Epilogue {
-  bool accumulate = false;
-  const S* bias = nullptr;      // of the panel's first column
-  const S* residual = nullptr;  // of the tile's first element
-  Index residual_stride = 0;
-  Activation act = Activation::none;
-
-  /// Of the tile that begins at a row and column of a product; `first` and `last`: of the blocks of k.
-  static Epilogue of(const Gemm<S>& g, Index row, Index column, bool first, bool last) {
-    Epilogue e{.accumulate = !first};
-    if (!last) return e;
-    e.act = g.act;
-    if (g.bias != nullptr) e.bias = g.bias + column;
-    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
-    return e;
-  }
-  Epilogue from_column(Index column) const {
-    Epilogue e = *this;
-    if (bias != nullptr) e.bias += column;
-    if (residual != nullptr) e.residual += column;
-    return e;
-  }
-  Epilogue from_row(Index row) const {
-    Epilogue e = *this;
-    if (residual != nullptr) e.residual += row * residual_stride;
-    return e;
-  }
-};
-
-/// Asks for the rows of c and of the residual that a tile is put into.
-template <class S, int R>
-MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
-  constexpr int l = lanes<S>;
-  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
-  if (e.residual == nullptr) return;
-  for (int i = 0; i < R; ++i) {
-    const S* row = e.residual + i * e.residual_stride;
-    __builtin_prefetch(row), __builtin_prefetch(row + l);
-  }
-}
-
-/// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
-template <class S>
-[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
-                                         const Epilogue<S>& e) {
-  constexpr Index l = lanes<S>;
-  for (Index r = 0; r < rows; ++r) {
-    for (Index i = 0; i < columns; i += l) {
-      const Index n = columns - i;
-      S* out = c + r * ldc + i;
-      Vec<S> x = sums[2 * r + i / l];
-      if (e.accumulate) x += load_first(out, n);
-      if (e.bias != nullptr) x += load_first(e.bias + i, n);
-      if (e.residual != nullptr) x += load_first(e.residual + r * e.residual_stride + i, n);
-      store_first(out, x, n);
-    }
-  }
-}
-
-/// c (R x columns) = the sums of a tile, c0 and c1 being its two vectors of columns.
-template <class S, int R>
-MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
-  constexpr int l = lanes<S>;
-  if (columns >= 2 * l) {
-    const Vec<S> z0 = e.bias == nullptr ? Vec<S>{} : load(e.bias), z1 = e.bias == nullptr ? Vec<S>{} : load(e.bias + l);
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      S* out = c + i * ldc;
-      if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
-      c0[i] += z0, c1[i] += z1;
-      if (e.residual != nullptr)
-        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
-      store(out, c0[i]), store(out + l, c1[i]);
-    }
-  } else {
-    Vec<S> sums[static_cast<std::size_t>(2 * R)];
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) sums[2 * i] = c0[i], sums[2 * i + 1] = c1[i];
-    put_narrow_result(sums, R, c, ldc, columns, e);
-  }
-  if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
-}
-
-/// What kind of tile: of A as it lies, of a transposed A, or of A as it lies times the first half of a panel only.
-enum class TileKind { plain, transposed, half };
-
-/// c (R x columns) = a (R x k) panel.
-template <class S, int R, TileKind kind>
-void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
-          Ahead ahead) {
-  constexpr Index w = panel_width<S>;
-  constexpr int l = lanes<S>;
-  constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
-  Vec<S> c0[R], c1[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
-  fetch_result<S, R>(c, ldc, e);
-  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
-  // strides is known to be 1, which saves additions (1 to 4 % of the time).
-  const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
-  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
-          *p4 = p0 + 12 * row_stride;
-#pragma GCC unroll 2
-  for (Index at = 0; at < k; ++at) {
-    if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
-    const Vec<S> b0 = load(panel), b1 = half ? Vec<S>{} : load(panel + l);
-    panel += w;
-    __builtin_prefetch(panel + 16 * w);
-    __builtin_prefetch(panel + 16 * w + l);
-    ahead.fetch();
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const S x = i < 3    ? p0[i * row_stride]
-                  : i < 6  ? p1[(i - 3) * row_stride]
-                  : i < 9  ? p2[(i - 6) * row_stride]
-                  : i < 12 ? p3[(i - 9) * row_stride]
-                           : p4[(i - 12) * row_stride];
-      c0[i] += x * b0;
-      if constexpr (!half) c1[i] += x * b1;
-    }
-    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
-  }
-  put_result<S, R>(c0, c1, c, ldc, columns, e);
-}
-
-template <class S>
-using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
-/// The tile of so many rows for what is left of the columns.
-template <class S>
-TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
-  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-    return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
-                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
-                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
-  }
-  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
-  const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
-  return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
-}
-
-/// First row of part i of n nearly equal parts.
-MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
-
-/// How a product over k is split: pieces of k, and rows of A at a time.
-template <class S>
-struct Blocks {
-  Index count, rows;
-
-  explicit Blocks(Index k)
-      : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
-        rows(rows_at_once(bytes<S>((k + count - 1) / count), tile_rows, half_cache)) {}
-};
-template <class S>
-Index gemm_rows(Index k) {
-  return Blocks<S>(k).rows;
-}
-/// Numbers of scratch that gemm_block needs.
-template <class S>
-Index gemm_scratch(Index k) {
-  return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
-}
-
-/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
-/// other. `readable`: rows that A has from here on.
-template <class S>
-void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
-  constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
-  const Index tiles = (rows + tile_rows - 1) / tile_rows;
-  for (Index k = 0; k < depth; ++k, a += lda, out += pitch) {
-    if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
-    for (Index t = 0; t < tiles; ++t) {
-      const Index first = part(rows, t, tiles);
-      for (Index i = 0; i < pitch; i += l)
-        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
-    }
-  }
-}
-
-/// What is made at a time: of k the part k0 ... k1-1 of rows top ... below-1 times panels left ... right-1.
-template <class S>
-struct GemmPiece {
-  static constexpr Index w = panel_width<S>;
-  const Gemm<S>& g;
-  S* scratch;
-  bool copies, far;                   // rows of A are copied as they are; the result is larger than the nearer caches
-  Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
-  Index left = 0, right = 0;
-  Index k0 = 0, k1 = 0;
-  // panels that are read after it: at last the first ones once more, if nothing else is known
-  const std::byte* next = nullptr;
-  Index next_bytes = std::numeric_limits<Index>::max();
-
-  Index depth() const { return k1 - k0; }
-  Index pitch() const { return depth() + 16; }
-  const S* slice(Index panel) const { return g.panels + (panel * g.k + k0) * w; }
-
-  Rows<S> rows_of(Index tile, Index row) const {
-    if (g.a_transposed) return {scratch + tile * depth() * tile_pitch<S>, tile_pitch<S>, true};
-    if (copies) return {scratch + (row - top) * pitch(), pitch(), false};
-    return {g.a + row * g.lda + k0, g.lda, false};
-  }
-  void copy_rows(Index first, Index last) const {
-    for (Index r = first; r < last; ++r) {
-      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
-    }
-  }
-
-  void multiply() const {
-    const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
-    const bool whole = depth == g.k, transposed = g.a_transposed;
-    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
-    const Index groups = (right - left + together - 1) / together;
-    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
-    // tile's when it is next.
-    if (transposed)
-      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
-    else if (copies && !far)
-      copy_rows(top, below);
-    for (Index group = 0; group < groups; ++group) {
-      const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
-      const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
-      const std::byte* next_panels = j1 < right ? as_bytes(slice(j1)) : next;
-      const Index next_panel_bytes = j1 < right ? panel_bytes : std::min(panel_bytes, next_bytes);
-      for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
-        height = top + part(below - top, t + 1, tiles) - row;
-        const Index next_row = row + height;
-        if (copies && far && group == 0) copy_rows(row, next_row);
-        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
-        // none.)
-        const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
-        const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
-        const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
-        for (Index i = 0; i < panels; ++i) {
-          const Index j = j0 + i, columns = g.n - j * w;
-          const Ahead ahead =
-              i < row_panels
-                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
-                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
-          S* c = g.c + row * g.ldc + j * w;
-          const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
-          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
-        }
-      }
-    }
-  }
-};
-
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
-template <class S>
-void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
-  const Blocks<S> split(g.k);
-  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
-  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
-  // once.
-  const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
-  const bool all_panels = copies || g.a_transposed || blocks == 1;
-  const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
-  const bool far = bytes<S>(g.m * g.n) > near_caches;
-  for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
-    const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
-    GemmPiece<S> piece{.g = g,
-                       .scratch = scratch,
-                       .copies = copies,
-                       .far = far,
-                       .top = r0 + part(r1 - r0, row_block, row_blocks),
-                       .below = r0 + part(r1 - r0, row_block + 1, row_blocks),
-                       .end = r1,
-                       .left = left,
-                       .right = std::min(j1, left + wide),
-                       .k0 = part(g.k, block, blocks),
-                       .k1 = part(g.k, block + 1, blocks)};
-    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
-               last = next_rows && piece.below == r1;
-    const S* next = g.panels + ((next_rows      ? j0
-                                 : next_columns ? piece.right
-                                                : left) *
-                                    g.k +
-                                (next_columns ? 0 : piece.k1)) *
-                                   piece.w;
-    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
-    if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
-    piece.multiply();
-  }
-}
-//
-// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
-// or one head (backward), never for a batch.
-//
-//   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
-//   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
-
-/// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
-/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
-/// none waits.
-template <class S, int R>
-MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
-  constexpr int l = lanes<S>;
-  const Index padded = (n + l - 1) / l * l;
-  constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
-  Vec<S> largest[R], sum[R], inverse[R];
-  S shift[R];
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) {
-    for (Index c = visible[i]; c < padded; ++c) rows[i * pitch + c] = hidden;
-    largest[i] = splat(hidden), sum[i] = Vec<S>{};
-  }
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) largest[i] = vmax<S>(largest[i], load(rows + i * pitch + c));
-  }
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) shift[i] = reduce_max<S>(largest[i]) * scale;
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) {
-      const Vec<S> e = vexp<S>(load(rows + i * pitch + c) * scale - shift[i]);
-      store(rows + i * pitch + c, e);
-      sum[i] += e;
-    }
-  }
-#pragma GCC unroll 16
-  for (int i = 0; i < R; ++i) inverse[i] = splat(S(1) / reduce_add<S>(sum[i]));
-  for (Index c = 0; c < padded; c += l) {
-#pragma GCC unroll 16
-    for (int i = 0; i < R; ++i) store(rows + i * pitch + c, load(rows + i * pitch + c) * inverse[i]);
-  }
-}
-inline constexpr int softmax_group = 4;  // of rows
-/// The same for `count` rows, the first of which is query `first`; causal: row i sees keys up to its own number.
-template <class S>
-void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bool causal, S scale) {
-  for (Index r = 0; r < count;) {
-    Index visible[softmax_group];
-    for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
-    if (r + softmax_group <= count)
-      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
-    else
-      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
-  }
-}
-
-/// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
-template <class S>
-void dropout(const S* x, Index n, Index first, const Dropout& d, S* y) {
-  typedef std::uint32_t Bits __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-  constexpr Index l = MOTIONLANG_VECTOR_BYTES / 4;
-  const std::uint32_t limit = d.limit();
-  const auto key0 = static_cast<std::uint32_t>(d.key) +
-                    static_cast<std::uint32_t>(static_cast<std::uint64_t>(first) >> 32) * 0x27D4EB2Fu;
-  const auto key1 = static_cast<std::uint32_t>(d.key >> 32);
-  const S keep = static_cast<S>(1.0 / (1.0 - d.p));
-  Bits counter;
-  for (Index i = 0; i < l; ++i) counter[i] = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(i);
-  for (Index i = 0; i < n; i += l, counter += static_cast<std::uint32_t>(l)) {
-    Bits h = counter * 0x9E3779B1u + key0;
-    h = (h ^ (h >> 16)) * 0x85EBCA6Bu + key1;
-    h = (h ^ (h >> 13)) * 0xC2B2AE35u;
-    h = h ^ (h >> 16);
-    if (sizeof(S) == 4 && i + l <= n) {
-      const Vec<S> kept = load(x + i) * keep;
-      store(y + i, (Mask<S>)(h >= limit) ? kept : Vec<S>{});
-    } else {
-      for (Index c = 0; c < l && i + c < n; ++c) y[i + c] = h[c] >= limit ? x[i + c] * keep : S(0);
-    }
-  }
-}
-
-template <class S>
-MOTIONLANG_INLINE Index padded_panels(Index n) {
-  return (n + panel_width<S> - 1) / panel_width<S>;
-}
-
-/// The products of attention in S. (Bf16Products is the other kind.)
-template <class S>
-struct FloatProducts {
-  using Number = S;
-  static constexpr Index rows = tile_rows;  // that products are fastest with
-  static void begin() {}
-  static void end() {}
-  /// Columns that products write of n.
-  static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
-  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
-  static Index panels(Index k, Index n) { return columns(n) * k; }
-  static Index scratch(Index) { return 0; }
-
-  static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
-    if (stride_n == 1)
-      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
-    else
-      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
-  }
-  /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
-  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
-                       bool whole_panels) {
-    constexpr Index w = panel_width<S>;
-    const Index tiles = (count + tile_rows - 1) / tile_rows;
-    const Epilogue<S> plain;
-    for (Index j = 0; j < padded_panels<S>(n); ++j) {
-      for (Index t = 0; t < tiles; ++t) {
-        const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
-        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
-                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
-      }
-    }
-  }
-};
-
-/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
-/// columns of.
-template <class S>
-struct AttentionHead {
-  const Attention<S>& t;
-  Index head, q0, k0, queries, keys;
-  const S *q, *k, *v;
-
-  AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
-      : t(a),
-        head(head_number),
-        q0(a.q_offsets[sequence]),
-        k0(a.k_offsets[sequence]),
-        queries(a.q_offsets[sequence + 1] - q0),
-        keys(a.k_offsets[sequence + 1] - k0),
-        q(a.q + q0 * a.q_stride + head * a.width),
-        k(a.k + k0 * a.k_stride + head * a.width),
-        v(a.v + k0 * a.v_stride + head * a.width) {}
-
-  S scale() const { return S(1) / std::sqrt(static_cast<S>(t.width)); }
-  /// Scores of `count` queries from `first` on, q k^T, become their rows of P: relative scores, softmax, dropout.
-  void weights(Index first, Index count, S* rows, Index pitch) const {
-    const S unscale = std::sqrt(static_cast<S>(t.width));
-    for (Index r = 0; r < count && t.relative_scores != nullptr; ++r) {
-      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
-      for (Index c = 0; c < keys; ++c) rows[r * pitch + c] += relative[c] * unscale;
-    }
-    softmax_rows_of(rows, pitch, count, keys, first, t.causal, scale());
-    for (Index r = 0; r < count && t.dropout.p > 0; ++r)
-      dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
-  }
-  Index mask_at(Index query) const {
-    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
-  }
-};
-
-/// Distance of rows of scores, whose columns up to the end of a panel are written.
-template <class P>
-Index score_pitch(Index keys) {
-  return P::columns(keys) + 16;
-}
-/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
-template <class P>
-Index attention_scratch(Index keys, Index width) {
-  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
-         P::scratch(std::max(keys, width));
-}
-/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
-template <class P>
-Index attention_vjp_scratch(Index queries, Index keys, Index width) {
-  const Index longest = std::max(keys, queries);
-  return P::panels(width, keys) + P::panels(longest, width) + 2 * queries * score_pitch<P>(keys) +
-         P::scratch(std::max(longest, width));
-}
-
-/// Output of one head, for one of so many pieces of its queries.
-template <class P, class S = typename P::Number>
-void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
-  const AttentionHead<S> h(t, sequence, head);
-  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
-              end = part(tiles, piece + 1, pieces);
-  if (begin == end) return;
-  const Index pitch = score_pitch<P>(h.keys);
-  S* vp = kt + P::panels(t.width, h.keys);
-  S* scores = vp + P::panels(h.keys, t.width);
-  S* scratch = scores + P::rows * pitch;
-  S* o = t.o + h.q0 * t.o_stride + head * t.width;
-  P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
-  P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
-  P::begin();
-  for (Index i = begin; i < end; ++i) {
-    const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
-    P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
-    h.weights(first, rows, scores, pitch);
-    P::multiply({scores, pitch, false}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
-  }
-  P::end();
-}
-
-/// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
-template <class P, class S = typename P::Number>
-void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* a) {
-  constexpr int l = lanes<S>;
-  const AttentionHead<S> h(t, sequence, head);
-  const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
-  const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
-  const S scale = h.scale();
-  S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
-  S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
-  S* ds = p + queries * pitch;                           // dP, later dS
-  S* scratch = ds + queries * pitch;
-  P::begin();
-  P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
-  P::multiply({h.q, t.q_stride, false}, queries, width, a, keys, p, pitch, scratch, true);
-  P::pack(h.v, width, keys, Index{1}, t.v_stride, a);
-  P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
-  for (Index r = 0; r < queries; ++r) {
-    S *pr = p + r * pitch, *dr = ds + r * pitch;
-    if (r % softmax_group == 0)
-      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
-    if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
-    Vec<S> sum{};
-    for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
-    const S mean = reduce_add<S>(sum);
-    for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
-    if (t.dropout.p > 0) dropout(pr, keys, h.mask_at(r), t.dropout, pr);
-  }
-  S* dq = g.d_q + h.q0 * t.q_stride + head * width;
-  S* dk = g.d_k + h.k0 * t.k_stride + head * width;
-  S* dv = g.d_v + h.k0 * t.v_stride + head * width;
-  P::pack(h.k, keys, width, t.k_stride, Index{1}, b);
-  P::multiply({ds, pitch, false}, queries, keys, b, width, dq, t.q_stride, scratch, false);
-  P::pack(h.q, queries, width, t.q_stride, Index{1}, b);
-  P::multiply({ds, pitch, true}, keys, queries, b, width, dk, t.k_stride, scratch, false);
-  P::pack(d_o, queries, width, t.o_stride, Index{1}, b);
-  P::multiply({p, pitch, true}, keys, queries, b, width, dv, t.v_stride, scratch, false);
-  P::end();
-}
-//
-// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
-
-inline constexpr int norm_group = 4;  // rows at a time in layer norm
-/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
-/// many chains of sums: none waits.
-template <class S, int R>
-MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
-  constexpr int l = lanes<S>;
-  const Index whole = n / l * l;
-  Vec<S> sum[R], square[R];
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) sum[r] = square[r] = Vec<S>{};
-  for (Index i = 0; i < whole; i += l) {
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) sum[r] += load(x + r * n + i);
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    S total = reduce_add<S>(sum[r]);
-    for (Index i = whole; i < n; ++i) total += x[r * n + i];
-    mean[r] = total / static_cast<S>(n);
-  }
-  for (Index i = 0; i < whole; i += l) {
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> d = load(x + r * n + i) - mean[r];
-      square[r] += d * d;
-    }
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    S variance = reduce_add<S>(square[r]);
-    for (Index i = whole; i < n; ++i) variance += (x[r * n + i] - mean[r]) * (x[r * n + i] - mean[r]);
-    rstd[r] = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
-  }
-}
-
-/// layer_norm_rows of R rows.
-template <class S, int R>
-MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  const S* x = t.x + first * n;
-  S* y = t.y + first * n;
-  if (t.residual != nullptr) {
-    const S* z = t.residual + first * n;
-    for (Index i = 0; i < R * n; i += l)
-      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
-    x = y;
-  }
-  S mean[R], rstd[R];
-  row_moments<S, R>(x, n, t.eps, mean, rstd);
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i), bias = load(t.bias + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      __builtin_prefetch(x + (R + r) * n + i);  // of the next rows
-      store(y + r * n + i, (load(x + r * n + i) - mean[r]) * rstd[r] * weight + bias);
-    }
-  }
-  for (Index i = whole; i < n; ++i) {
-    for (int r = 0; r < R; ++r) y[r * n + i] = (x[r * n + i] - mean[r]) * rstd[r] * t.weight[i] + t.bias[i];
-  }
-}
-/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
-template <class S>
-void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
-  for (; first + norm_group <= last; first += norm_group) normalize_rows<S, norm_group>(t, first);
-  for (; first < last; ++first) normalize_rows<S, 1>(t, first);
-}
-
-/// layer_norm_rows_vjp of R rows.
-template <class S, int R>
-MOTIONLANG_INLINE void normalize_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first) {
-  constexpr int l = lanes<S>;
-  const Index n = t.width, whole = n / l * l;
-  const S *x = t.x + first * n, *g = dy + first * n;
-  S* d = dx + first * n;
-  S mean[R], rstd[R], h0[R], h1[R];
-  row_moments<S, R>(x, n, t.eps, mean, rstd);
-  Vec<S> sum_h[R], sum_hx[R];
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) sum_h[r] = sum_hx[r] = Vec<S>{};
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> h = load(g + r * n + i) * weight;
-      sum_h[r] += h;
-      sum_hx[r] += h * ((load(x + r * n + i) - mean[r]) * rstd[r]);
-    }
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < R; ++r) {
-    h0[r] = reduce_add<S>(sum_h[r]), h1[r] = reduce_add<S>(sum_hx[r]);
-    for (Index i = whole; i < n; ++i) {
-      const S h = g[r * n + i] * t.weight[i];
-      h0[r] += h;
-      h1[r] += h * ((x[r * n + i] - mean[r]) * rstd[r]);
-    }
-    h0[r] /= static_cast<S>(n);
-    h1[r] /= static_cast<S>(n);
-  }
-  for (Index i = 0; i < whole; i += l) {
-    const Vec<S> weight = load(t.weight + i);
-#pragma GCC unroll 16
-    for (int r = 0; r < R; ++r) {
-      const Vec<S> xhat = (load(x + r * n + i) - mean[r]) * rstd[r];
-      store(d + r * n + i, (load(g + r * n + i) * weight - h0[r] - xhat * h1[r]) * rstd[r]);
-    }
-  }
-  for (int r = 0; r < R; ++r) {
-    for (Index i = whole; i < n; ++i) {
-      d[r * n + i] = (g[r * n + i] * t.weight[i] - h0[r] - (x[r * n + i] - mean[r]) * rstd[r] * h1[r]) * rstd[r];
-    }
-    moments[2 * (first + r)] = mean[r], moments[2 * (first + r) + 1] = rstd[r];
-  }
-}
-/// dx = rstd (h - mean(h) - xhat mean(h xhat)),  h = dy weight,  xhat = (x - mean) rstd
-template <class S>
-void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first, Index last) {
-  for (; first + norm_group <= last; first += norm_group) normalize_rows_vjp<S, norm_group>(t, dy, dx, moments, first);
-  for (; first < last; ++first) normalize_rows_vjp<S, 1>(t, dy, dx, moments, first);
-}
-/// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
-template <class S>
-void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
-                            Index first, Index last) {
-  for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
-  for (Index r = 0; r < rows; ++r) {
-    const S mean = moments[2 * r], rstd = moments[2 * r + 1];
-    const S *x = t.x + r * t.width, *g = dy + r * t.width;
-    for (Index i = first; i < last; ++i) {
-      dweight[i] += g[i] * ((x[i] - mean) * rstd);
-      dbias[i] += g[i];
-    }
-  }
-}
-
-/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
-template <class S>
-void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
-  for (Index r = first; r < last; ++r) {
-    std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
-    softmax_rows_at<S, 1>(scratch, n, n, &n, S(1));
-    std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
-  }
-}
-
-/// Columns first ... last-1 of y; first is a multiple of `lanes`.
-template <class S>
-void transpose(const Transposed<S>& t, Index first, Index last) {
-  constexpr Index l = lanes<S>;
-  for (Index j = first; j < last; j += l) {
-    const Index n = std::min(l, last - j);
-    const bool whole = n == l;
-    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
-    for (Index r = 0; r < t.rows; ++r) {
-      const S* z = t.z + j * t.rows + r;
-      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
-      S* y = t.y + r * t.width + j;
-      Vec<S> x{};
-      if (whole) {
-#pragma GCC unroll 16
-        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
-        x += bias;
-        if (residual != nullptr) x += load(residual);
-        store(y, x);
-      } else {
-        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
-        x += bias;
-        if (residual != nullptr) x += load_some(residual, n);
-        store_some(y, x, n);
-      }
-    }
-    if (t.act != Activation::none) activate_rows(t.y + j, t.width, t.rows, n, t.act, t.y + j, t.width);
-  }
-}
-
-template <BinaryOp op, class S>
-MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
-  switch (op) {
-    case BinaryOp::add:
-      return a + b;
-    case BinaryOp::sub:
-      return a - b;
-    case BinaryOp::mul:
-      return a * b;
-    case BinaryOp::div:
-      return a / b;
-    case BinaryOp::maximum:
-      return a < b ? b : a;
-  }
-  return a;
-}
-/// A repeated operand is read again and again from one vector of copies.
-template <BinaryOp op, class S>
-MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
-  constexpr int l = lanes<S>;
-  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
-  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a,
-          *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
-  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
-  Index i = 0;
-  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
-  const Index n = t.count - i;
-  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
-}
-template <class S>
-void binary(const Binary<S>& t) {
-  switch (t.op) {
-    case BinaryOp::add:
-      return binary_loop<BinaryOp::add>(t);
-    case BinaryOp::sub:
-      return binary_loop<BinaryOp::sub>(t);
-    case BinaryOp::mul:
-      return binary_loop<BinaryOp::mul>(t);
-    case BinaryOp::div:
-      return binary_loop<BinaryOp::div>(t);
-    case BinaryOp::maximum:
-      return binary_loop<BinaryOp::maximum>(t);
-  }
-}
-
-template <class S>
-void error_function(const S* x, Index n, S* y) {
-  constexpr int l = lanes<S>;
-  Index i = 0;
-  for (; i + l <= n; i += l) store(y + i, verf<S>(load(x + i)));
-  store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
-}
-
-/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
-template <class S>
-void row_sums(const S* x, Index n, Index first, Index last, S* y) {
-  constexpr int l = lanes<S>;
-  for (Index r = first; r < last; ++r) {
-    const S* row = x + r * n;
-    Vec<S> sums[4] = {};
-    Index i = 0;
-    for (; i + 4 * l <= n; i += 4 * l) {
-#pragma GCC unroll 4
-      for (int c = 0; c < 4; ++c) sums[c] += load(row + i + c * l);
-    }
-    for (; i < n; i += l) sums[0] += load_first(row + i, n - i);
-    y[r] = reduce_add<S>(sums[0] + sums[1] + (sums[2] + sums[3]));
-  }
-}
-/// Sums of the columns first ... last-1 over all rows.
-template <class S>
-void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
-  for (Index i = first; i < last; ++i) y[i] = S(0);
-  for (Index r = 0; r < rows; ++r) {
-    for (Index i = first; i < last; ++i) y[i] += x[r * width + i];
-  }
-}
-
-template <class S>
-MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
-                                      Vec<S>& v) {
-  const Vec<S> g = gradient * t.gradient_scale;
-  m = m * t.beta1 + g * t.rest1;
-  v = v * t.beta2 + g * g * t.rest2;
-  return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
-}
-/// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
-template <class S>
-void adamw(const AdamwStep<S>& t, Index first, Index last) {
-  constexpr int l = lanes<S>;
-  Index i = first;
-  for (; i + l <= last; i += l) {
-    Vec<S> m = load(t.m + i), v = load(t.v + i);
-    store(t.p + i, adamw_update<S>(t, load(t.p + i), load(t.g + i), m, v));
-    store(t.m + i, m), store(t.v + i, v);
-  }
-  const Index n = last - i;
-  Vec<S> m = load_some(t.m + i, n), v = load_some(t.v + i, n);
-  store_some(t.p + i, adamw_update<S>(t, load_some(t.p + i, n), load_some(t.g + i, n), m, v), n);
-  store_some(t.m + i, m, n), store_some(t.v + i, v, n);
-}
-
-#define MOTIONLANG_STRING_OF(x) #x
-#define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
-
-// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
-// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
-//
-//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
-//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
-//            which some round to 0.
-//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
-//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
-//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
-//            number of a sum.)
-//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
-//            thread.
-
-typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
-typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
-typedef std::uint16_t Halves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2)));
-typedef std::uint16_t LooseHalves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2), aligned(2), may_alias));
-inline constexpr Index word_lanes = MOTIONLANG_VECTOR_BYTES / 4;
-
-/// The nearest bfloat16, ties to even, in the upper half of each word; NaN stays NaN.
-MOTIONLANG_INLINE Words round_to_bf16(const Vec<float>& x) {
-  const Words w = (Words)x, rounded = w + (w >> 16 & 1u) + 0x7FFFu;
-  return ((w & 0x7FFFFFFFu) > 0x7F800000u ? w | 0x400000u : rounded) & 0xFFFF0000u;
-}
-MOTIONLANG_INLINE void store_rounded(float* y, const Words& w) { store(y, (Vec<float>)w); }
-MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
-  *reinterpret_cast<LooseHalves*>(y) = __builtin_convertvector(w >> 16, Halves);
-}
-
-/// A vector of numbers, rounded; zeros from the n-th on.
-MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
-/// Of two vectors of rounded numbers: pairs of bfloat16.
-MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
-MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
-
-/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
-/// squares of lanes are transposed.
-template <class Element>
-void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
-  constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
-  for (Index r = 0; r < rows; r += l) {
-    const Index n = std::min(rows - r, l);
-    for (Index i = 0; i < padded; i += depth) {
-      Vec<float> square[lanes<float>];
-#pragma GCC unroll 16
-      for (int q = 0; q < lanes<float>; ++q) {
-        const auto row = [&](Index at) {
-          // no prefetcher follows pieces so far apart
-          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
-          return rounded(a + at * lda + r, at < k ? n : 0);
-        };
-        if constexpr (sizeof(Element) == 4) {
-          square[q] = (Vec<float>)row(i + q);
-        } else {
-          square[q] = (Vec<float>)pairs(row(i + 2 * q), row(i + 2 * q + 1));
-        }
-      }
-      transpose_lanes<float>(square);
-      for (Index c = 0; c < n; ++c) std::memcpy(y + (r + c) * pitch + i, &square[c], sizeof square[c]);
-    }
-  }
-}
-
-/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
-/// time, through as many panels as lie in different parts of the cache.
-template <class Tile>
-void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
-  constexpr Index ahead = 8;  // rows
-  const Index depth = bf16_depth(k), count = (n + bf16_columns - 1) / bf16_columns;
-  for (Index left = 0; left < count; left += panel_block) {
-    for (Index i = k0; i < k1; i += 2) {
-      const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
-      std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
-      for (Index j = left; j < std::min(count, left + panel_block);
-           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
-        fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
-        const Index columns = n - j * bf16_columns;
-        Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
-      }
-    }
-  }
-}
-/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
-/// time. Whether all numbers are finite, if it looks.
-template <class Tile, bool looks>
-bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
-                          std::uint16_t* panels) {
-  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
-  const Index depth = bf16_depth(k);
-  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
-  Mask<float> found{};
-  for (Index j = first; j < last; ++j) {
-    std::uint16_t* out = panels + j * depth * bf16_columns;
-    const float* in = b + j * bf16_columns * stride;
-    const Index columns = n - j * bf16_columns;
-    for (Index i0 = 0; i0 < depth; i0 += block) {
-      const Index length = std::min(block, depth - i0);
-      for (Index c = 0; c < bf16_columns; ++c) {
-        const float* row = in + c * stride + i0;
-        const Index there = c < columns ? std::min(k - i0, length) : 0;
-        if constexpr (looks) {
-          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
-        }
-        Tile::round_row(row, there, length, lines + c * pitch);
-      }
-      for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
-        for (Index c = 0; c < bf16_columns; c += l) {
-          Vec<float> square[lanes<float>];  // column, pair
-#pragma GCC unroll 16
-          for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
-          transpose_lanes<float>(square);
-          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
-        }
-      }
-    }
-  }
-  return !any_negative<float>(found);
-}
-
-/// Bytes of a pair of k in a panel.
-inline constexpr Index pair_bytes = 4 * bf16_columns;
-
-/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
-/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
-/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
-/// same cache set.
-inline bool streams(const Gemm<float>& g) {
-  constexpr Index all = 16 << 20;
-  const bool whole_lines =
-      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
-  return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
-}
-/// Rows of one panel's width, from where a tile has put them.
-inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
-  for (Index r = 0; r < rows; ++r, from += bf16_columns, to += ldc) {
-    for (Index i = 0; i < bf16_columns; i += lanes<float>) store_stream(to + i, load(from + i));
-  }
-}
-
-class PanelSplit;
-
-/// What a tile is asked for: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
-/// over `depth` of k.
-template <class Element>
-struct TileProduct {
-  const Element* a;
-  Index pitch, height;
-  const std::uint16_t* panel;
-  Index depth;
-  float* c;
-  Index ldc, columns;
-  Epilogue<float> e{};
-  Ahead ahead{};
-  bool panel_stays = true;         // in the cache, for the next tile; else the rows stay
-  bool stream = false;             // c is written past the caches
-  Index number = 0;                // of the tile among those of this panel
-  bool first = true, last = true;  // piece of k
-  PanelSplit* next = nullptr;      // of floats in parts: the panel that is split meanwhile
-};
-
-/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
-///     round_row(x, n, padded, y)       y = n numbers, rounded, then zeros up to `padded`, a multiple of 32
-///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
-template <class Tile>
-struct RegisterTile {
-  static constexpr bool even = true;                                 // rows are split evenly among tiles
-  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
-  static constexpr Index pieces(Index, Index) { return 1; }          // of k
-  static void begin() {}
-  static void end() {}
-
-  template <class Element>
-  void multiply(const TileProduct<Element>& t) {
-    static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
-      return std::array{&Tile::template rows_of<R + 1>...};
-    }
-    (std::make_integer_sequence<int, Tile::rows>{});
-    const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
-    if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
-    alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
-    rows_of(t.a, t.pitch, t.panel, t.depth, result, bf16_columns, t.columns, t.e, t.ahead);
-    stream_rows(result, t.height, t.c, t.ldc);
-  }
-  void finish() {}
-};
-
-/// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
-struct WideningTile : RegisterTile<WideningTile> {
-  using Element = float;
-  static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
-  static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
-  template <class Number>
-  static void round_row(const float* x, Index n, Index padded, Number* y) {
-    for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
-  }
-  static void round_pairs(const float* x, Index nx, const float* y, Index ny, std::uint16_t* out) {
-    for (Index c = 0; c < bf16_columns; c += word_lanes) {
-      store_words(out + 2 * c, pairs(rounded(x + c, nx - c), rounded(y + c, ny - c)));
-    }
-  }
-
-  template <int R>
-  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
-                      Index columns, const Epilogue<float>& e, Ahead ahead) {
-    constexpr int l = lanes<float>;
-    for (Index column = 0; column < columns; column += 2 * l) {
-      const Epilogue<float> piece = e.from_column(column);
-      fetch_result<float, R>(c + column, ldc, piece);
-      if (column > 0) ahead.step = 0;  // once is enough
-      Vec<float> c0[R], c1[R];
-#pragma GCC unroll 16
-      for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
-      const std::uint16_t* b = panel + 2 * column;
-      for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
-        ahead.fetch();
-        const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
-        const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
-        const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
-#pragma GCC unroll 16
-        for (int i = 0; i < R; ++i) {
-          const float x = a[i * pitch + k], y = a[i * pitch + k + 1];
-          c0[i] += x * even0;
-          c1[i] += x * even1;
-          c0[i] += y * odd0;
-          c1[i] += y * odd1;
-        }
-      }
-      put_result<float, R>(c0, c1, c + column, ldc, columns - column, piece);
-    }
-  }
-};
-
-/// The first `count` rows of A, side by side.
-template <class Tile>
-void round_rows(const Rows<float>& a, Index count, Index k, Index depth, typename Tile::Element* y, Index pitch) {
-  if (a.transposed) return round_columns(a.at, a.stride, count, k, depth, y, pitch);
-  for (Index r = 0; r < count; ++r) Tile::round_row(a.from(r).at, k, depth, y + r * pitch);
-}
-
-/// Rows of A in scratch at once, and their distance.
-template <class Tile>
-Index bf16_rows(Index k) {
-  return rows_at_once(bytes<typename Tile::Element>(bf16_depth(k)), Tile::rows, half_cache / 2 * 3);
-}
-template <class Tile>
-constexpr Index bf16_pitch(Index depth) {
-  return depth + 64 / static_cast<Index>(sizeof(typename Tile::Element));
-}
-/// Numbers of scratch that bf16_gemm_block needs.
-template <class Tile>
-Index bf16_scratch(Index k) {
-  return bf16_rows<Tile>(k) * bf16_pitch<Tile>(bf16_depth(k));
-}
-
-/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
-template <class Tile>
-void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
-                     float* scratch) {
-  using Element = typename Tile::Element;
-  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
-  Element* a = reinterpret_cast<Element*>(scratch);
-  const bool stream = streams(g);
-  Tile tile;
-  Tile::begin();
-  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
-  const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
-  for (Index block = 0; block < row_blocks; ++block) {
-    const Index top = r0 + unit * part(units, block, row_blocks);
-    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
-                tiles = (rows + Tile::rows - 1) / Tile::rows;
-    const Index pieces = Tile::pieces(depth, tiles);
-    round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
-    for (Index j = j0; j < j1; ++j) {
-      const std::uint16_t* panel = panels + j * depth * bf16_columns;
-      const bool last = j + 1 == j1 && top + rows == r1;
-      const std::byte* next = as_bytes(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
-      const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
-      for (Index step = 0; step < pieces * tiles; ++step) {
-        const Index piece = step / tiles, t = step % tiles;
-        const Index k0 = 32 * part(depth / 32, piece, pieces),
-                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
-        const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
-        const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
-        const Index row = top + first, column = j * bf16_columns;
-        const auto ahead =
-            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
-        TileProduct<Element> product{.a = a + first * pitch + k0,
-                                     .pitch = pitch,
-                                     .height = height,
-                                     .panel = panel + k0 * bf16_columns,
-                                     .depth = k1 - k0,
-                                     .c = g.c + row * g.ldc + column,
-                                     .ldc = g.ldc,
-                                     .columns = std::min(g.n - column, bf16_columns),
-                                     .e = Epilogue<float>::of(g, row, column, true, true),
-                                     .ahead = ahead,
-                                     .panel_stays = tiles > 1,
-                                     .stream = stream,
-                                     .number = t,
-                                     .first = piece == 0,
-                                     .last = piece + 1 == pieces};
-        tile.multiply(product);
-      }
-    }
-  }
-  tile.finish();
-  if (stream) end_of_streams();
-  Tile::end();
-}
-
-/// The products of attention (attention.inc) in bfloat16; scores and softmax stay in float.
-template <class Tile>
-struct Bf16Products {
-  using Number = float;
-  using Element = typename Tile::Element;
-  static constexpr Index rows = Tile::rows;
-  static void begin() { Tile::begin(); }
-  static void end() { Tile::end(); }
-  static Index columns(Index n) { return bf16_depth(n); }
-  static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
-  static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
-
-  static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
-    auto* out = reinterpret_cast<std::uint16_t*>(panels);
-    if (stride_n == 1)
-      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
-    else
-      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
-  }
-  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
-                       float* scratch, bool whole_panels) {
-    const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
-    auto* rounded_rows = reinterpret_cast<Element*>(scratch);
-    Tile tile;
-    for (Index first = 0; first < count; first += Tile::rows) {
-      const Index height = std::min<Index>(Tile::rows, count - first);
-      round_rows<Tile>(a.from(first), height, k, depth, rounded_rows, pitch);
-      for (Index j = 0; j < n; j += bf16_columns) {
-        const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
-        tile.multiply(TileProduct<Element>{.a = rounded_rows,
-                                           .pitch = pitch,
-                                           .height = height,
-                                           .panel = panel,
-                                           .depth = Tile::depth(k),
-                                           .c = c + first * ldc + j,
-                                           .ldc = ldc,
-                                           .columns = whole_panels ? bf16_columns : std::min(n - j, bf16_columns),
-                                           .ahead = {as_bytes(panel)},
-                                           .panel_stays = false});
-      }
-    }
-    tile.finish();
-  }
-};
-
-template <class Tile>
-const Bf16Kernels& bf16_table() {
-  static constexpr Bf16Kernels t{.name = Tile::name,
-                                 .tile_rows = Tile::rows,
-                                 .gemm_rows = &bf16_rows<Tile>,
-                                 .gemm_scratch = &bf16_scratch<Tile>,
-                                 .pack_rows = &bf16_pack_rows<Tile>,
-                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
-                                 .gemm_block = &bf16_gemm_block<Tile>,
-                                 .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
-                                 .attention_head = &attention_head<Bf16Products<Tile>>,
-                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
-                                 .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
-  return t;
-}
-
-template <class S>
-const Kernels<S>& table() {
-  static constexpr Kernels<S> t{
-      .isa = Isa::MOTIONLANG_ISA,
-      .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
-      .panel_width = panel_width<S>,
-      .tile_rows = tile_rows,
-      .gemm_rows = &gemm_rows<S>,
-      .gemm_scratch = &gemm_scratch<S>,
-      .pack_rows = &pack_rows<S>,
-      .pack_transposed = &pack_transposed<S, true>,
-      .gemm_block = &gemm_block<S>,
-      .attention_scratch = &attention_scratch<FloatProducts<S>>,
-      .attention_head = &attention_head<FloatProducts<S>>,
-      .dropout = &dropout<S>,
-      .layer_norm_rows = &layer_norm_rows<S>,
-      .softmax_rows = &softmax_rows<S>,
-      .transpose = &transpose<S>,
-      .activate = &activate<S>,
-      .binary = &binary<S>,
-      .error_function = &error_function<S>,
-      .row_sums = &row_sums<S>,
-      .column_sums = &column_sums<S>,
-  };
-  return t;
-}
-template <class S>
-const GradientKernels<S>& gradient_table() {
-  static constexpr GradientKernels<S> t{
-      .attention_scratch = &attention_vjp_scratch<FloatProducts<S>>,
-      .attention_head = &attention_head_vjp<FloatProducts<S>>,
-      .layer_norm_rows = &layer_norm_rows_vjp<S>,
-      .layer_norm_columns = &layer_norm_columns_vjp<S>,
-      .activate = &activate_vjp<S>,
-      .adamw = &adamw<S>,
-  };
-  return t;
-}
-
-#undef MOTIONLANG_STRING
-#undef MOTIONLANG_STRING_OF
-#undef MOTIONLANG_INLINE
-
-}  // namespace detail::MOTIONLANG_ISA
-MOTIONLANG_NAMESPACE_END
+#define MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC
+#include "stmc.hpp"
+#undef MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC
 #undef MOTIONLANG_ISA
 #undef MOTIONLANG_VECTOR_BYTES
 #undef MOTIONLANG_TILE_ROWS
@@ -9316,7 +4115,7 @@ class PanelSplit {
   PanelSplit(const float* panel, Index k, const std::byte* following, std::uint16_t* out)
       : from_(panel), following_(following), k_(k), depth_(bf16_depth(k)), begin_(out) {}
   const std::uint16_t* begin() const { return begin_; }
-  /// Whether all numbers so far were finite.
+  /// True if all numbers so far were finite.
   bool sound() const { return !any_nan(left_); }
 
   /// The next pairs of k.
@@ -9861,7 +4660,7 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
-/// While it lives, products of this thread count as parts of one of so many rows (0: each as what it is), unless
+/// While it lives, products of this thread count as parts of one of this many rows (0: each as what it is), unless
 /// another lives already. In bf16x3 the instructions depend on the number of rows, and with them the last digit: where
 /// that must not depend on how rows are shared by threads, or on what else is in a batch, say so by this. As `many`, a
 /// product of a few rows takes up to four times as long. Threads that help need one of
@@ -9964,8 +4763,8 @@ template <class S>
 void pack_into(Panels<S>& p, const S* b, Index stride_k, Index stride_n, std::atomic<bool>* finite = nullptr) {
   const Index k = p.k, n = p.n;
   const bool bf16 = p.kernels == nullptr;
-  // What a task reads lies together: rows of B as it lies (in pairs, for bfloat16), panels of a transposed B. A column
-  // is both, but only as transposed is it looked at.
+  // The rows that a task reads lie together: rows of B as stored (in pairs, for bfloat16), panels of a transposed B. A
+  // column is both, but only as transposed is it looked at.
   const bool as_it_lies = stride_n == 1 && finite == nullptr;
   const Index count = !as_it_lies ? p.count() : bf16 ? bf16_depth(k) : k;
   const Index each = p.width() * (as_it_lies ? p.count() : k), step = as_it_lies ? 2 : 1;
@@ -9995,7 +4794,7 @@ Panels<S> pack_panels(const S* b, Index k, Index n, Index stride_k, Index stride
   return p;
 }
 
-/// Whether a product of m x k and k x n is split.
+/// True if a product of m x k and k x n is split.
 inline bool worth_threads(Index m, Index n, Index k) { return m * n * k >= 100'000; }
 
 /// The kernels whose panels are wanted of weights; none: bfloat16.
@@ -10003,7 +4802,7 @@ template <class S>
 const Kernels<S>* wanted_kernels() {
   return precision_of<S>() == Precision::bf16 ? nullptr : &kernels<S>();
 }
-/// What was prepared of a weight, if it is what is wanted now.
+/// The prepared form of a weight, if it is the form that is wanted now.
 template <class S>
 const PreparedPanels<S>* prepared_panels(const Dense<S>& weight, Index n, Index k, Index taps) {
   const auto* p = static_cast<const PreparedPanels<S>*>(weight.attached());
@@ -10028,7 +4827,7 @@ const FloatTiles* float_tiles(Index m, Index n, Index k) {
   const bool pays = rows >= 128 && n >= 128 && k >= 128 && rows * n >= (k < 256 ? 131072 : 32768);
   return pays ? tile_products.load(std::memory_order_relaxed)(kernels<float>()) : nullptr;
 }
-/// Scratch of products of at most so many rows with such panels.
+/// Scratch of products of at most this many rows with such panels.
 template <class S>
 Scratch<S> gemm_scratch(const Panels<S>& p, Index rows) {
   if constexpr (std::is_same_v<S, float>) {
@@ -10037,7 +4836,7 @@ Scratch<S> gemm_scratch(const Panels<S>& p, Index rows) {
   const FloatTiles* tiles = float_tiles<S>(rows, p.n, p.k);
   return Scratch<S>(std::max(tiles == nullptr ? 0 : tiles->gemm_scratch(p.k), p.kernels->gemm_scratch(p.k)));
 }
-/// Whether every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that
+/// True if every thread takes rows of A of its own and multiplies them with all panels, else some panels of rows that
 /// threads share. Its rows a thread finds where it wrote them, in its cache. Those of others come slowly: with 16
 /// threads a byte costs about what five of panels do, which are fetched ahead. Not if the rows are few and there is
 /// much more of the panels, or the rows do not fill tiles.
@@ -10049,10 +4848,10 @@ inline bool takes_own_rows(Index each, Index a_bytes, Index panel_bytes, Index r
 struct Sharing {
   Index rows_at_once;     // in a block
   bool own_rows = false;  // takes_own_rows
-  // Of a thread's part: what a slower thread (another kind of core, a busy one) has not begun, others take.
+  // Each thread has a part. Other threads take what a slower thread (another kind of core, a busy one) left over.
   Index pieces = 1;
 };
-/// Calls block(r0, r1, j0, j1) for parts of a product of so many rows and panels.
+/// Calls block(r0, r1, j0, j1) for parts of a product of this many rows and panels.
 template <class F>
 void for_blocks(Index rows, Index panels, bool split, const Sharing& how, const F& block) {
   const Index threads = split ? parallel_width() : 1, blocks = threads == 1 ? 1 : parts(rows, how.rows_at_once);
@@ -10719,7 +5518,7 @@ MOTIONLANG_NAMESPACE_END
 ///          text cannot contain '#'
 /// Differs  lines of spaces count as blank, any line end is taken (LF, CRLF, CR), a byte order mark is skipped, and an
 ///          interval that is empty or ends before it starts is refused unless `as_published` is set. Gaps between
-///          intervals are no matter of the text: see PlanOptions.
+///          intervals do not concern the text: see PlanOptions.
 /// Throws   timeline_error 501-504, 507, 509; messages begin "name:line:column: ", columns count characters. What is
 ///          wrong with the whole of a timeline is found when it is planned, and named by line and column of an interval
 
@@ -11043,7 +5842,7 @@ struct PartWord {
   std::vector<std::string> parts;
 };
 
-/// What a BodyPartition is made of.
+/// The parts from which a BodyPartition is made.
 struct BodyPartNames {
   std::vector<std::string> names;       // in the order of their numbers
   std::string path;                     // the part that carries the others over the floor
@@ -11368,7 +6167,7 @@ std::vector<TimelineInSeconds> parse_timelines_in_seconds(std::string_view text,
 ///                                    "raising both hands  # 2.0 # 5.0 # left arm # right arm\n", {.fps = 20});
 Timeline parse_timeline(std::string_view text, const TimelineTextOptions& options = {});
 
-/// Whether a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than
+/// True if a file is a list of single texts ("text # duration") rather than of timelines: every line has fewer than
 /// three fields, or a body part where timelines have their second time. The published programs ask for one line of
 /// fewer than three fields only (`as_published`), and then blame the others.
 bool is_text_list(std::string_view text, const TimelineTextOptions& options = {});
@@ -11474,7 +6273,7 @@ class TimelineLine {
   [[noreturn]] void fail(int id, std::size_t field, const T&... what) const {
     fail_at(id, name_, place(field), what...);
   }
-  /// Of the beginning of a field.
+  /// The place of the beginning of a field.
   TextPlace place(std::size_t field) const {
     const char* begin = field < fields_.size() ? fields_[field].data() : line_.data() + line_.size();
     Index column = 1;
@@ -11723,8 +6522,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_GENERATE_GENERATE_MOTION_HPP  // <motionlang/generate/generate_motion.hpp>
 #define MOTIONLANG_HAS_GENERATE_GENERATE_MOTION_HPP
-/// From a timeline of texts to a finished motion, as the program `motionlang generate` makes it: texts are cut where a
-/// model does them best in parts, all are sampled together, the motion is smoothed and put on its feet.
+/// From a timeline of texts to a finished motion, as the program `motionlang generate` makes it: it cuts texts
+/// where a model needs that, samples all of them together, smooths the motion and fixes its feet.
 ///
 ///     const auto stmc = load_stmc<EigenBackend<float>>("stmc_free.safetensors");
 ///     const auto timeline = parse_timeline("walk forward # 0 # 6 # legs\nwave # 2 # 5 # left arm\n");
@@ -11737,12 +6536,27 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_GENERATE_GENERATE_OPTIONS_HPP  // <motionlang/generate/generate_options.hpp>
 #define MOTIONLANG_HAS_GENERATE_GENERATE_OPTIONS_HPP
-/// What a caller can choose when a motion is generated from a timeline, in one struct for every model.
+/// Options for generating a motion from a timeline, in one struct for every model.
 ///
 ///     const Motion a = generate_motion(stmc, timeline, {.seed = 7});
 ///     const Motion b = generate_motion(stmc, timeline, {.seed = 7, .steps = 10, .smooth = false});
 ///
 /// The defaults are those of the program `motionlang generate`.
+
+#ifndef MOTIONLANG_HAS_CORE_OPTION_ERROR_HPP  // <motionlang/core/option_error.hpp>
+#define MOTIONLANG_HAS_CORE_OPTION_ERROR_HPP
+/// Options that a caller cannot have meant.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// Options that a model or a file does not take, or that contradict each other; a result that would take the place of
+/// what it is made from: a config_error that is the caller's, not the file's.
+struct option_error : config_error {
+  using config_error::config_error;
+};
+
+MOTIONLANG_NAMESPACE_END
+#endif
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_SAMPLER_HPP  // <motionlang/diffusion/sampler.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_SAMPLER_HPP
@@ -11755,7 +6569,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_CORE_PROGRESS_HPP  // <motionlang/core/progress.hpp>
 #define MOTIONLANG_HAS_CORE_PROGRESS_HPP
-/// How long work tells its caller where it is, and how the caller stops it.
+/// Reports the progress of long work to the caller, who may stop it.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -11914,7 +6728,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What a network says about x_t.
+/// The quantity that a network predicts from x_t.
 enum class Prediction { x0, eps, score, x_prev };
 
 /// How much noise an ancestral step adds.
@@ -12221,7 +7035,7 @@ struct StepOptions {
   bool clip = false;  // x0 to [-1, 1]
 };
 
-/// The process with so many of its steps, evenly kept; all of them for 0. Throws config_error 105.
+/// The process with this many of its steps, evenly kept; all of them for 0. Throws config_error 105.
 GaussianDiffusion with_steps(const GaussianDiffusion& process, Index steps);
 
 /// Standard normal numbers (sequences, frames, features), those of every sequence from its own stream: alone and in a
@@ -12844,11 +7658,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_STMC_REUSE_HPP  // <motionlang/systems/stmc_reuse.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_STMC_REUSE_HPP
-/// What a run of STMC took over from the run before (systems/stmc_edit.hpp).
+/// How much a run of STMC reused of the run before (systems/stmc_edit.hpp).
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What a run took over.
+/// How much a run reused.
 struct StmcReuse {
   Index frames = 0, kept = 0;      // of the result; those that have the numbers of before
   Index work = 0, whole_work = 0;  // rows through the network in all steps; in a run that takes nothing over
@@ -12862,12 +7676,6 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Options that a model does not take, or that contradict each other: a config_error that is the caller's, not the
-/// file's.
-struct option_error : config_error {
-  using config_error::config_error;
-};
-
 /// A motion of which something is kept: the model makes the rest. Frame 0 is that of the timeline.
 struct KeptClip {
   Motion motion{};                                   // on any skeleton that can be put on SMPL's joints, at any rate
@@ -12875,35 +7683,37 @@ struct KeptClip {
   BodyParts parts = BodyParts::all();                // that are kept; the way over the ground belongs to the legs
 };
 
-/// What a run reports besides its motions. Only models that go through STMC fill it.
+/// The report of a run besides its motions. Only models that go through STMC fill it.
 struct GenerateNotes {
   std::string layout{};                         // of the features
-  std::vector<std::vector<double>> features{};  // of each motion, before it was smoothed and put on its feet
-  std::optional<StmcReuse> reuse{};             // what was taken over from the run that is reused
+  std::vector<std::vector<double>> features{};  // of each motion, before smoothing and foot fixing
+  std::optional<StmcReuse> reuse{};             // how much was reused
   std::optional<std::uint64_t> seed{};          // of the run that is reused
-  double kept_moved = 0;                        // metres over the floor that any kept frame is from where it was
+  double kept_moved = 0;  // the largest distance of a kept frame from its old place, metres on the floor
 };
 
 struct GenerateOptions {
   std::uint64_t seed = 0;                             // same seed, same motion, on any number of threads
-  std::optional<Index> steps{};                       // of denoising, 0: all; the model's own unless given
-  std::optional<SamplingOptions::Sampler> sampler{};  // the model's own unless given
-  std::optional<double> guidance{};                   // weight of the text, 1: none; the model's own unless given
-  std::optional<double> fact{};  // scales the deviation of a latent from its mean, 0: the mean itself; 1 unless given
+  std::optional<Index> steps{};                       // of denoising, 0: all; the default is the model's
+  std::optional<SamplingOptions::Sampler> sampler{};  // the default is the model's
+  std::optional<double> guidance{};                   // weight of the text, 1: none; the default is the model's
+  std::optional<double> fact{};  // scales the latent noise: 0 gives the mean motion; the default is 1
   double overlap = 0.5;          // seconds that neighbouring texts share around a cut
-  bool cut_texts = true;         // where they lend body parts or get them back, and where they are too long
-  bool smooth = true;            // no trembling, and no jerk where texts meet
-  bool fix_feet = true;          // feet that stand do not slide
+  bool cut_texts = true;         // where they lend body parts or regain them, and where they are too long
+  bool smooth = true;            // removes jitter, and jerks where texts meet
+  bool fix_feet = true;          // keeps standing feet from sliding
+  bool fix_floor = true;         // the floor carries the body: no hovering, no sinking, flights are arcs
+  bool overlay_arms = false;     // an arm that loses its text moves as the text alone moves it; a second pass
   FilePath noise = "";           // file with noise/000 (initial), noise/001, ... instead of the seed
-  FilePath record = "";          // file to write: what a later run needs to reuse this one
+  FilePath record = "";          // file to write, which a later run can reuse
   FilePath reuse = "";  // such a file; seed, steps, sampler, guidance, overlap and cut_texts are those of its run
-  std::optional<double> keep_beyond{};  // of reuse, seconds: what is further from the edit stays as it was
+  std::optional<double> keep_beyond{};  // of reuse: frames further from the edit, in seconds, stay
   std::optional<KeptClip> keep{};       // of every timeline
   Progress progress{};                  // called after every step, or after every motion; may cancel
-  GenerateNotes* notes = nullptr;       // is written if given
+  GenerateNotes* notes = nullptr;       // filled if given
 };
 
-/// Few steps that do as many prompts as all of them do, as `motionlang judge --compare` measures it.
+/// Few steps that do as many prompts as all steps. `motionlang judge --compare` measures that.
 inline constexpr Index fast_steps = 10;
 inline void use_fast_preset(GenerateOptions& o) { o.sampler = SamplingOptions::Sampler::ddim, o.steps = fast_steps; }
 inline void use_full_preset(GenerateOptions& o) { o.sampler = SamplingOptions::Sampler::ddpm, o.steps = 0; }
@@ -12923,18 +7733,18 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_PLAN_OPTIONS_HPP  // <motionlang/compose/plan_options.hpp>
 #define MOTIONLANG_HAS_COMPOSE_PLAN_OPTIONS_HPP
-/// What a caller can choose when timelines are planned.
+/// Options for planning timelines.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What to do where no text is active: let the model move freely, or throw timeline_error 505.
+/// The rule for frames without a text: let the model move freely, or throw timeline_error 505.
 enum class Gaps { fill, refuse };
-/// What to do at a cut at which no part changes its owner, because a text is hidden behind others: throw timeline_error
+/// The rule for a cut at which no part changes its owner, because other texts hide a text: throw timeline_error
 /// 506, or leave the transition out (the result is the same without it).
 enum class HiddenTexts { refuse, ignore };
 
-/// Frames that go through the denoiser together unless told otherwise: more than 12 s on five tracks have, with and
-/// without their texts. The published network holds some 90 MB for them.
+/// The default number of frames that go through the denoiser together. It is more than 12 s on five tracks have, with
+/// and without their texts. The published network holds about 90 MB for them.
 inline constexpr Index usual_rows_at_once = 4096;
 
 struct PlanOptions {
@@ -12955,11 +7765,11 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP  // <motionlang/diffusion/denoiser.hpp>
 #define MOTIONLANG_HAS_DIFFUSION_DENOISER_HPP
-/// What a denoising network must be, for samplers and for STMC.
+/// The concept of a denoising network, for samplers and for STMC.
 
 #ifndef MOTIONLANG_HAS_CORE_CONTEXT_HPP  // <motionlang/core/context.hpp>
 #define MOTIONLANG_HAS_CORE_CONTEXT_HPP
-/// What a call of a model may be given besides its inputs. Nothing by default: then no dropout runs.
+/// Settings of a model call besides its inputs. By default they are empty, and no dropout runs.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -12991,7 +7801,7 @@ MOTIONLANG_NAMESPACE_END
 ///     visit(model, [](const std::string& path, auto& tensor) { use(path, tensor); });   // "layers.0.linear1.weight"
 ///
 /// A member may be a leaf (a tensor), a module, or a vector or optional of either. Vector elements are numbered. A name
-/// may contain dots ("tx_embedding.0") where the official key has a level that is no module here, and be empty where
+/// may contain dots ("tx_embedding.0") where the official key has a level that is not a module here, and be empty where
 /// the fields of a member have no level of their own (the statistics of a BatchNorm). Two members of one name are a
 /// compile error, unless both are optional. A member with nothing to save is an option: a number, an enumeration, a
 /// text, or a type that says so (is_option, tensor/module.hpp).
@@ -13030,7 +7840,7 @@ inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
 
-/// Whether a list has a member of this name. One of two optional members may be there, under the same name.
+/// True if a list has a member of this name. One of two optional members may be there, under the same name.
 template <bool optional, class M, class T, class Rest>
 constexpr bool has_name(const FieldList<Field<M, T>, Rest>& list, std::string_view name);
 template <bool optional>
@@ -13048,7 +7858,7 @@ constexpr std::string_view repeated_name(const FieldList<Field<M, T>, Rest>& lis
   const std::string_view name = list.first.name;
   return !name.empty() && has_name<is_optional<T>>(list.rest, name) ? name : repeated_name(list.rest);
 }
-/// Whether the compiler can look at the names of a module.
+/// True if the compiler can look at the names of a module.
 template <class M>
 concept ConstantFields = requires {
   typename std::bool_constant<(static_cast<void>(M::fields()), true)>;
@@ -13149,7 +7959,7 @@ namespace detail {
 template <class M>
 inline constexpr char type_place = 0;
 
-/// Whether one module is inside another, and its path from there.
+/// True if one module is inside another, and its path from there.
 template <Module M>
 bool find_module(const M& around, const void* module, const void* type, std::string& path);
 template <class T>
@@ -13208,7 +8018,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP  // <motionlang/nn/text_features.hpp>
 #define MOTIONLANG_HAS_NN_TEXT_FEATURES_HPP
-/// What a text encoder gives and a denoiser takes: some token vectors for every text.
+/// The output of a text encoder and input of a denoiser: token vectors for every text.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -13242,7 +8052,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What of the other sequences of its batch a result depends on: a batch of such a denoiser cannot be divided.
+/// How a sequence's result depends on the rest of its batch. A batch with such dependencies cannot be split.
 ///     longest_text   the length of the longest text (MDM-SMPL with texts of several lengths)
 ///     all            everything (the released GRU of MDM)
 enum class BatchMates { none, longest_text, all };
@@ -13281,7 +8091,7 @@ concept EncodesText = Denoiser<D, B> &&
   { d(x, t, d.encode(text)) } -> std::same_as<Sequences<B>>;
 };
 
-/// What a denoiser makes of frames with several texts each: of sequence i of x with the texts uses.begin(i) ...
+/// Denoises frames with several texts each: sequence i of x with the texts uses.begin(i) ...
 /// uses.end(i) - 1, such as a text and none, for guidance. t: a step for each text. Throws shape_error 204 for other
 /// numbers of sequences, texts or steps. A denoiser that computes once what the texts of a sequence have in common
 /// takes `uses` behind x (MdmSmplDenoiser, AnyDenoiser):
@@ -13559,7 +8369,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_TENSOR_MODULE_HPP  // <motionlang/tensor/module.hpp>
 #define MOTIONLANG_HAS_TENSOR_MODULE_HPP
-/// What every module can do because it lists its fields: visit tensors, count parameters, move to another backend.
+/// Operations of every module that lists its fields: visit tensors, count parameters, move to another backend.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -13572,9 +8382,9 @@ inline constexpr bool is_trainable = [] {
     return true;
 }();
 
-/// Whether a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and what says so
+/// True if a type that fields() may list has nothing to save or train: numbers, enumerations, texts, and what says so
 /// itself (`static constexpr bool is_option = true`, or a specialisation of this variable): sizes, computed tables.
-/// Other types need fields() of their own. Without them their tensors would be passed over, hence a compile error.
+/// Other types need fields() of their own. Without them their tensors would be skipped, hence a compile error.
 template <class T>
 inline constexpr bool is_option = [] {
   if constexpr (requires { T::is_option; })
@@ -13599,8 +8409,8 @@ struct ModuleTensor {
 
 namespace detail {
 
-/// What the tensors below a type have in common: their backend (void: there are none), and which ranks they have, a bit
-/// for each.
+/// The common properties of the tensors below a type: their backend (void: there are none), and which ranks they have,
+/// a bit for each.
 template <class T>
 struct TensorsBelow {
   static_assert(is_option<T>,
@@ -13702,7 +8512,7 @@ void with_rank(const ModuleTensor<B>& t, F& f) {
 template <Module M>
 using module_backend = typename detail::TensorsBelow<M>::backend;
 
-/// All tensors of a module in the order of its fields; other fields (sizes, options) are passed over.
+/// All tensors of a module in the order of its fields; other fields (sizes, options) are skipped.
 template <Module M>
 std::vector<ModuleTensor<module_backend<M>>> tensors_of(M& module) {
   detail::TensorLister<module_backend<M>> lister;
@@ -14084,7 +8894,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What `backward` returns: the gradient of every variable, on the inner backend.
+/// The result of `backward`: the gradient of every variable, on the inner backend.
 template <AutodiffBackend A>
 class Gradients {
  public:
@@ -14212,10 +9022,10 @@ SequenceShares share_sequences(const Offsets& offsets, std::span<const Index> or
 /// All sequences, the longest first: shares become more equal.
 PoolVector<Index> longest_first(const Offsets& offsets);
 
-/// The first sequences that have at most so many rows together; at least one. There must be one.
+/// The first sequences that have at most this many rows together; at least one. There must be one.
 std::span<const Index> first_group(const Offsets& offsets, std::span<const Index> order, Index rows);
 
-/// Calls put(group) for the sequences that each thread has, in groups of at most so many rows. All threads at once.
+/// Calls put(group) for the sequences that each thread has, in groups of at most this many rows. All threads at once.
 template <class F>
 void put_shares(const Offsets& offsets, std::span<const Index> order, const SequenceShares& thread_of, Index threads,
                 Index rows, const F& put) {
@@ -14435,9 +9245,9 @@ struct TransformerEncoder {
       return some.rows;
     }));
   }
-  /// Of sequences that end alike: sequence j has the rows of heads[j], then those of tails[i], where uses.begin(i) <= j
-  /// < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail is computed once.
-  /// No dropout. Throws shape_error 204 for other numbers of heads or tails.
+  /// Encodes sequences that share endings: sequence j has the rows of heads[j], then those of tails[i], where
+  /// uses.begin(i) <= j < uses.end(i). The same numbers as of whole sequences; what the first layer projects of a tail
+  /// is computed once. No dropout. Throws shape_error 204 for other numbers of heads or tails.
   Sequences<B> with_tails(const Sequences<B>& heads, const Sequences<B>& tails, const Offsets& uses) const {
     const ModuleScope scope(*this);
     const Offsets repeated = repeat_lengths(tails.offsets, uses);
@@ -14566,7 +9376,7 @@ struct MdmSmplDenoiser {
   };
   EncodedText encode(const TextFeatures<B>& text) const { return {text_tokens(text), text.padded_tokens}; }
 
-  /// What enters the first layer.
+  /// The input of the first layer.
   Sequences<B> sequence(const Sequences<B>& x, std::span<const Index> t, const EncodedText& text) const {
     check_counts(x.count(), t, text);
     const auto tokens = concat_tokens(head_tokens(t, text), x.with(skel_embedding(x.rows)));
@@ -14607,13 +9417,13 @@ struct MdmSmplDenoiser {
     raise<shape_error>(204, "MdmSmplDenoiser: ", n, " sequences, ", text.tokens.count(), " texts, ", t.size(),
                        " steps");
   }
-  /// What stands in front of the frames, without positions.
+  /// The rows before the frames, without positions.
   Sequences<B> head_tokens(std::span<const Index> t, const EncodedText& text) const {
     const Sequences<B> time(time_tokens(t), Offsets::equal(text.tokens.count(), 1));
     if (!registers) return concat_tokens(time, text.tokens);
     return concat_tokens(time, text.tokens, repeat_sequence(*registers, text.tokens.count()));
   }
-  /// What follows a text stands where it would behind the longest text of the batch, and its padding.
+  /// Rows after a text have the positions that they have behind the longest text of the batch and its padding.
   static PoolVector<PositionGap> gaps(const EncodedText& text) {
     const Offsets& texts = text.tokens.offsets;
     PoolVector<PositionGap> out;
@@ -14645,7 +9455,7 @@ struct IndexRange {
   bool operator==(const IndexRange&) const = default;
 };
 
-/// What numbers of a feature vector mean. A table of these covers the vector without gap or overlap.
+/// The meaning of some values of a feature vector. A table of these covers the vector without gap or overlap.
 struct FeatureRange {
   IndexRange numbers;
   std::string_view meaning;  // with `joints`: of each of them
@@ -14700,7 +9510,7 @@ struct FeatureLayout {
 FeatureLayout smplrifke_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint, Index rotations = 22,
                                const BodyPartition& body = {});
 
-/// What the numbers of `smplrifke_layout` mean. World: Z up.
+/// The meaning of the values of `smplrifke_layout`. World: Z up.
 inline constexpr std::array<FeatureRange, 6> smplrifke_ranges{{
     {{0, 1}, "height of the pelvis above the lowest joint of the clip", "m"},
     {{1, 3}, "velocity of the pelvis to the next frame, seen from the body: x, y", "m/frame"},
@@ -14760,7 +9570,7 @@ constexpr std::array<FeatureRange, 7> guoh3dfeats_ranges_of(const Guoh3dSlots& s
 
 }  // namespace detail
 
-/// What the numbers of `guoh3dfeats_layout` mean: of HumanML3D, and of KIT with MMM's joints. World: Y up.
+/// The meaning of the values of `guoh3dfeats_layout`: of HumanML3D, and of KIT with MMM's joints. World: Y up.
 inline constexpr auto guoh3dfeats_ranges = detail::guoh3dfeats_ranges_of(
     {22}, "m", "m/frame", "left ankle, left foot, right ankle, right foot: 1 if it stands, else 0");
 inline constexpr auto kit_ranges =
@@ -14771,7 +9581,7 @@ inline constexpr auto kit_ranges =
 FeatureLayout rifke_layout(std::span<const BodyPart> part_of_joint = std::span(smpl_part_of_joint).first<22>(),
                            const BodyPartition& body = {});
 
-/// What the numbers of `rifke_layout` mean: of TMR, Z up, and of TEMOS on KIT, Y up.
+/// The meaning of the values of `rifke_layout`: of TMR, Z up, and of TEMOS on KIT, Y up.
 inline constexpr std::array<FeatureRange, 4> rifke_ranges{{
     {{0, 1}, "height of the root", "m"},
     {{1, 64}, "position from the ground below the root, seen from the body: x, y, z", "m", {1, 22}},
@@ -14923,7 +9733,8 @@ struct Embedding {
   }
 };
 
-/// A row for each label with 1 in its column, (labels, classes). Throws shape_error 203 for a label that is no class.
+/// A row for each label with 1 in its column, (labels, classes).
+/// Throws shape_error 203 for a label that is not a class.
 template <Backend B>
 Tensor<B, 2> one_hot(std::span<const Index> labels, Index classes) {
   std::vector<typename B::scalar> rows(labels.size() * static_cast<std::size_t>(classes));
@@ -15048,7 +9859,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What WordPiece looks pieces up in.
+/// The table in which WordPiece looks up pieces.
 struct WordPieceIds {
   std::unordered_map<std::string, Index> ids;
   std::size_t longest = 0;  // of all pieces
@@ -15227,9 +10038,17 @@ namespace detail {
 /// Complete where the bodies of Stmc are.
 template <class T>
 struct StmcBodies;
-/// Whether motionlang::instantiated has the bodies.
+/// True if motionlang::instantiated has the bodies.
 template <class T>
 inline constexpr bool is_compiled_stmc = false;
+/// Says what a unit without the bodies lacks for a function that no library can have compiled. Argument: of it.
+template <class T, class Argument>
+struct HasStmcBodies {
+  static constexpr bool value = true;
+  static_assert(
+      requires { sizeof(StmcBodies<T>); },
+      "motionlang: for generate_from and sample include <motionlang/systems/stmc.ipp>");
+};
 
 }  // namespace detail
 
@@ -15290,22 +10109,22 @@ struct Stmc {
 
   /// The same with the caller's noise: noise(draw, shape) for draw 0 (initial), 1, 2, ... (steps) is a tensor
   /// (sequences, frames, features) as `shape` says.
-  template <class Noise>
+  template <class Noise, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options = {}) const;
 
   /// The same where someone else calculates the clean estimates: estimate(collage, whole, x, t) -> x0, all of shape
   /// (rows of the collage, features); whole(collage, x, t) is what a plain run takes.
-  template <class Noise, class Estimate>
+  template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                           const StmcOptions& options, Estimate&& estimate) const;
   /// The same from a plan made with `plan_options`, by other rules for texts that want a part at the same time, say.
-  template <class Noise, class Estimate>
+  template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   std::vector<Tensor<B, 2>> generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                           Estimate&& estimate) const;
 
   /// The same motions as they are sampled: still normalised.
-  template <class Noise, class Estimate>
+  template <class Noise, class Estimate, bool = detail::HasStmcBodies<Stmc, Noise>::value>
   CleanMotions<B> sample(BatchPlan plan, Noise&& noise, const StmcOptions& options, Estimate&& estimate) const;
   /// Each of them by itself, not normalised: (frames of its timeline in the plan, features).
   std::vector<Tensor<B, 2>> separate(const CleanMotions<B>& clean, const BatchPlan& plan) const;
@@ -15317,7 +10136,7 @@ struct Stmc {
   /// noise.
   Tensor<B, 3> noise(const Philox& rng, Index draw, const Shape& shape) const;
 
-  /// The process with so many steps evenly kept, all when 0; the model's own number unless given. Throws config_error
+  /// The process with this many steps evenly kept, all when 0; the model's own number unless given. Throws config_error
   /// 105.
   GaussianDiffusion process(std::optional<Index> wanted) const;
 
@@ -15513,7 +10332,7 @@ struct FirstWins {
 
 namespace detail {
 
-/// Of the texts with the path (of all, if there are none) the one with the most parts; of equals the first after a
+/// Among texts with the path (or all, if none has it), the one with the most parts; on a tie, the first after a
 /// shuffle.
 /// Shuffling one text draws nothing.
 template <class T, Shuffler G>
@@ -15629,7 +10448,7 @@ void check_crops(const TimelinePlan& plan, Index longest);
 /// A plan with its pieces, which have no owners yet. Throws timeline_error 503 ... 505, 507, config_error 101.
 TimelinePlan pieces_of(Timeline timeline, const PlanOptions& options);
 
-/// What follows from the owners of the pieces. Throws timeline_error 506, 508.
+/// Derives the plan from the owners of the pieces. Throws timeline_error 506, 508.
 void finish_plan(TimelinePlan& plan, const PlanOptions& options);
 
 }  // namespace detail
@@ -15931,7 +10750,7 @@ class Stitcher {
   std::vector<Part> parts_;
 };
 
-/// Hard cuts softened afterwards (the SINC+lerp baseline): in every window of the plan the part is interpolated
+/// Softens hard cuts (the SINC+lerp baseline): in every window of the plan the part is interpolated
 /// linearly between the values at the window's first and last frame.
 ///     w v_first + (1 - w) v_last,   w = linspace(1, 0, window)
 /// All windows read the hard-cut motion; where they overlap the later one wins. Source: STMC src/stmc.py.
@@ -16045,7 +10864,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// What one step computed, for those who want to see it. Rows are those of the crops, in batch order.
+/// The results of one step, for those who want to see them. Rows are those of the crops, in batch order.
 template <Backend B>
 struct CollageStep {
   Tensor<B, 2> crops, cond, null, guided, x0;
@@ -16135,7 +10954,7 @@ class Collage {
     return rows;
   }
 
-  /// Whether a sequence has the same result in any batch of these texts.
+  /// True if a sequence has the same result in any batch of these texts.
   bool can_divide() const {
     const BatchMates mates = denoiser_->traits().mates;
     const Offsets& texts = texts_.tokens.offsets;
@@ -16182,7 +11001,7 @@ class Collage {
     build_batch();
   }
 
-  /// What the network makes of all jobs, one after the other.
+  /// The outputs of the network for all jobs, one after the other.
   Tensor<B, 2> denoised(const Tensor<B, 2>& x, Index t) const {
     const detail::RowsTogether in_any_batch(detail::RowsTogether::many);
     const auto of = [&](const Batch& b) {
@@ -16407,7 +11226,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_PARTS_HPP  // <motionlang/systems/detail/stmc_parts.hpp>
 #define MOTIONLANG_HAS_SYSTEMS_DETAIL_STMC_PARTS_HPP
-/// What Stmc needs that depends on no backend.
+/// Parts of Stmc that do not depend on a backend.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -16836,7 +11655,7 @@ std::vector<S> smplrifke_from_poses(std::span<const S> poses, std::span<const S>
 /// features  (frames, 205)
 /// The path starts at x = y = 0 with the heading `first_angle`; the velocity and turn of the last frame are not used,
 /// nor is what heading the first rotation contains.
-/// Throws    shape_error 205 if the size is no multiple of 205
+/// Throws    shape_error 205 if the size is not a multiple of 205
 template <Scalar S>
 SmplRifkeMotion<S> smplrifke_inverse(std::span<const S> features, const SmplRifkeOptions& options = {}) {
   if (features.size() % smplrifke_size != 0) {
@@ -16905,7 +11724,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_GEOMETRY_SO3_HPP  // <motionlang/geometry/so3.hpp>
 #define MOTIONLANG_HAS_GEOMETRY_SO3_HPP
-/// What every rotation can do, whatever its representation: the API deduced from `to_matrix`.
+/// Operations of every rotation, whatever its representation: the API deduced from `to_matrix`.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -17048,7 +11867,7 @@ PlanOptions Stmc<B, D, E>::plan_options(const StmcOptions& options) const {
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise>
+template <class Noise, bool>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options) const {
   return generate_from(
@@ -17057,21 +11876,21 @@ std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline>
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise, class Estimate>
+template <class Noise, class Estimate, bool>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(std::span<const Timeline> timelines, Noise&& noise,
                                                        const StmcOptions& options, Estimate&& estimate) const {
   return generate_from(plan_timelines(timelines, plan_options(options)), noise, options, estimate);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise, class Estimate>
+template <class Noise, class Estimate, bool>
 std::vector<Tensor<B, 2>> Stmc<B, D, E>::generate_from(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                                        Estimate&& estimate) const {
   return separate(sample(plan, noise, options, estimate), plan);
 }
 
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
-template <class Noise, class Estimate>
+template <class Noise, class Estimate, bool>
 CleanMotions<B> Stmc<B, D, E>::sample(BatchPlan plan, Noise&& noise, const StmcOptions& options,
                                       Estimate&& estimate) const {
   const auto [text, null] = encode(plan);
@@ -17163,8 +11982,8 @@ MOTIONLANG_NAMESPACE_END
 MOTIONLANG_NAMESPACE_BEGIN
 
 /// One motion for each timeline. The noise of each depends on the seed and on its place in the list.
-/// Throws  timeline_error 504 ... 508 for timelines that the model cannot make; option_error 101 for frames to keep
-///         that are not there, 102 for options that contradict each other, 105 for more steps than the model has;
+/// Throws  timeline_error 504 ... 508 for timelines that the model cannot make; option_error 101 for kept frames
+///         outside of the motion, 102 for options that contradict each other, 105 for more steps than the model has;
 ///         config_error 102, 103, 107 and io_error 401 ... 407 for files of noise and records; `cancelled`
 template <Backend B, Denoiser<B> D, TextEncoder<B> E>
 std::vector<Motion> generate_motions(const Stmc<B, D, E>& stmc, std::span<const Timeline> timelines,
@@ -17181,8 +12000,8 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP  // <motionlang/compose/cut_texts.hpp>
 #define MOTIONLANG_HAS_COMPOSE_CUT_TEXTS_HPP
-/// Texts cut where a denoiser does them best in parts: where they lend body parts or get them back, and where they are
-/// too long.
+/// Texts cut where a denoiser does them best in parts: where their action is over, where they lend body parts or get
+/// them back, and where they are too long.
 ///
 ///     const auto motion = stmc.generate(cut_texts(timeline, stmc.fps), rng);
 ///
@@ -17196,7 +12015,7 @@ inline constexpr double longest_whole_text = 8;
 /// Seconds below which a part would be too short for the denoiser to do what the text says.
 inline constexpr double shortest_part = 0.5;
 
-/// cut_at_handovers, divide_long_texts. Throws what they throw.
+/// end_actions, cut_at_handovers, divide_long_texts. Throws what they throw.
 Timeline cut_texts(const Timeline& timeline, double fps);
 
 MOTIONLANG_NAMESPACE_END
@@ -17207,7 +12026,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP  // <motionlang/compose/handovers.hpp>
 #define MOTIONLANG_HAS_COMPOSE_HANDOVERS_HPP
-/// Texts cut where what they own changes.
+/// Cuts texts where their body parts change.
 ///
 /// A text that goes on while another borrows its arms is one crop as published, so the denoiser sees raised arms in the
 /// middle of "walk forward" and keeps them up before and after. Cut at these times, it walks with its own arms, then
@@ -17219,8 +12038,8 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Cuts every text at the times at which it gets or loses body parts, unless a stretch would be shorter than `least`
-/// frames. Throws config_error 101 if too many texts lie over each other.
+/// Cuts every text at the times at which it gets or loses body parts, unless a piece would be shorter than `least`
+/// frames. Throws config_error 101 if too many texts overlap.
 Timeline cut_at_handovers(const Timeline& timeline, Index least);
 
 MOTIONLANG_NAMESPACE_END
@@ -17277,7 +12096,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Of one text: a day in parts of 8 s makes 10,800.
+/// The limit for one text: a day in parts of 8 s makes 10,800.
 inline constexpr Index most_parts = 100000;
 
 namespace detail {
@@ -17333,10 +12152,130 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_COMPOSE_NATURAL_LENGTHS_HPP  // <motionlang/compose/natural_lengths.hpp>
+#define MOTIONLANG_HAS_COMPOSE_NATURAL_LENGTHS_HPP
+/// Actions that begin and end: a denoiser that has more time than an action takes does it again, or slowly, and may
+/// begin in the middle. Such a text becomes several: standing, the action for as long as people take, what follows.
+///
+///     const auto length = natural_length("sit down");                     // 2.8 s, then "sit quietly"
+///     const Timeline both = end_actions(parse_timeline("sit down # 0 # 8\n"), 20);
+///
+/// Source  lengths: the third quartile of the segments with such captions in examples/training/captions.tsv
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// How long an action takes, and a text of what somebody does then.
+struct NaturalLength {
+  double seconds = 0;
+  std::string then{};
+  bool from_rest = false;  // raising arms, bending: begins as somebody stands
+};
+
+/// That of an English text of one action that ends: turning, raising arms, sitting down, standing up, jumping, bending,
+/// kicking, punching and throwing. Nothing for other texts, and for those with "again", "and", "while", "times", ...
+std::optional<NaturalLength> natural_length(std::string_view text);
+
+/// Seconds of "stand still" in front of an action that begins from rest.
+inline constexpr double lead_in = 0.5;
+
+/// Every text that lasts at least a second longer than its action becomes the action and what follows it, with the same
+/// parts. An action from rest has a lead_in if it has two seconds, all parts and the beginning of the timeline. For the
+/// human body; other timelines stay as they are.
+Timeline end_actions(const Timeline& timeline, double fps);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_COMPOSE_NATURAL_LENGTHS_IPP  // <motionlang/compose/natural_lengths.ipp>
+#define MOTIONLANG_HAS_COMPOSE_NATURAL_LENGTHS_IPP
+// Bodies of natural_lengths.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The words of a text in lower case.
+inline std::vector<std::string> lower_words(std::string_view text) {
+  std::vector<std::string> words(1);
+  for (const char c : text) {
+    const char l = lower(c);
+    if ((l >= 'a' && l <= 'z') || (l >= '0' && l <= '9') || l == '\'')
+      words.back() += l;
+    else if (!words.back().empty())
+      words.emplace_back();
+  }
+  if (words.back().empty()) words.pop_back();
+  return words;
+}
+
+/// Words of actions that go on, or that need another one.
+inline constexpr std::array continuing_words{"again",      "and",  "then",  "while",   "times",  "twice",
+                                             "repeatedly", "keep", "keeps", "circles", "circle", "continuously",
+                                             "several",    "many", "jacks", "rope",    "walk",   "walks",
+                                             "walking",    "run",  "runs",  "running"};
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::optional<NaturalLength> natural_length(std::string_view text) {
+  const auto words = detail::lower_words(text);
+  const auto says = [&](std::initializer_list<std::string_view> any) {
+    return std::any_of(words.begin(), words.end(),
+                       [&](const std::string& w) { return std::find(any.begin(), any.end(), w) != any.end(); });
+  };
+  if (std::any_of(detail::continuing_words.begin(), detail::continuing_words.end(),
+                  [&](const char* w) { return says({w}); }))
+    return {};
+  const bool arm = says({"arm", "arms", "hand", "hands"});
+  if (says({"turn", "turns", "turning"}) && says({"left", "right", "around"}) && !arm)
+    return NaturalLength{2.4, "stand still"};
+  if (says({"raise", "raises", "raising", "lift", "lifts", "lifting"}) && arm) {
+    const bool both = says({"both", "arms", "hands"}), left = says({"left"});
+    return NaturalLength{2.2,
+                         both   ? "hold both arms up"
+                         : left ? "hold the left arm up"
+                                : "hold the right arm up",
+                         true};
+  }
+  if (says({"sit", "sits", "sitting"}) && says({"down"})) return NaturalLength{2.8, "sit quietly"};
+  if (says({"stand", "stands", "get", "gets"}) && says({"up"})) return NaturalLength{2.4, "stand still"};
+  if (says({"jump", "jumps", "leap", "leaps"}) && !(says({"up"}) && says({"down"})))
+    return NaturalLength{2.8, "stand still"};
+  if (says({"bend", "bends", "bending", "bow", "bows", "bowing"}) && !says({"knees", "knee", "arm", "arms"}))
+    return NaturalLength{2.2, "stand still", true};
+  if (says({"kick", "kicks", "punch", "punches", "throw", "throws"})) return NaturalLength{2.4, "stand still"};
+  return {};
+}
+
+MOTIONLANG_BODY Timeline end_actions(const Timeline& timeline, double fps) {
+  if (!(timeline.body == BodyPartition{})) return timeline;
+  Timeline out{{}, timeline.body};
+  for (const Interval& whole : timeline.intervals) {
+    const auto natural = natural_length(whole.text);
+    Interval action = whole;
+    if (natural && natural->from_rest && whole.start == 0 && whole.parts == BodyParts::all() &&
+        whole.end >= frame_at(2, fps)) {
+      out.intervals.push_back(whole);
+      out.intervals.back().text = "stand still";
+      out.intervals.back().end = action.start = frame_at(lead_in, fps);
+    }
+    out.intervals.push_back(action);
+    if (!natural || action.end - action.start < frame_at(natural->seconds + 1, fps)) continue;
+    Interval rest = action;
+    out.intervals.back().end = rest.start = action.start + frame_at(natural->seconds, fps);
+    rest.text = natural->then;
+    out.intervals.push_back(std::move(rest));
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 MOTIONLANG_NAMESPACE_BEGIN
 
 MOTIONLANG_BODY Timeline cut_texts(const Timeline& timeline, double fps) {
-  return divide_long_texts(cut_at_handovers(timeline, frame_at(shortest_part, fps)), frame_at(longest_whole_text, fps));
+  const Timeline ended = end_actions(timeline, fps);
+  return divide_long_texts(cut_at_handovers(ended, frame_at(shortest_part, fps)), frame_at(longest_whole_text, fps));
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -17365,7 +12304,7 @@ MOTIONLANG_NAMESPACE_END
 ///     rifke64              64   12.5  TEMOS on KIT, 21 joints of MMM as in kit ("LMrot" in the middle of the foot),
 ///                          positions alone
 ///     smplvelp            135   12.5  TEMOS on SMPL         with the exact heading, so that it is there and back
-///     smplvelp-published  135   12.5  TEMOS on SMPL         with the turn of its repository, which is no heading: see
+///     smplvelp-published  135   12.5  TEMOS on SMPL         with the published turn, which is not a heading: see
 ///                         SmplVelpOptions
 ///     smplrifke           205   20    STMC
 ///     actor               150   20    ACTOR and MDM's models of actions: 6D rotations and way, in the world of a
@@ -17468,7 +12407,7 @@ struct ActorFeatureOptions {
   bool translation = true;  // one more row: the root's way since frame 0, filled up with zeros
   bool global = true;       // false: without joint 0
 
-  /// Rows of a frame of so many joints.
+  /// Rows of a frame of this many joints.
   Index rows(Index joints) const { return joints - (global ? 0 : 1) + (translation ? 1 : 0); }
 };
 /// Joint 0 where features have none, as ACTOR takes it: of a figure that stands on its head in the world of the camera.
@@ -17479,7 +12418,7 @@ inline constexpr Vec3<double> actor_global_rotation{std::numbers::pi, 0, 0};
 FeatureLayout actor_layout(std::span<const BodyPart> part_of_joint = smpl_part_of_joint,
                            const ActorFeatureOptions& options = {}, const BodyPartition& body = {});
 
-/// What the numbers of `actor_layout` mean. World: that of a camera, in which figures stand on their heads.
+/// The meaning of the values of `actor_layout`. World: that of a camera, in which figures stand on their heads.
 inline constexpr std::array<FeatureRange, 4> actor_ranges{{
     {{0, 6}, "rotation in the world: the first two rows of the matrix", "1", {0, 1}},
     {{6, 144}, "rotation relative to the parent: the first two rows of the matrix", "1", {1, 24}},
@@ -17487,7 +12426,7 @@ inline constexpr std::array<FeatureRange, 4> actor_ranges{{
     {{147, 150}, "0: the root's row is as long as the others", "1"},
 }};
 
-/// What ACTOR's networks read, frame by frame.
+/// The input of ACTOR's networks, frame by frame.
 /// poses    (frames, joints): rotation vectors or matrices
 /// root     (frames), the pelvis; read if `translation` is on
 /// result   (frames, rows numbers): a row for each joint, then the root's
@@ -17539,7 +12478,7 @@ ActorMotion<S> actor_inverse(std::span<const S> features, Index joints = 24, con
   const auto numbers = static_cast<std::size_t>(size(options.rotations));
   const auto width = static_cast<std::size_t>(options.rows(joints)) * numbers;
   if (width == 0 || features.size() % width != 0)
-    raise<shape_error>(205, "actor_inverse: ", features.size(), " values are no frames of ", width);
+    raise<shape_error>(205, "actor_inverse: ", features.size(), " values are not frames of ", width);
   ActorMotion<S> out;
   for (std::size_t at = 0; at < features.size(); at += width) {
     std::size_t from = at;
@@ -17605,8 +12544,8 @@ struct SmplVelpOptions {
   /// Turns the clip about Z by what `exact_yaw` says of the first frame (and a quarter, `offset`).
   bool canonicalize = true;
   bool offset = true;
-  /// false, as published: the z of the first rotation vector, which is no heading, so that a second pass turns again.
-  /// true: the heading, and clips that differ by a turn about Z become the same.
+  /// false, as published: the z of the first rotation vector. It is not a heading, so a second pass turns again.
+  /// true: the heading. Clips that differ by a turn about Z become the same.
   bool exact_yaw = false;
 };
 
@@ -17627,7 +12566,7 @@ inline FeatureLayout smplvelp_layout(
   });
 }
 
-/// What the numbers of `smplvelp_layout` mean. World: Z up, turned as SmplVelpOptions say.
+/// The meaning of the values of `smplvelp_layout`. World: Z up, turned as SmplVelpOptions say.
 inline constexpr std::array<FeatureRange, 4> smplvelp_ranges{{
     {{0, 1}, "height of the translation in the world", "m"},
     {{1, 3}, "velocity of the translation since the frame before, in the world: x, y", "m/frame"},
@@ -17673,7 +12612,7 @@ SmplVelpMotion<S> smplvelp_inverse(std::span<const S> features, Index joints = 2
                                    PoseRepresentation representation = PoseRepresentation::rot6d) {
   const Index numbers = size(representation), width = 3 + numbers * joints;
   if (joints < 1 || std::ssize(features) % width != 0) {
-    raise<shape_error>(205, "smplvelp_inverse: ", features.size(), " values are no rows of ", width);
+    raise<shape_error>(205, "smplvelp_inverse: ", features.size(), " values are not rows of ", width);
   }
   SmplVelpMotion<S> out;
   Vec3<S> position{};
@@ -17739,16 +12678,21 @@ struct MappedJoint {
   /// its parent.
   std::string second{};
   double share = 0;
+
+  /// True if a skeleton may lack the source: hands, toes and collars.
+  bool optional() const {
+    return target.ends_with("_hand") || target.ends_with("_foot") || target.ends_with("_collar");
+  }
 };
 
 /// A kind of skeleton. Hands, toes and collars may be missing; all other joints of the table must be there.
 struct SkeletonTable {
   std::string name;
   std::vector<MappedJoint> joints;
-  /// Whether limbs are turned so that the source's bones take the directions of the target's; false where the zero pose
+  /// True if limbs are turned so that the source's bones take the directions of the target's; false where the zero pose
   /// (with `turn`) is known to be the T-pose although its bones are not straight.
   bool straighten = true;
-  /// Whether the soles are level in the zero pose although the legs stand apart, as in the pose to which a character's
+  /// True if the soles are level in the zero pose although the legs stand apart, as in the pose to which a character's
   /// skin is bound. Otherwise feet lean to the side with their shins.
   bool level_soles = false;
 
@@ -17803,8 +12747,7 @@ MOTIONLANG_BODY const MappedJoint* SkeletonTable::find(std::string_view target) 
 
 MOTIONLANG_BODY std::string SkeletonTable::missing(const Skeleton& source) const {
   for (const MappedJoint& j : joints) {
-    const bool optional = j.target.ends_with("_hand") || j.target.ends_with("_foot") || j.target.ends_with("_collar");
-    if (!optional && find_joint(source, j.source) < 0) return j.source;
+    if (!j.optional() && find_joint(source, j.source) < 0) return j.source;
     if (!j.second.empty() && find_joint(source, j.second) < 0) return j.second;
   }
   return {};
@@ -17825,7 +12768,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 namespace detail {
 
 inline constexpr std::string_view own_table_hint =
-    "a file can name the joints and their axes: read_skeleton_table, --joints FILE of the program";
+    "a file can name the joints and their axes: read_skeleton_table, option `joints`";
 
 }  // namespace detail
 
@@ -17859,7 +12802,7 @@ struct LimbBone {
   std::string_view joint, end;
 };
 
-/// Whether a text names two different axes, as "+x+y" does.
+/// True if a text names two different axes, as "+x+y" does.
 bool is_axes(std::string_view axes);
 /// World rotation of a joint in a T-pose, from "+x+y": its local axes that point left and up.
 Quaternion<double> axes_rotation(const MappedJoint& joint);
@@ -17874,7 +12817,7 @@ class StandingSkeleton {
 
   StandingSkeleton(Skeleton s, SkeletonTable t);
 
-  /// What says that it does not stand, facing forward: the head is not over the pelvis, the hips are not side by side,
+  /// The reason why it does not stand and face forward: the head is not over the pelvis, the hips are not side by side,
   /// or toes point back as left and right are exchanged. "" if it stands, or has no such joints.
   std::string lies() const;
 
@@ -18116,6 +13059,13 @@ inline constexpr KnownTable known_tables[] = {
       {"left_collar", "L_Collar"}, {"left_shoulder", "L_Shoulder"}, {"left_elbow", "L_Elbow"}, {"left_wrist", "L_Wrist"}, {"left_hand", "L_Hand"},
       {"right_collar", "R_Collar"}, {"right_shoulder", "R_Shoulder"}, {"right_elbow", "R_Elbow"}, {"right_wrist", "R_Wrist"}, {"right_hand", "R_Hand"}},
      true, true},
+    // Noitom's suits (Axis Neuron): a T-pose without rotations, four joints in the spine, no toes.
+    {"Noitom",
+     {{"pelvis", "Hips"}, {"spine1", "Spine"}, {"spine2", "Spine1", "+x+y", {}, "Spine2", 0.5}, {"spine3", "Spine3"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "LeftUpLeg"}, {"left_knee", "LeftLeg"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToeBase"},
+      {"right_hip", "RightUpLeg"}, {"right_knee", "RightLeg"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToeBase"},
+      {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"}, {"left_hand", "LeftHandMiddle1"},
+      {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightHandMiddle1"}}},
     // Rigs of game characters: as GLB files hold them, rest rotations are taken out, so that all axes are "+x+y".
     {"Mixamo",
      {{"pelvis", "Hips"}, {"spine1", "Spine"}, {"spine2", "Spine1"}, {"spine3", "Spine2"}, {"neck", "Neck"}, {"head", "Head"},
@@ -18140,6 +13090,22 @@ inline constexpr KnownTable known_tables[] = {
       {"right_hip", "RightHip"}, {"right_knee", "RightKnee"}, {"right_ankle", "RightAnkle"}, {"right_foot", "RightToe"},
       {"left_collar", "LeftCollar"}, {"left_shoulder", "LeftShoulder"}, {"left_elbow", "LeftElbow"}, {"left_wrist", "LeftWrist"},
       {"right_collar", "RightCollar"}, {"right_shoulder", "RightShoulder"}, {"right_elbow", "RightElbow"}, {"right_wrist", "RightWrist"}}},
+    // Rokoko's suits, with the names of Studio's own skeleton ("Newton").
+    {"Rokoko",
+     {{"pelvis", "Hips"}, {"spine1", "Spine1"}, {"spine2", "Spine2", "+x+y", {}, "Spine3", 0.5}, {"spine3", "Spine4"}, {"neck", "Neck"}, {"head", "Head"},
+      {"left_hip", "LeftThigh"}, {"left_knee", "LeftShin"}, {"left_ankle", "LeftFoot"}, {"left_foot", "LeftToe"},
+      {"right_hip", "RightThigh"}, {"right_knee", "RightShin"}, {"right_ankle", "RightFoot"}, {"right_foot", "RightToe"},
+      {"left_collar", "LeftShoulder"}, {"left_shoulder", "LeftArm"}, {"left_elbow", "LeftForeArm"}, {"left_wrist", "LeftHand"}, {"left_hand", "LeftFinger3Proximal"},
+      {"right_collar", "RightShoulder"}, {"right_shoulder", "RightArm"}, {"right_elbow", "RightForeArm"}, {"right_wrist", "RightHand"}, {"right_hand", "RightFinger3Proximal"}}},
+    // SOMA, the skeleton of Kimodo and BONES-SEED: LeftLeg is the thigh. Bones lie along x without rotations; axes and turns
+    // are those of its T-pose.
+    {"SOMA",
+     {{"pelvis", "Hips", "+z+x"}, {"spine1", "Spine1", "+z+x"}, {"spine2", "Spine2", "+z+x", {-6, 0, 0}}, {"spine3", "Chest", "+z+x"},
+      {"neck", "Neck1", "+z+x", {17, 0, 0}}, {"head", "Head", "+z+x", {-7, 0, 0}},
+      {"left_hip", "LeftLeg", "+z-x", {1, 0, 0}}, {"left_knee", "LeftShin", "+z-x", {5, 0, 0}}, {"left_ankle", "LeftFoot", "+z-y", {21, 0, 0}}, {"left_foot", "LeftToeBase", "+z-y", {16, 0, 0}},
+      {"right_hip", "RightLeg", "+z+x", {1, 0, 0}}, {"right_knee", "RightShin", "+z+x", {5, 0, 0}}, {"right_ankle", "RightFoot", "+z+y", {21, 0, 0}}, {"right_foot", "RightToeBase", "+z+y", {16, 0, 0}},
+      {"left_collar", "LeftShoulder", "+x-z", {0, 20, 0}}, {"left_shoulder", "LeftArm", "+x-z"}, {"left_elbow", "LeftForeArm", "+x-z"}, {"left_wrist", "LeftHand", "+x-z", {10, 0, 0}}, {"left_hand", "LeftHandMiddle1", "+x-z", {10, 0, 0}},
+      {"right_collar", "RightShoulder", "+x+z", {0, -20, 0}}, {"right_shoulder", "RightArm", "+x+z"}, {"right_elbow", "RightForeArm", "+x+z"}, {"right_wrist", "RightHand", "+x+z", {10, 0, 0}}, {"right_hand", "RightHandMiddle1", "+x+z", {10, 0, 0}}}},
     {"KayKit",
      {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "chest", "+x+y", {}, "head", 0.5}, {"head", "head"},
       {"left_hip", "upperleg.l"}, {"left_knee", "lowerleg.l"}, {"left_ankle", "foot.l"}, {"left_foot", "toes.l"},
@@ -18169,7 +13135,8 @@ inline constexpr KnownTable known_tables[] = {
       {"left_collar", "clavicle_l"}, {"left_shoulder", "upperarm_l"}, {"left_elbow", "lowerarm_l"}, {"left_wrist", "hand_l"}, {"left_hand", "middle_01_l"},
       {"right_collar", "clavicle_r"}, {"right_shoulder", "upperarm_r"}, {"right_elbow", "lowerarm_r"}, {"right_wrist", "hand_r"}, {"right_hand", "middle_01_r"}},
      true, true},
-    // The humanoid bones of VRM. Files name their joints as they like and say which bone each is; VRoid's names are below.
+    // The humanoid bones of VRM, of which chest and neck may be missing. Files name their joints as they like and say
+    // which bone each is; VRoid's names are below.
     {"VRM",
      {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "chest"}, {"spine3", "upperChest"}, {"neck", "neck"}, {"head", "head"},
       {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
@@ -18179,6 +13146,27 @@ inline constexpr KnownTable known_tables[] = {
      true, true},
     {"VRM without upper chest",
      {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "neck"}, {"head", "head"},
+      {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
+      {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
+      {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
+      {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
+     true, true},
+    {"VRM without chest",
+     {{"pelvis", "hips"}, {"spine1", "hips", "+x+y", {}, "spine", 0.5}, {"spine2", "spine"}, {"spine3", "spine"}, {"neck", "neck"}, {"head", "head"},
+      {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
+      {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
+      {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
+      {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
+     true, true},
+    {"VRM without neck",
+     {{"pelvis", "hips"}, {"spine1", "spine"}, {"spine2", "spine", "+x+y", {}, "chest", 0.5}, {"spine3", "chest"}, {"neck", "chest", "+x+y", {}, "head", 0.5}, {"head", "head"},
+      {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
+      {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
+      {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
+      {"right_collar", "rightShoulder"}, {"right_shoulder", "rightUpperArm"}, {"right_elbow", "rightLowerArm"}, {"right_wrist", "rightHand"}, {"right_hand", "rightMiddleProximal"}},
+     true, true},
+    {"VRM without chest and neck",
+     {{"pelvis", "hips"}, {"spine1", "hips", "+x+y", {}, "spine", 0.5}, {"spine2", "spine"}, {"spine3", "spine"}, {"neck", "spine", "+x+y", {}, "head", 0.5}, {"head", "head"},
       {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"left_foot", "leftToes"},
       {"right_hip", "rightUpperLeg"}, {"right_knee", "rightLowerLeg"}, {"right_ankle", "rightFoot"}, {"right_foot", "rightToes"},
       {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"}, {"left_wrist", "leftHand"}, {"left_hand", "leftMiddleProximal"},
@@ -18248,7 +13236,7 @@ namespace detail {
 class StandingSkeleton;
 }
 
-/// What a map did with the joints of both skeletons.
+/// How a map matched the joints of both skeletons.
 struct RetargetReport {
   std::string table, target_table;                          // the kinds of source and target
   std::vector<std::pair<std::string, std::string>> mapped;  // joint of the target, joint (or "a + b") of the source
@@ -18297,7 +13285,7 @@ class SkeletonMap {
   /// A joint of the target seen from its root.
   Vec3<double> from_root(int joint, const std::vector<Quaternion<double>>& world) const;
 
-  /// Of joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
+  /// For joints that no table knows: the joint of the same name, or the same joint of the same finger; -1.
   int namesake(const std::string& name) const;
   void connect(const detail::StandingSkeleton& from, const detail::StandingSkeleton& to);
 
@@ -18406,7 +13394,8 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 /// SMPL-H's name of a joint of a finger, "left_index1": the side, the finger, and 1, 2 or 3 from the hand on. From
 /// "LeftHandIndex1" (Mixamo), "index_01_l" (Unreal), "DEF-f_index.01.L" (Rigify), "lIndex1" (Daz), "leftIndexProximal"
-/// (VRM) and their like. "" for another joint, and for tips and metacarpals.
+/// (VRM, whose thumbs begin with leftThumbMetacarpal) and their like. "" for another joint, and for tips and other
+/// metacarpals.
 std::string finger_of(std::string_view joint);
 
 MOTIONLANG_NAMESPACE_END
@@ -18430,7 +13419,7 @@ namespace detail {
 Side side_of_name(std::string_view name);
 
 bool has_side_word(std::string_view name);
-/// What the joint on the other side may be called. A letter may be a coincidence ("lowerback"): look the names up.
+/// Possible names of the joint on the other side. A letter may be a coincidence ("lowerback"): look the names up.
 std::vector<std::string> other_side(const std::string& name);
 
 }  // namespace detail
@@ -18448,7 +13437,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// What parts the words of a name.
+/// The characters that separate the words of a name.
 inline bool is_separator(char c) { return c == '_' || c == '.' || c == '-' || c == ' '; }
 
 /// Where a letter stands alone inside of a name (J_Bip_L_Hand, "Bip01 L Thigh"), or npos.
@@ -18521,6 +13510,8 @@ MOTIONLANG_BODY std::string finger_of(std::string_view joint) {
   for (char& c : name) c = detail::lower(c);
   const auto has = [&](std::string_view part) { return name.find(part) != name.npos; };
   if (has(opposite)) return "";
+  if (joint == concat_text(own, "ThumbMetacarpal")) return concat_text(own, "_thumb1");
+  if (joint == concat_text(own, "ThumbProximal")) return concat_text(own, "_thumb2");
   for (const char* other : {"leaf", "end", "tip", "nub", "meta", "twist"}) {
     if (has(other)) return "";
   }
@@ -18604,7 +13595,7 @@ MOTIONLANG_BODY SkeletonMap::SkeletonMap(const Skeleton& source, const SkeletonT
     if (!lies.empty())
       raise<config_error>(103, "SkeletonMap: a skeleton of ", s->skeleton.size(), " joints (root '",
                           s->skeleton.name(0), "') does not stand as ", s->table.name, ": ", lies, "; ",
-                          detail::own_table_hint);
+                          detail::own_table_hint, "; option `up` turns another axis up");
   }
   connect(from, to);
   measure(from, to);
@@ -19209,7 +14200,7 @@ template <class T>
 std::size_t chain_frames(std::string_view function, const ChainSkeleton& skeleton, std::span<const T> values) {
   const std::size_t frames = values.size() / std::max<std::size_t>(skeleton.size(), 1);
   if (values.size() != frames * skeleton.size()) {
-    raise<shape_error>(205, function, ": ", values.size(), " values are no frames of ", skeleton.size(), " joints");
+    raise<shape_error>(205, function, ": ", values.size(), " values are not frames of ", skeleton.size(), " joints");
   }
   return frames;
 }
@@ -19432,7 +14423,7 @@ std::size_t guoh3d_rows(std::string_view function, std::span<const S> features, 
   const Index width = Guoh3dSlots{joints}.size();
   if (joints < 1) raise<config_error>(101, function, ": ", joints, " joints");
   if (std::ssize(features) % width != 0) {
-    raise<shape_error>(205, function, ": ", features.size(), " values are no rows of ", width, " (", joints,
+    raise<shape_error>(205, function, ": ", features.size(), " values are not rows of ", width, " (", joints,
                        " joints)");
   }
   return features.size() / static_cast<std::size_t>(width);
@@ -19785,7 +14776,7 @@ struct UniformJoints {
 
 /// joints   (frames, joints)
 /// lengths  (joints), of the target's bones
-/// The result stands at its own height; no floor is looked for. Of no frames: nothing, scale 0.
+/// The result keeps its own height, without a search for the floor. Without frames it is empty, with scale 0.
 /// Throws   shape_error 204, 205, config_error 106, numeric_error 301 for a bone that is not finite, 302 for one of
 ///          length 0
 template <Scalar S>
@@ -20103,7 +15094,7 @@ LevelVector<S> turned(const LevelVector<S>& v, S sine, S cosine) {
 }
 inline std::size_t rifke_frames(std::string_view function, std::size_t values, Index per_frame) {
   if (per_frame < 2 || static_cast<Index>(values) % per_frame != 0) {
-    raise<shape_error>(205, function, ": ", values, " values are no frames of ", per_frame);
+    raise<shape_error>(205, function, ": ", values, " values are not frames of ", per_frame);
   }
   return values / static_cast<std::size_t>(per_frame);
 }
@@ -20338,7 +15329,7 @@ MOTIONLANG_BODY Motion motion_from_joints(const Skeleton& skeleton, std::span<co
     raise<config_error>(101, "motion_from_joints: ", count, " joints for a skeleton of ", skeleton.size());
   const auto n = static_cast<std::size_t>(count), frames = joints.size() / n;
   if (joints.size() != frames * n)
-    raise<shape_error>(205, "motion_from_joints: ", joints.size(), " positions are no frames of ", count, " joints");
+    raise<shape_error>(205, "motion_from_joints: ", joints.size(), " positions are not frames of ", count, " joints");
   for (std::size_t i = 0; i < joints.size(); ++i) {
     if (!std::isfinite(joints[i].x + joints[i].y + joints[i].z))
       raise<numeric_error>(301, "motion_from_joints: joint ", i % n, " in frame ", i / n, " is not finite");
@@ -20633,9 +15624,9 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// Whether a motion has exactly the joints of these features, SMPL's or MMM's: rows are then made of it as it is.
+/// True if a motion has exactly the joints of these features, SMPL's or MMM's: rows are then made of it as it is.
 bool has_joints_of(const MotionFeatures& features, const Motion& motion);
-/// Whether a motion has the joints of any of the known features, in their order: a reader of a joint array, which has
+/// True if a motion has the joints of any of the known features, in their order: a reader of a joint array, which has
 /// no names, takes it for what it is.
 bool has_joints_of_arrays(const Motion& motion);
 /// The motion as it is if it has the joints of these features, otherwise on SMPL's. Throws what on_smpl throws.
@@ -20700,7 +15691,7 @@ inline Motion mirror(const Motion& motion) { return mirror(motion, mirror_partne
 ///
 /// The first pose must be the zero pose (5 degrees in the mean over the joints), and the clip must leave it far faster
 /// than it moves afterwards; a performer who really starts in a T-pose is left alone. A pose that is held to the last
-/// digit counts as one frame. Returns 0 for skeletons whose zero pose is no T-pose: call it before retargeting.
+/// digit counts as one frame. Returns 0 for skeletons whose zero pose is not a T-pose: call it before retargeting.
 Index detect_t_pose_lead_in(const Motion& motion);
 
 /// The clip without those frames.
@@ -20887,9 +15878,129 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#ifndef MOTIONLANG_HAS_GENERATE_ARM_OVERLAY_HPP  // <motionlang/generate/arm_overlay.hpp>
+#define MOTIONLANG_HAS_GENERATE_ARM_OVERLAY_HPP
+/// Arms that a collage of texts loses: beside a text that sits, stands or bends, a text of an arm may move it half as
+/// far as alone, or not at all. What the text makes alone is then laid over the collage.
+///
+///     for (const ArmText& text : arm_texts(timeline))
+///       if (is_arm_lost(motion, alone, text)) motion = lay_arm_over(motion, alone, text);    // alone: of text.alone
+///
+/// Source  the composition of SINC (Athanasiou et al., ICCV 2023; kinematics/overlay.hpp), for the arms only
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+/// A text of one arm or both, while other texts have the legs.
+struct ArmText {
+  Timeline alone;                // the text by itself, on the whole body
+  Index start = 0;               // frame of the timeline in which it begins
+  BodyPart arm{};                // left_arm or right_arm
+  std::vector<std::uint8_t> on;  // (frames of `alone`): 1 where the arm is the text's
+};
+
+/// One entry for each arm of each text that has no other part than arms, where another text has the legs meanwhile.
+/// Texts that have the arm for less than `shortest` frames are left out.
+std::vector<ArmText> arm_texts(const Timeline& timeline, Index shortest);
+
+/// How far the wrist comes in a clip, seen from the chest: the diagonal of the box in which it stays, metres. SMPL's
+/// joints. Counts frames in which `on` is 1; `start` is the frame of the clip where it begins.
+double arm_extent(const Motion& motion, BodyPart arm, std::span<const std::uint8_t> on, Index start = 0);
+
+/// A share of the extent of an arm alone. In the collage, an arm that comes less far is lost.
+inline constexpr double lost_arm_share = 0.8;
+
+/// True if an arm comes less than lost_arm_share as far as alone.
+bool is_arm_lost(const Motion& motion, const Motion& alone, const ArmText& text);
+
+/// The motion with the local rotations of the arm from `alone`; they come and go within `blend` frames, as far as the
+/// arm has any before or behind.
+Motion lay_arm_over(const Motion& motion, const Motion& alone, const ArmText& text, Index blend = 6);
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_GENERATE_ARM_OVERLAY_IPP  // <motionlang/generate/arm_overlay.ipp>
+#define MOTIONLANG_HAS_GENERATE_ARM_OVERLAY_IPP
+// Bodies of arm_overlay.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+MOTIONLANG_BODY std::vector<ArmText> arm_texts(const Timeline& timeline, Index shortest) {
+  constexpr BodyParts both = BodyParts{}.with(BodyPart::left_arm).with(BodyPart::right_arm);
+  std::vector<ArmText> out;
+  if (!(timeline.body == BodyPartition{})) return out;
+  FirstWins ties;
+  const auto pieces = elementary_pieces(timeline);
+  for (Index i = 0; i < std::ssize(timeline.intervals); ++i) {
+    const Interval& text = timeline.intervals[static_cast<std::size_t>(i)];
+    if (text.parts.empty() || (text.parts.bits & ~both.bits) != 0) continue;
+    for (const BodyPart arm : {BodyPart::left_arm, BodyPart::right_arm}) {
+      ArmText entry{{{{text.text, 0, text.end - text.start, BodyParts::all()}}}, text.start, arm, {}};
+      entry.on.assign(static_cast<std::size_t>(text.end - text.start), 0);
+      Index frames = 0;
+      for (const Piece& piece : pieces) {
+        if (piece.intervals.empty()) continue;
+        const auto owners = assign_parts(timeline, piece.intervals, ties);
+        const auto owner = [&](BodyPart part) { return owners[static_cast<std::size_t>(part)]; };
+        if (owner(arm) != i || owner(BodyPart::legs) == i) continue;
+        for (Index f = piece.start; f < piece.end; ++f, ++frames)
+          entry.on[static_cast<std::size_t>(f - text.start)] = 1;
+      }
+      if (frames >= shortest) out.push_back(std::move(entry));
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_BODY double arm_extent(const Motion& motion, BodyPart arm, std::span<const std::uint8_t> on, Index start) {
+  constexpr std::size_t chest = 9;
+  const std::size_t wrist = arm == BodyPart::left_arm ? 20 : 21;
+  Vec3<double> low{1e9, 1e9, 1e9}, high = -1.0 * low;
+  JointTransforms<double> world;
+  const Index frames = std::min(std::ssize(on), motion.frames() - start);
+  for (Index f = 0; f < frames; ++f) {
+    if (on[static_cast<std::size_t>(f)] == 0) continue;
+    motion.world(start + f, world);
+    const Vec3<double> p =
+        rotate(inverse(to_quaternion(world.rotation[chest])), world.position[wrist] - world.position[chest]);
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  return low.x > high.x ? 0 : norm(high - low);
+}
+
+MOTIONLANG_BODY bool is_arm_lost(const Motion& motion, const Motion& alone, const ArmText& text) {
+  return arm_extent(motion, text.arm, text.on, text.start) < lost_arm_share * arm_extent(alone, text.arm, text.on);
+}
+
+MOTIONLANG_BODY Motion lay_arm_over(const Motion& motion, const Motion& alone, const ArmText& text, Index blend) {
+  Motion out = motion;
+  const Index frames = std::min({std::ssize(text.on), alone.frames(), motion.frames() - text.start});
+  const auto on = [&](Index f) { return f >= 0 && f < frames && text.on[static_cast<std::size_t>(f)] != 0; };
+  for (Index f = 0; f < frames; ++f) {
+    if (!on(f)) continue;
+    Index near = blend + 1;  // frames to where the arm is not the text's, which the ends of the motion are not
+    for (Index d = 1; d <= blend; ++d) {
+      const bool before = text.start + f - d >= 0 && !on(f - d),
+                 behind = text.start + f + d < motion.frames() && !on(f + d);
+      if (before || behind) near = std::min(near, d);
+    }
+    const double weight = smoothstep(static_cast<double>(near) / static_cast<double>(blend + 1));
+    const auto from = alone.rotations(f);
+    const auto to = out.rotations(text.start + f);
+    for (std::size_t j = 1; j < to.size(); ++j) {
+      if (smpl_part_of_joint[j] == text.arm) to[j] = slerp(to[j], from[j], weight);
+    }
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_GENERATE_DETAIL_KEPT_CLIP_HPP  // <motionlang/generate/detail/kept_clip.hpp>
 #define MOTIONLANG_HAS_GENERATE_DETAIL_KEPT_CLIP_HPP
-/// What generate_motion does with a motion that is kept and with options, whatever the backend.
+/// The part of generate_motion about options and kept motions that does not depend on the backend.
 
 #ifndef MOTIONLANG_HAS_GENERATE_FINISH_MOTION_HPP  // <motionlang/generate/finish_motion.hpp>
 #define MOTIONLANG_HAS_GENERATE_FINISH_MOTION_HPP
@@ -20913,8 +16024,9 @@ Motion motion_of_features(std::string_view layout, std::span<const double> rows,
 /// fps: 0 is the rate of the features.
 Motion motion_of_features(const MotionFeatures& features, std::span<const float> rows, double fps = 0);
 
-/// Without trembling (smooth_motion) and with feet that stand (fix_feet), as the options say. Feet are fixed on
-/// skeletons with known_legs, and last: feet that stand are to be still.
+/// Removes jitter (smooth_motion), lets the floor carry the body (stand_on_floor), keeps standing feet from sliding
+/// (fix_feet) and lifts feet that sink in (lift_sunken_feet), as the options say. Floor and feet are fixed on skeletons
+/// with known_legs. Feet come last, because feet that stand are to be still.
 Motion finish_motion(Motion motion, const GenerateOptions& options);
 
 MOTIONLANG_NAMESPACE_END
@@ -20923,12 +16035,21 @@ MOTIONLANG_NAMESPACE_END
 #define MOTIONLANG_HAS_GENERATE_FINISH_MOTION_IPP
 // Bodies of finish_motion.hpp.
 
+#ifndef MOTIONLANG_HAS_KINEMATICS_FLOOR_FIX_HPP  // <motionlang/kinematics/floor_fix.hpp>
+#define MOTIONLANG_HAS_KINEMATICS_FLOOR_FIX_HPP
+/// Bodies that the floor carries. Generated bodies hover, sink in, and stay in the air longer than gravity allows.
+/// Metres, Y up.
+///
+///     Motion grounded = fix_floor(motion);      // stand_on_floor, lift_sunken_feet
+///
+/// Nothing is known of stairs, ladders and seats: what stands on one for long comes down to the floor.
+
 #ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP  // <motionlang/kinematics/foot_lock.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FOOT_LOCK_HPP
 /// Feet that stay where they stand. Y up, metres. Generated motions slide a little: the path of the root and the legs
 /// are predicted side by side and agree only nearly.
 ///
-///     Motion steady = fix_feet(motion);      // path_from_feet, lock_feet, raise_swings
+///     Motion steady = fix_feet(motion);      // turn_from_feet, path_from_feet, lock_feet, raise_swings
 
 #ifndef MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP  // <motionlang/kinematics/foot_contact.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_FOOT_CONTACT_HPP
@@ -20941,7 +16062,7 @@ struct ContactJoint {
   int joint = 0;
   double height = 0.05;  // metres above the floor
 };
-/// Of SMPL (and HumanML3D). When a foot stands, its ankle is about 7 cm and its toe joint 1 to 2 cm high.
+/// The feet of SMPL and HumanML3D. When a foot stands, its ankle is about 7 cm and its toe joint 1 to 2 cm high.
 inline constexpr double smpl_ankle_contact = 0.10, smpl_toe_contact = 0.05;
 /// Ankles and toes of SMPL (and HumanML3D).
 inline constexpr ContactJoint smpl_contact_joints[] = {
@@ -21053,7 +16174,7 @@ MOTIONLANG_BODY void require_limb(std::string_view function, const Skeleton& ske
   };
   if (!hangs_on(limb.end, limb.middle) || !hangs_on(limb.middle, limb.upper)) {
     raise<config_error>(103, function, ": joints ", limb.upper, ", ", limb.middle, ", ", limb.end,
-                        " are no limb of a skeleton of ", skeleton.size());
+                        " are not a limb of a skeleton of ", skeleton.size());
   }
 }
 
@@ -21118,8 +16239,14 @@ struct FootFixOptions {
   double path_speed = 2;    // m/s; path_from_feet takes no foot that slides faster to carry the body
   double path_sigma = 1.5;  // frames; smoothness of the correction of the path
   Index blend = 4;          // frames before and after a contact in which the leg comes and goes
+  double pivot = 15;        // degrees/s; turn_from_feet lets two feet on the floor turn together that fast
   double clearance = 0.03;  // m; toes swing this high above where they stand; in recorded walks mostly 2.7 to 5.5 cm
 };
+
+/// The clip turned so that nobody turns like a turntable: what both feet turn together while they are on the floor,
+/// beyond `pivot`, the body does not turn. Where it looks is decided by the legs. The way turns with it.
+/// Throws config_error 103 if the skeleton has no such legs. A body without two legs stays as it is.
+Motion turn_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
 
 /// The clip with its path over the floor corrected so that the foot that stands (of the low ones the slowest) does not
 /// slide: where somebody goes is decided by the legs. Rotations and heights stay; in the air the path stays, too.
@@ -21128,6 +16255,8 @@ Motion path_from_feet(const Motion& motion, std::span<const Leg> legs = smpl_leg
 
 namespace detail {
 
+/// Throws config_error 103 unless the skeleton has these legs.
+void require_legs(std::string_view function, const Skeleton& skeleton, std::span<const Leg> legs);
 /// Moves the foot of a leg in every frame by its offset.
 void move_foot(Motion& motion, const Leg& leg, std::span<const Vec3<double>> offset);
 
@@ -21141,10 +16270,11 @@ Motion lock_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs, co
 /// stands is not moved. Throws as lock_feet.
 Motion raise_swings(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FootFixOptions& options = {});
 
-/// path_from_feet, lock_feet, raise_swings. Throws what they throw.
+/// turn_from_feet, path_from_feet, lock_feet, raise_swings. Throws what they throw.
 inline Motion fix_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
                        const FootFixOptions& options = {}) {
-  return raise_swings(lock_feet(path_from_feet(motion, legs, options), legs, options), legs, options);
+  const Motion carried = path_from_feet(turn_from_feet(motion, legs, options), legs, options);
+  return raise_swings(lock_feet(carried, legs, options), legs, options);
 }
 
 MOTIONLANG_NAMESPACE_END
@@ -21164,8 +16294,7 @@ MOTIONLANG_BODY std::span<const Leg> known_legs(const Skeleton& skeleton) {
 
 namespace detail {
 
-/// Throws config_error 103 unless the skeleton has these legs.
-inline void require_legs(std::string_view function, const Skeleton& skeleton, std::span<const Leg> legs) {
+MOTIONLANG_BODY void require_legs(std::string_view function, const Skeleton& skeleton, std::span<const Leg> legs) {
   for (const Leg& leg : legs) {
     require_limb(function, skeleton, leg.limb);
     if (leg.toe < 0 || leg.toe >= skeleton.size())
@@ -21179,6 +16308,47 @@ inline std::array<ContactJoint, 2> feet_of(const Leg& leg, const FootFixOptions&
 }
 
 }  // namespace detail
+
+MOTIONLANG_BODY Motion turn_from_feet(const Motion& motion, std::span<const Leg> legs, const FootFixOptions& options) {
+  detail::require_legs("turn_from_feet", motion.skeleton, legs);
+  if (motion.frames() < 2 || legs.size() != 2) return motion;
+  const auto positions = motion.positions();
+  const Index joints = motion.skeleton.size();
+  const auto at = [&](Index f, int joint) { return positions[static_cast<std::size_t>(f * joints + joint)]; };
+  const auto down = [&](Index f) {
+    return std::all_of(legs.begin(), legs.end(), [&](const Leg& leg) {
+      return at(f, leg.limb.end).y - options.floor < options.ankle_height ||
+             at(f, leg.toe).y - options.floor < options.toe_height;
+    });
+  };
+  const double pivot = options.pivot * std::numbers::pi / 180 / motion.fps;
+  std::vector<double> turned(static_cast<std::size_t>(motion.frames()), 0.0);  // to each frame, too much
+  for (Index f = 0; f + 1 < motion.frames(); ++f) {
+    if (!down(f) || !down(f + 1)) continue;
+    std::array<double, 2> turn{};
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Vec3<double> a = at(f, legs[side].toe) - at(f, legs[side].limb.end),
+                         b = at(f + 1, legs[side].toe) - at(f + 1, legs[side].limb.end);
+      turn[side] = std::remainder(std::atan2(b.x, b.z) - std::atan2(a.x, a.z), 2 * std::numbers::pi);
+    }
+    if (turn[0] * turn[1] <= 0) continue;
+    const double both = std::min(std::abs(turn[0]), std::abs(turn[1]));
+    turned[static_cast<std::size_t>(f) + 1] = std::copysign(std::max(0.0, both - pivot), turn[0]);
+  }
+  const auto smooth = gaussian_smooth(std::span<const double>(turned), 1, options.path_sigma);
+  Motion out = motion;
+  double back = 0;
+  for (std::size_t f = 1; f < smooth.size(); ++f) {
+    const Vec3<double> up{0, 1, 0};
+    Vec3<double> step = motion.root[f] - motion.root[f - 1];
+    step = rotate(from_axis_angle(up, back), step);
+    back -= smooth[f];
+    out.root[f] = {out.root[f - 1].x + step.x, motion.root[f].y, out.root[f - 1].z + step.z};
+    Quaternion<double>& root = out.rotations(static_cast<Index>(f))[0];
+    root = normalized(from_axis_angle(up, back) * root);
+  }
+  return out;
+}
 
 MOTIONLANG_BODY Motion path_from_feet(const Motion& motion, std::span<const Leg> legs, const FootFixOptions& options) {
   detail::require_legs("path_from_feet", motion.skeleton, legs);
@@ -21257,7 +16427,7 @@ MOTIONLANG_BODY void move_foot(Motion& motion, const Leg& leg, std::span<const V
 
 /// (frames): by how much a foot has to be raised so that its toe swings `clearance` above the lower of the heights
 /// where it left the floor and where it comes back. One bump sin^2 for each swing, no higher than that or a tenth of
-/// its way: a foot that only trembles is left alone.
+/// its way: a foot that only jitters is left alone.
 inline std::vector<Vec3<double>> swing_lifts(const Motion& motion, std::span<const Vec3<double>> positions,
                                              const Leg& leg, const FootFixOptions& options) {
   const Index frames = motion.frames(), joints = motion.skeleton.size();
@@ -21352,9 +16522,192 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+MOTIONLANG_NAMESPACE_BEGIN
+
+struct FloorFixOptions {
+  double floor = 0;
+  double ankle_stands = 0.07, toe_stands = 0.015;  // m; height of these joints of a foot that stands
+  double body_rests = 0.05;                        // m; of any other joint on which a body rests
+  double tolerance = 0.04;                         // m; a body within this distance of the floor stays
+  double longest_flight = 1.2;                     // s; a body that is above the floor for longer hovers
+  double gravity = 9.81;                           // m/s^2
+  double sigma = 0.05;                             // s; smoothness of the correction
+  double foot_sinks = 0.02;                        // m; a foot that is less deep in the floor stays
+};
+
+namespace detail {
+
+/// How far a foot is above the height at which it stands, on its toe or its ankle, whichever is nearer to the floor.
+inline double foot_over_floor(std::span<const Vec3<double>> pose, const Leg& leg, const FloorFixOptions& options) {
+  const auto at = [&](int joint) { return pose[static_cast<std::size_t>(joint)].y - options.floor; };
+  return std::min(at(leg.limb.end) - options.ankle_stands, at(leg.toe) - options.toe_stands);
+}
+
+}  // namespace detail
+
+/// (frames): how far the lowest part of the body is above the floor, by the heights at which it stands or rests.
+/// Negative: it is sunk in. Throws config_error 103 if the skeleton has no such legs.
+std::vector<double> heights_over_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                                       const FloorFixOptions& options = {});
+
+/// The clip with its root moved up and down so that the floor carries it: h_f of heights_over_floor becomes 0 where the
+/// body stands. Rotations and the way over the floor stay.
+///     hovering   what is left of h if flights of at most longest_flight are taken away (a morphological opening)
+///     flights    no higher than a thrown body of the same peak:   h_f <= H - g/2 (t_f - t_peak)^2, or 0
+///     sunken     raised by as much as they are below the floor
+/// A correction starts at `tolerance`, and is full from twice that on.
+/// Throws config_error 103 if the skeleton has no such legs, 101 unless longest_flight and sigma are positive.
+Motion stand_on_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs, const FloorFixOptions& options = {});
+
+/// The clip with legs bent so that no foot is deeper in the floor than foot_sinks. Throws as lock_feet.
+Motion lift_sunken_feet(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                        const FloorFixOptions& options = {});
+
+/// stand_on_floor, lift_sunken_feet. Throws what they throw.
+inline Motion fix_floor(const Motion& motion, std::span<const Leg> legs = smpl_legs,
+                        const FloorFixOptions& options = {}) {
+  return lift_sunken_feet(stand_on_floor(motion, legs, options), legs, options);
+}
+
+MOTIONLANG_NAMESPACE_END
+
+#ifndef MOTIONLANG_HAS_KINEMATICS_FLOOR_FIX_IPP  // <motionlang/kinematics/floor_fix.ipp>
+#define MOTIONLANG_HAS_KINEMATICS_FLOOR_FIX_IPP
+// Bodies of floor_fix.hpp.
+
+MOTIONLANG_NAMESPACE_BEGIN
+
+namespace detail {
+
+/// The joints of one frame among (frames, joints).
+inline std::span<const Vec3<double>> pose_of(std::span<const Vec3<double>> positions, Index joints, Index frame) {
+  return positions.subspan(static_cast<std::size_t>(frame * joints), static_cast<std::size_t>(joints));
+}
+
+/// 0 up to the tolerance, x from twice that on, and steadily between.
+inline double beyond(double x, double tolerance) { return x >= 2 * tolerance ? x : std::max(0.0, 2 * (x - tolerance)); }
+
+/// The smallest (of larger: largest) value within `reach` frames of each.
+inline std::vector<double> extremes(std::span<const double> values, Index reach, bool larger) {
+  const Index n = std::ssize(values);
+  std::vector<double> out;
+  for (Index f = 0; f < n; ++f) {
+    double best = values[static_cast<std::size_t>(f)];
+    for (Index k = std::max<Index>(0, f - reach); k <= std::min(n - 1, f + reach); ++k) {
+      const double v = values[static_cast<std::size_t>(k)];
+      best = larger ? std::max(best, v) : std::min(best, v);
+    }
+    out.push_back(best);
+  }
+  return out;
+}
+
+/// By how much each frame of a flight is above the arc of a thrown body with the same peak. The peak is in the middle
+/// of the frames that are nearly as high.
+/// heights  above the floor, no hovering among them
+inline std::vector<double> above_arcs(std::span<const double> heights, double fps, const FloorFixOptions& options) {
+  const Index n = std::ssize(heights);
+  std::vector<double> above(heights.size(), 0.0);
+  const auto h = [&](Index f) { return heights[static_cast<std::size_t>(f)]; };
+  for (Index first = 0, last = 0; first < n; first = last + 1) {
+    for (last = first; last < n && h(last) > options.tolerance; ++last) {}
+    if (first == last) continue;
+    double peak = 0;
+    for (Index f = first; f < last; ++f) peak = std::max(peak, h(f));
+    Index from = last, to = first;
+    for (Index f = first; f < last; ++f) {
+      if (h(f) >= 0.9 * peak) from = std::min(from, f), to = std::max(to, f);
+    }
+    const double middle = 0.5 * static_cast<double>(from + to);
+    for (Index f = first; f < last; ++f) {
+      const double t = (static_cast<double>(f) - middle) / fps;
+      above[static_cast<std::size_t>(f)] = h(f) - std::clamp(peak - 0.5 * options.gravity * t * t, 0.0, h(f));
+    }
+  }
+  return above;
+}
+
+/// Never below the values, and smooth where they begin and end.
+inline std::vector<double> smooth_above(std::span<const double> values, double sigma) {
+  const auto wide = extremes(values, 1, true);
+  return gaussian_smooth(std::span<const double>(wide), 1, sigma);
+}
+
+}  // namespace detail
+
+MOTIONLANG_BODY std::vector<double> heights_over_floor(const Motion& motion, std::span<const Leg> legs,
+                                                       const FloorFixOptions& options) {
+  detail::require_legs("heights_over_floor", motion.skeleton, legs);
+  const auto positions = motion.positions();
+  const Index joints = motion.skeleton.size();
+  std::vector<bool> of_foot(static_cast<std::size_t>(joints));
+  for (const Leg& leg : legs) {
+    for (const int joint : {leg.limb.end, leg.toe}) of_foot[static_cast<std::size_t>(joint)] = true;
+  }
+  std::vector<double> heights;
+  for (Index f = 0; f < motion.frames(); ++f) {
+    const auto pose = detail::pose_of(positions, joints, f);
+    double lowest = pose.front().y - options.floor - options.body_rests;
+    for (std::size_t j = 0; j < pose.size(); ++j) {
+      if (!of_foot[j]) lowest = std::min(lowest, pose[j].y - options.floor - options.body_rests);
+    }
+    for (const Leg& leg : legs) lowest = std::min(lowest, detail::foot_over_floor(pose, leg, options));
+    heights.push_back(lowest);
+  }
+  return heights;
+}
+
+MOTIONLANG_BODY Motion stand_on_floor(const Motion& motion, std::span<const Leg> legs, const FloorFixOptions& options) {
+  if (!(options.longest_flight > 0 && options.sigma > 0))
+    raise<config_error>(101, "stand_on_floor: flights of ", options.longest_flight, " s, sigma ", options.sigma, " s");
+  const auto heights = heights_over_floor(motion, legs, options);
+  if (heights.empty()) return motion;
+  const double sigma = options.sigma * motion.fps;  // frames
+  const auto reach = static_cast<Index>(
+      std::min(0.5 * options.longest_flight * motion.fps + 0.5, static_cast<double>(motion.frames())));
+  const auto hovering = detail::extremes(detail::extremes(heights, reach, false), reach, true);
+  std::vector<double> down, up, left;
+  for (std::size_t f = 0; f < heights.size(); ++f) down.push_back(detail::beyond(hovering[f], options.tolerance));
+  down = gaussian_smooth(std::span<const double>(down), 1, 2 * sigma);
+  for (std::size_t f = 0; f < heights.size(); ++f) {
+    left.push_back(heights[f] - down[f]);
+    up.push_back(detail::beyond(-left[f], options.tolerance));
+  }
+  auto arcs = detail::above_arcs(left, motion.fps, options);
+  for (double& a : arcs) a = detail::beyond(a, options.tolerance);
+  arcs = gaussian_smooth(std::span<const double>(arcs), 1, sigma);
+  up = detail::smooth_above(up, 2 * sigma);
+  Motion out = motion;
+  for (std::size_t f = 0; f < heights.size(); ++f) out.root[f].y += up[f] - down[f] - arcs[f];
+  return out;
+}
+
+MOTIONLANG_BODY Motion lift_sunken_feet(const Motion& motion, std::span<const Leg> legs,
+                                        const FloorFixOptions& options) {
+  detail::require_legs("lift_sunken_feet", motion.skeleton, legs);
+  if (motion.frames() == 0) return motion;
+  const auto positions = motion.positions();
+  Motion out = motion;
+  for (const Leg& leg : legs) {
+    std::vector<double> sunk;
+    for (Index f = 0; f < motion.frames(); ++f)
+      sunk.push_back(
+          detail::beyond(-detail::foot_over_floor(detail::pose_of(positions, motion.skeleton.size(), f), leg, options),
+                         options.foot_sinks));
+    std::vector<Vec3<double>> lift;
+    for (const double y : detail::smooth_above(sunk, options.sigma * motion.fps)) lift.push_back({0, y, 0});
+    detail::move_foot(out, leg, lift);
+  }
+  return out;
+}
+
+MOTIONLANG_NAMESPACE_END
+#endif
+#endif
+
 #ifndef MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP  // <motionlang/kinematics/smooth_motion.hpp>
 #define MOTIONLANG_HAS_KINEMATICS_SMOOTH_MOTION_HPP
-/// A clip without its trembling. Slow movement, peaks and the ends of the clip stay where they are.
+/// Removes jitter from a clip. Slow movement, peaks and the ends of the clip stay where they are.
 
 MOTIONLANG_NAMESPACE_BEGIN
 
@@ -21463,7 +16816,10 @@ MOTIONLANG_BODY Motion motion_of_features(const MotionFeatures& features, std::s
 MOTIONLANG_BODY Motion finish_motion(Motion motion, const GenerateOptions& options) {
   if (options.smooth) motion = smooth_motion(motion);
   const auto legs = known_legs(motion.skeleton);
-  if (options.fix_feet && !legs.empty()) motion = fix_feet(motion, legs);
+  if (legs.empty()) return motion;
+  if (options.fix_floor) motion = stand_on_floor(motion, legs);
+  if (options.fix_feet) motion = fix_feet(motion, legs);
+  if (options.fix_floor) motion = lift_sunken_feet(motion, legs);
   return motion;
 }
 
@@ -21484,7 +16840,7 @@ void require_one_source(const GenerateOptions& options);
 /// that are not there.
 std::vector<IndexRange> kept_frames(const KeptClip& keep, Index frames, Index wanted, double fps);
 
-/// Made frames, at most so many beside those that are kept, lead from the ones to the others.
+/// Made frames, at most this many beside those that are kept, lead from the ones to the others.
 Motion without_jumps(Motion motion, std::span<const IndexRange> kept, Index frames);
 
 /// Where the clip is, if its way is kept: turned and moved over the floor. Frames that are kept behind made ones are
@@ -21536,8 +16892,8 @@ struct Placement {
   Vec3<double> operator()(const Vec3<double>& p) const { return rotate(rotation(), p) + shift; }
 };
 
-/// What brings the root in frame `from` of one clip over the place and heading of the root in frame `to` of another.
-/// Heights stay. The frames exist.
+/// The transform that moves the root in frame `from` of one clip over the place and heading of the root in frame `to`
+/// of another. Heights stay. The frames exist.
 Placement placement_between(const Motion& clip, Index from, const Motion& other, Index to);
 
 /// The whole clip moved.
@@ -21632,7 +16988,7 @@ MOTIONLANG_NAMESPACE_END
 
 MOTIONLANG_NAMESPACE_BEGIN
 
-/// `second` after `first`, with `frames` frames in which both play and one gives way to the other. The second clip is
+/// `second` after `first`, with `frames` frames over which the first blends into the second. The second clip is
 /// turned and moved over the floor so that in the middle of these frames both roots stand over one place and have one
 /// heading; heights are only blended. The result has frames(first) + frames(second) - frames frames.
 /// Throws config_error 102 if skeletons or frame rates differ, 101 unless 1 <= frames <= those of each clip.
@@ -21839,7 +17195,7 @@ struct KeptPart {
   BodyParts parts = BodyParts::every();
 };
 
-/// What is kept of a motion; nothing without parts. Frame 0 is that of the timeline.
+/// The kept part of a motion; nothing without parts. Frame 0 is that of the timeline.
 template <Backend B>
 struct KeptMotion {
   Tensor<B, 2> features{};  // (frames, features), not normalised
@@ -22005,7 +17361,7 @@ MOTIONLANG_NAMESPACE_END
 ///     motion = regenerate(stmc, record, timelines, {}, &reuse);
 ///     motion = regenerate(stmc, record, timelines, {.within = 20}, &reuse);
 ///
-/// What the mathematics allows (compose/edits.hpp): an edit goes one crop further with every step. Texts that follow
+/// The limit of reuse (compose/edits.hpp): an edit spreads by one crop with every step. Texts that follow
 /// each other with an overlap are one chain of crops, so after as many steps as the chain has crops beside the edit
 /// nothing is reused any more: with 100 steps a few per cent of the work, with 10 steps and a long timeline much of it.
 /// Free are timelines of the batch that were not edited, and with overlap 0 all texts behind a cut that nothing spans.
@@ -22015,7 +17371,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_COMPOSE_EDITS_HPP  // <motionlang/compose/edits.hpp>
 #define MOTIONLANG_HAS_COMPOSE_EDITS_HPP
-/// What an edit of a timeline can change in its motion, step by step. No tensors here.
+/// The frames that an edit of a timeline can change, step by step. No tensors here.
 ///
 /// A step of STMC makes every frame from the crops that are added and subtracted there, and a crop reads all of its
 /// frames. So an edit changes in the first step the frames that are made of other crops than before, in the second one
@@ -22038,14 +17394,14 @@ class EditSpread {
   EditSpread(const BatchPlan& before, Index rows_before, BatchPlan after, Index rows, Index reads = 0,
              std::optional<Index> within = {});
 
-  /// Whether frame f of timeline m differs after this step.
+  /// True if frame f of timeline m differs after this step.
   bool differs(std::size_t m, Index f) const { return differs_[m][static_cast<std::size_t>(f)] != 0; }
   /// Frames of all timelines that differ.
   Index frames() const;
 
-  /// Whether every timeline with frames that differ has no others.
+  /// True if every timeline with frames that differ has no others.
   bool everywhere() const;
-  /// Whether `within` has changed anything so far.
+  /// True if `within` has changed anything so far.
   bool limited() const { return limited_; }
 
   /// The next step. Whether more frames differ after it.
@@ -22092,7 +17448,7 @@ struct FrameTerm {
   bool operator==(const FrameTerm&) const = default;
 };
 
-/// Of `rows` frames; frames behind the end are made of nothing.
+/// For `rows` frames; frames behind the end depend on nothing.
 inline std::vector<std::vector<FrameTerm>> frame_terms(const TimelinePlan& plan, Index rows) {
   std::vector<std::vector<FrameTerm>> terms(static_cast<std::size_t>(rows));
   const auto note = [&](const std::vector<Slice>& slices, bool add) {
@@ -22473,7 +17829,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 /// A file mapped into memory for reading. Pages are loaded when they are touched (on Windows, all when it is opened).
 class MappedFile {
  public:
-  /// Throws io_error 401.
+  /// Throws io_error 401, also for a pointer of Git LFS, which stands in a repository for a file that was not fetched.
   static std::shared_ptr<const MappedFile> open(const FilePath& path);
   /// These bytes in a file without a name, which is gone with the mapping: memory that can be given back and read
   /// again. Null if there is no place for it.
@@ -22502,7 +17858,11 @@ class MappedFile {
   MappedFile* next_ = nullptr;  // of all that are mapped
 };
 
-/// The whole file as text. Throws io_error 401.
+/// Throws io_error 401 if the bytes of a file are a pointer of Git LFS.
+/// Source  the specification of Git LFS, "The Pointer"
+void refuse_lfs_pointer(std::span<const std::byte> bytes, std::string_view name);
+
+/// The whole file as text. Throws io_error 401, also for a pointer of Git LFS.
 std::string read_file(const FilePath& path);
 
 /// Writes to a temporary name beside `path` and renames: the old file stays whole until the new one is, which has its
@@ -22528,7 +17888,7 @@ MOTIONLANG_NAMESPACE_END
 
 #ifndef MOTIONLANG_HAS_FILE_DETAIL_SYSTEM_FILE_HPP  // <motionlang/file/detail/system_file.hpp>
 #define MOTIONLANG_HAS_FILE_DETAIL_SYSTEM_FILE_HPP
-/// What the system does with files: POSIX, and Windows by what MinGW's C library has of it. errno says why a call
+/// File calls of the system: POSIX, and on Windows those of MinGW's C library. errno says why a call
 /// failed.
 
 #include <fcntl.h>     // open
@@ -22666,7 +18026,7 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return fd_; }
-  /// Whether all bytes could be written; errno says why not.
+  /// True if all bytes could be written; errno says why not.
   bool write(std::span<const std::byte> bytes) const {
     while (!bytes.empty()) {
       const auto n = ::write(fd_, bytes.data(), static_cast<unsigned>(std::min<std::size_t>(bytes.size(), 1u << 30)));
@@ -22689,7 +18049,19 @@ class Descriptor {
 }  // namespace detail
 
 MOTIONLANG_BODY std::shared_ptr<const MappedFile> MappedFile::open(const FilePath& path) {
-  return std::shared_ptr<const MappedFile>(new MappedFile(path));
+  auto file = std::shared_ptr<const MappedFile>(new MappedFile(path));
+  refuse_lfs_pointer(file->bytes(), path.string());
+  return file;
+}
+
+MOTIONLANG_BODY void refuse_lfs_pointer(std::span<const std::byte> bytes, std::string_view name) {
+  constexpr std::size_t longest = 1024;
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), longest));
+  if (bytes.size() >= longest || !text.starts_with("version https://git-lfs.github.com/spec/")) return;
+  const std::size_t size = text.find("\nsize ");
+  const std::string_view number = size == text.npos ? "?" : text.substr(size + 6, text.find('\n', size + 6) - size - 6);
+  raise<io_error>(401, name, " is not the file but a Git LFS pointer to it (", number,
+                  " bytes): 'git lfs pull' in its repository fetches the file");
 }
 
 MOTIONLANG_BODY std::shared_ptr<const MappedFile> MappedFile::put_aside(std::span<const std::byte> bytes) {
@@ -22767,7 +18139,7 @@ MOTIONLANG_BODY void write_file(const FilePath& path, std::span<const std::byte>
   }
   if (std::filesystem::is_other(std::filesystem::status(followed, problem)))
     raise<io_error>(401, "cannot write ", path.string(),
-                    ": it is no file but a device or a pipe, which a file would replace");
+                    ": it is not a file but a device or a pipe, which a file would replace");
   const std::string target = followed.string();
   std::string temporary;
   int opened = -1;
@@ -22899,7 +18271,7 @@ constexpr std::optional<DType> parse_dtype(std::string_view name) {
   }
   return std::nullopt;
 }
-/// Whether values of this type are whole numbers.
+/// True if values of this type are whole numbers.
 constexpr bool is_integer(DType t) { return t <= DType::I64; }
 
 /// The element type that holds a C++ number.
@@ -23090,7 +18462,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 class TensorSet {
  public:
-  /// Of the file, for messages.
+  /// The name of the file, for messages.
   const std::string& name() const { return name_; }
   /// Keeps the bytes of all tensors alive.
   const std::shared_ptr<const void>& owner() const { return owner_; }
@@ -23788,8 +19160,8 @@ void assign_tensor(typename B::tensor& tensor, const TensorView& view, const std
         shape, [&](S* to) { copy_values(view, std::span<S>(to, static_cast<std::size_t>(shape.count()))); });
   }
 }
-/// What a module is loaded for. For inference it is made ready as by prepare_loaded, in the same pass over the file:
-/// all its matrices are weights, and it is neither trained nor changed afterwards.
+/// The purpose of loading a module. For inference it is made ready as by prepare_loaded, in the same pass over the
+/// file: all its matrices are weights, and it is neither trained nor changed afterwards.
 enum class LoadFor { any_use, inference };
 
 namespace detail {
@@ -23825,7 +19197,7 @@ struct TensorLoader {
   }
 };
 
-/// Whether the tensor repeats one of the module under another name. Throws io_error 407 if it should but is different.
+/// True if the tensor repeats one of the module under another name. Throws io_error 407 if it should but is different.
 template <class M>
 bool is_copy(const M& module, const TensorSet& file, const std::string& prefix, const TensorView& t) {
   if constexpr (requires { module.copy_of(t.name); }) {
@@ -24056,7 +19428,7 @@ struct StmcModelConfig {
   MdmSmplConfig denoiser{};
   CaptionEncoderConfig text{};
   Index diffusion_steps = 100;
-  // What the model should be sampled with:
+  // How the model should be sampled:
   NoiseScale noise_scale = NoiseScale::posterior_std;
   SamplingOptions::Sampler sampler = SamplingOptions::Sampler::ddpm;
   Index sampling_steps = 0;  // 0: all
@@ -24089,7 +19461,7 @@ Index metadata_size(const Metadata& metadata, const std::string& key, Index larg
                     Index smallest = 1);
 
 WordPiece metadata_vocabulary(const Metadata& metadata, const std::string& file);
-/// What users say about a model or a record. Throws config_error 102 for a key that is there already.
+/// The entries of users about a model or a record. Throws config_error 102 for a key that is there already.
 void add_metadata(Metadata& metadata, const Metadata& about, std::string_view whose, const std::string& file);
 
 }  // namespace detail
@@ -24340,7 +19712,7 @@ MOTIONLANG_NAMESPACE_BEGIN
 
 namespace detail {
 
-/// Of all numbers of a module and their scalar.
+/// A checksum of all values of a module and their scalar.
 template <Module M>
 std::string weights_checksum(const M& module) {
   std::uint64_t h = 0;
@@ -24350,7 +19722,7 @@ std::string weights_checksum(const M& module) {
 /// "x0/007": names whose order is that of the numbers, below 1000.
 std::string numbered_name(const char* what, std::size_t i);
 
-/// What does not depend on the backend.
+/// The part that does not depend on the backend.
 struct RecordAbout {
   std::vector<Timeline> timelines{};
   Philox rng{};
@@ -24571,17 +19943,24 @@ class GenerateRun {
     how_.steps = o_.steps;
     how_.sampling = model_.sampling;
     if (o_.sampler) how_.sampling->sampler = *o_.sampler;
-    how_.progress = o_.progress;
     if (o_.keep) keep_on_model();
   }
 
   std::vector<Motion> operator()(std::span<const Timeline> timelines) const {
     if (o_.notes != nullptr) *o_.notes = {.layout = model_.layout.name};
-    std::vector<Motion> motions;
-    for (const Tensor<B, 2>& f : features(timelines)) {
+    std::vector<Motion> collages, motions;
+    const Arms arms = arms_of(timelines);
+    Steps first{&o_.progress, 0, arms.texts.empty() ? 1 : 2}, second{&o_.progress, 1, 2};
+    Sampling how{Philox{.seed = o_.seed}, how_, o_.cut_texts};
+    how.options.progress = first;
+    for (const Tensor<B, 2>& f : features(timelines, how)) {
       const std::vector<double> rows(f.span().begin(), f.span().end());
       if (o_.notes != nullptr) o_.notes->features.push_back(rows);
-      Motion motion = motion_of_features(model_.layout.name, rows, model_.layout.size, model_.fps);
+      collages.push_back(motion_of(rows));
+    }
+    how.options.progress = second;
+    overlay(arms, collages, how);
+    for (Motion& motion : collages) {
       if (o_.keep) motion = in_its_place(std::move(motion), clip_, clip_frames_, o_);
       motions.push_back(finish_motion(std::move(motion), o_));
       if (o_.keep && o_.notes != nullptr)
@@ -24594,16 +19973,61 @@ class GenerateRun {
  private:
   using Features = std::vector<Tensor<B, 2>>;
 
-  /// (frames, features) of each timeline, not normalised.
-  Features features(std::span<const Timeline> timelines) const {
-    if (!o_.reuse.string().empty()) return reused(timelines);
+  /// The sampling of a run. A run that is reused has it in its record.
+  struct Sampling {
+    Philox rng{};
+    StmcOptions options{};
+    bool cut = true;
+  };
+
+  Motion motion_of(std::span<const double> rows) const {
+    return motion_of_features(model_.layout.name, rows, model_.layout.size, model_.fps);
+  }
+
+  /// Counts the steps of one of several runs for the caller.
+  struct Steps {
+    const Progress* caller;
+    Index run, runs;
+    bool operator()(Index done, Index total) const { return (*caller)(run * total + done, runs * total), true; }
+  };
+
+  /// The texts of arms in the timelines: of which one each is, and what it is alone.
+  struct Arms {
+    std::vector<std::pair<std::size_t, ArmText>> texts{};
+    std::vector<Timeline> alone{};
+  };
+  Arms arms_of(std::span<const Timeline> timelines) const {
+    Arms out;
+    const bool possible = o_.overlay_arms && !o_.keep && o_.noise.string().empty() && model_.layout.name == "smplrifke";
+    for (std::size_t m = 0; possible && m < timelines.size(); ++m) {
+      for (ArmText& text : arm_texts(timelines[m], frame_at(shortest_part, model_.fps))) {
+        out.alone.push_back(text.alone);
+        out.texts.emplace_back(m, std::move(text));
+      }
+    }
+    return out;
+  }
+  /// Lays over the motions of the timelines what their texts of arms make alone, where the collage lost it.
+  void overlay(const Arms& arms, std::vector<Motion>& motions, const Sampling& how) const {
+    if (arms.texts.empty()) return;
+    const Features features = model_.generate(cut(arms.alone, how.cut), how.rng, how.options);
+    for (std::size_t i = 0; i < arms.texts.size(); ++i) {
+      const auto& [m, text] = arms.texts[i];
+      const Motion alone = motion_of(std::vector<double>(features[i].span().begin(), features[i].span().end()));
+      if (is_arm_lost(motions[m], alone, text)) motions[m] = lay_arm_over(motions[m], alone, text);
+    }
+  }
+
+  /// (frames, features) of each timeline, not normalised. Sets what a run was sampled with if it is reused.
+  Features features(std::span<const Timeline> timelines, Sampling& how) const {
+    if (!o_.reuse.string().empty()) return reused(timelines, how);
     const std::vector<Timeline> texts = cut(timelines, o_.cut_texts);
-    const Philox rng{.seed = o_.seed};
-    if (o_.keep) return around(texts, rng);
-    if (!o_.noise.string().empty()) return model_.generate_from(texts, noise_of_file<B>(o_.noise), how_);
-    if (o_.record.string().empty()) return model_.generate(texts, rng, how_);
+    const Philox& rng = how.rng;
+    if (o_.keep) return around(texts, how);
+    if (!o_.noise.string().empty()) return model_.generate_from(texts, noise_of_file<B>(o_.noise), how.options);
+    if (o_.record.string().empty()) return model_.generate(texts, rng, how.options);
     StmcRecord<B> record;
-    Features out = generate_recorded<B>(model_, texts, rng, how_, record);
+    Features out = generate_recorded<B>(model_, texts, rng, how.options, record);
     save(record, o_.cut_texts);
     return out;
   }
@@ -24622,7 +20046,7 @@ class GenerateRun {
     clip_rows_.assign(rows.begin(), rows.end());
     clip_frames_ = std::ssize(rows) / model_.layout.size;
   }
-  Features around(std::span<const Timeline> timelines, const Philox& rng) const {
+  Features around(std::span<const Timeline> timelines, const Sampling& how) const {
     std::vector<KeptMotion<B>> kept;
     for (const Timeline& t : timelines) {
       auto& own = kept.emplace_back();
@@ -24630,20 +20054,21 @@ class GenerateRun {
       for (const IndexRange& range : kept_frames(*o_.keep, clip_frames_, t.end(), model_.fps))
         own.parts.push_back({range, o_.keep->parts});
     }
-    return generate_around<B>(model_, timelines, rng, how_, std::span<const KeptMotion<B>>(kept));
+    return generate_around<B>(model_, timelines, how.rng, how.options, std::span<const KeptMotion<B>>(kept));
   }
 
   /// With what the record of an earlier run says about the part that was not edited.
-  Features reused(std::span<const Timeline> timelines) const {
+  Features reused(std::span<const Timeline> timelines, Sampling& sampling) const {
     const auto file = SafetensorsFile::open(o_.reuse);
     auto record = load_stmc_record<B>(file, model_);
     const bool was_cut = file.metadata().contains("cut_texts") && file.metadata().at("cut_texts") == "1";
-    RegenerateOptions how{.within = {}, .progress = o_.progress};
+    RegenerateOptions how{.within = {}, .progress = sampling.options.progress};
     if (o_.keep_beyond) how.within = frame_at(*o_.keep_beyond, model_.fps);
     StmcReuse reuse;
     Features out = regenerate<B>(model_, record, cut(timelines, was_cut), how, &reuse);
     if (!o_.record.string().empty()) save(record, was_cut);
     if (o_.notes != nullptr) o_.notes->reuse = reuse, o_.notes->seed = record.rng.seed;
+    sampling = {record.rng, record.options, was_cut};
     return out;
   }
   void save(const StmcRecord<B>& record, bool was_cut) const {
@@ -24675,4 +20100,1747 @@ MOTIONLANG_NAMESPACE_END
 #endif
 #endif
 
+#endif
+
+#endif
+#elif defined(MOTIONLANG_TEXT_BACKEND_DETAIL_KERNELS_INC)  // <motionlang/backend/detail/kernels.inc>
+// All kernels for one instruction set, and their table. Included by kernels.hpp, several times.
+
+MOTIONLANG_NAMESPACE_BEGIN
+namespace detail::MOTIONLANG_ISA {
+
+// Vectors of MOTIONLANG_VECTOR_BYTES bytes in the compiler's own vector types, and the elementary functions on them.
+// Included once for every instruction set by kernels.hpp; no include guard on purpose.
+
+template <class S>
+struct VectorOf {
+  typedef S type __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+  typedef S loose __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(sizeof(S)), may_alias));
+  using bits = std::conditional_t<sizeof(S) == 4, std::int32_t, std::int64_t>;
+  typedef bits mask __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+};
+template <class S>
+using Vec = typename VectorOf<S>::type;
+template <class S>
+using Mask = typename VectorOf<S>::mask;
+template <class S>
+inline constexpr int lanes = MOTIONLANG_VECTOR_BYTES / static_cast<int>(sizeof(S));
+
+// Everything below is inlined: passing such vectors between functions would depend on the caller's instruction set.
+#define MOTIONLANG_INLINE inline __attribute__((always_inline))
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> load(const S* p) {
+  return *reinterpret_cast<const typename VectorOf<S>::loose*>(p);
+}
+template <class S>
+MOTIONLANG_INLINE void store(S* p, const Vec<S>& v) {
+  *reinterpret_cast<typename VectorOf<S>::loose*>(p) = v;
+}
+/// Past the caches, to an address that is a multiple of the vector's size. Other threads see it after `end_of_streams`.
+template <class S>
+MOTIONLANG_INLINE void store_stream(S* p, const Vec<S>& v) {
+#if defined(__clang__)
+  __builtin_nontemporal_store(v, reinterpret_cast<Vec<S>*>(p));
+#elif defined(__x86_64__)
+  auto* at = reinterpret_cast<float*>(p);
+#if MOTIONLANG_VECTOR_BYTES == 64
+  __builtin_ia32_movntps512(at, (Vec<float>)v);
+#elif MOTIONLANG_VECTOR_BYTES == 32
+  __builtin_ia32_movntps256(at, (Vec<float>)v);
+#else
+  __builtin_ia32_movntps(at, (Vec<float>)v);
+#endif
+#else
+  store(p, v);
+#endif
+}
+/// Asks for n numbers that are read soon.
+template <class Number>
+MOTIONLANG_INLINE void fetch(const Number* x, Index n) {
+  for (Index i = 0; i < n; i += 64 / static_cast<Index>(sizeof(Number))) __builtin_prefetch(x + i);
+}
+MOTIONLANG_INLINE void end_of_streams() {
+#if defined(__x86_64__)
+  __builtin_ia32_sfence();
+#endif
+}
+template <class S>
+MOTIONLANG_INLINE Vec<S> splat(S x) {
+  return x - Vec<S>{};
+}
+template <class S>
+MOTIONLANG_INLINE Vec<S> load_some(const S* p, Index n) {  // lanes n and above are 0
+  alignas(MOTIONLANG_VECTOR_BYTES) S t[static_cast<std::size_t>(lanes<S>)] = {};
+  for (Index i = 0; i < n && i < lanes<S>; ++i) t[i] = p[i];
+  return load(t);
+}
+/// The first n numbers (all lanes if there are that many), then zeros; nothing is read if n <= 0.
+template <class S>
+MOTIONLANG_INLINE Vec<S> load_first(const S* p, Index n) {
+  return n >= lanes<S> ? load(p) : load_some(p, n);
+}
+template <class S>
+MOTIONLANG_INLINE void store_some(S* p, const Vec<S>& v, Index n) {
+  for (Index i = 0; i < n && i < lanes<S>; ++i) p[i] = v[i];
+}
+template <class S>
+MOTIONLANG_INLINE void store_first(S* p, const Vec<S>& v, Index n) {
+  n >= lanes<S> ? store(p, v) : store_some(p, v, n);
+}
+// The larger and the smaller of two; b where either is NaN, so a bound comes first and data second.
+// (Where one of them is a constant, GCC 12 makes two instructions of it for vectors of 64 bytes.)
+template <class S>
+MOTIONLANG_INLINE Vec<S> vmax(const Vec<S>& a, const Vec<S>& b) {
+#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
+  if constexpr (sizeof(S) == 4) {
+    Vec<S> r;
+    asm("vmaxps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
+    return r;
+  }
+#endif
+  return a > b ? a : b;
+}
+template <class S>
+MOTIONLANG_INLINE Vec<S> vmin(const Vec<S>& a, const Vec<S>& b) {
+#if MOTIONLANG_VECTOR_BYTES == 64 && !defined(__clang__)
+  if constexpr (sizeof(S) == 4) {
+    Vec<S> r;
+    asm("vminps %2, %1, %0" : "=v"(r) : "v"(a), "vm"(b));
+    return r;
+  }
+#endif
+  return a < b ? a : b;
+}
+/// Lanes of `found` become negative where x is NaN or infinite: all bits of its exponent are set.
+template <class S>
+MOTIONLANG_INLINE void find_not_finite(const Vec<S>& x, Mask<S>& found) {
+  constexpr auto exponent = detail::bit_cast<typename VectorOf<S>::bits>(std::numeric_limits<S>::infinity());
+  found |= (~(Mask<S>)x & exponent) - 1;
+}
+template <class S>
+MOTIONLANG_INLINE bool any_negative(const Mask<S>& v) {
+  bool any = false;
+  for (int i = 0; i < lanes<S>; ++i) any |= v[i] < 0;
+  return any;
+}
+/// Lane i + half beside lane i, for the lower halves of blocks of 2 half lanes; the upper halves are of no account.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE Vec<S> upper_lanes(const Vec<S>& v, std::integer_sequence<int, l...>) {
+  return __builtin_shufflevector(v, v, (l + half) % lanes<S>...);
+}
+// Halves are put together until one lane is left: sums have a fixed order.
+template <class S, int half = lanes<S> / 2>
+MOTIONLANG_INLINE S reduce_add(const Vec<S>& v) {
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_add<S, half / 2>(v + upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{}));
+}
+template <class S, int half = lanes<S> / 2>
+MOTIONLANG_INLINE S reduce_max(const Vec<S>& v) {
+  if constexpr (half == 0)
+    return v[0];
+  else
+    return reduce_max<S, half / 2>(vmax<S>(v, upper_lanes<S, half>(v, std::make_integer_sequence<int, lanes<S>>{})));
+}
+
+/// Swaps the blocks off the diagonal: lane l + half of a with lane l of b, for every l without the bit `half`.
+template <class S, int half, int... l>
+MOTIONLANG_INLINE void swap_blocks(Vec<S>& a, Vec<S>& b, std::integer_sequence<int, l...>) {
+  constexpr int n = lanes<S>;
+  const Vec<S> upper = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l - half : l)...);
+  b = __builtin_shufflevector(a, b, ((l & half) != 0 ? n + l : l + half)...);
+  a = upper;
+}
+/// v[i][j] becomes v[j][i]: blocks of 1, 2, 4, ... lanes are swapped.
+template <class S, int half = 1>
+MOTIONLANG_INLINE void transpose_lanes(Vec<S>* v) {
+  if constexpr (half < lanes<S>) {
+#pragma GCC unroll 16
+    for (int i = 0; i < lanes<S>; ++i) {
+      if ((i & half) == 0) swap_blocks<S, half>(v[i], v[i + half], std::make_integer_sequence<int, lanes<S>>{});
+    }
+    transpose_lanes<S, 2 * half>(v);
+  }
+}
+
+/// e^x for x <= 88 (709): x = n ln 2 + f, e^f by its series, 2^n by the exponent bits. Relative error below 1e-7
+/// (1e-15). Results below the smallest normal number are 0. 2^n is a factor of its own, so that NaN stays NaN.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vexp(const Vec<S>& x) {
+  constexpr bool single = sizeof(S) == 4;
+  constexpr S low = single ? S(-87) : S(-708), high = single ? S(88) : S(709);
+  const Vec<S> c = vmin<S>(splat(high), x);
+  // 1.5 * 2^23 (2^52), which rounds to an integer what it is added to, and the bias of exponents, which is then in the
+  // lowest bits.
+  const S magic = single ? S(12582912 + 127) : S(6755399441055744 + 1023);
+  const Vec<S> shifted = c * S(1.4426950408889634) + magic;
+  const Vec<S> n = shifted - magic;
+  const Vec<S> f = (c - n * S(single ? 0.693359375 : 0.693147180369123816490)) -
+                   n * S(single ? -2.12194440e-4 : 1.90821492927058770002e-10);
+  Vec<S> p = splat(S(single ? 1.0 / 5040 : 1.0 / 6227020800.0));
+  if constexpr (!single) {
+    for (double k : {1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040})
+      p = p * f + S(k);
+  }
+  for (double k : {1.0 / 720, 1.0 / 120, 1.0 / 24, 1.0 / 6, 0.5, 1.0, 1.0}) p = p * f + S(k);
+  const Vec<S> power = (Vec<S>)((Mask<S>)shifted << (single ? 23 : 52));
+  return x < splat(low) ? Vec<S>{} : p * power;  // so far below, n is nonsense
+}
+
+/// Float: (Phi(x) - 1/2) / x for y = x^2 <= 32, Phi being the normal distribution function: a rational function (our
+/// own least-squares fit). Of Phi, 2e-8 is wrong by the fit; with what is rounded, below 2.5e-7.
+template <class S>
+MOTIONLANG_INLINE Vec<S> phi_ratio(const Vec<S>& y) {
+  Vec<S> p = splat(S(2.1818830005316466e-08)), q = splat(S(1.1712714934253183e-06));
+  p = p * y + S(6.364869382952854e-06);
+  q = q * y + S(7.602274008301123e-05);
+  p = p * y + S(0.00017693884114677917);
+  q = q * y + S(0.0019305587808950675);
+  p = p * y + S(0.004725908484413717);
+  q = q * y + S(0.029119172061619288);
+  p = p * y + S(0.0346923636272431);
+  q = q * y + S(0.25362643899642984);
+  p = p * y + S(0.3989422129894181);
+  q = q * y + S(1);
+  return p / q;
+}
+/// erf(x) = 2 Phi(sqrt(2) x) - 1. Float: absolute error below 5e-7. Double: libm.
+template <class S>
+MOTIONLANG_INLINE Vec<S> verf(const Vec<S>& x) {
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> c = vmin<S>(splat(S(4)), vmax<S>(splat(S(-4)), x));
+    return c * phi_ratio<S>(c * c * S(2)) * S(2.8284271247461901);
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::erf(x[i]);
+    return r;
+  }
+}
+#if MOTIONLANG_VECTOR_BYTES == 64
+/// 32 numbers: lane i of the result is that which the lowest five bits of index[i] say.
+MOTIONLANG_INLINE Vec<float> look_up(const float* table, const Vec<float>& index) {
+  Vec<float> r = load(table);
+  asm("vpermt2ps %2, %1, %0" : "+v"(r) : "v"(index), "v"(load(table + 16)));
+  return r;
+}
+/// By gelu_table.hpp: absolute error below 1e-7 for x < 0, relative error below 5e-7 for x > 0.
+MOTIONLANG_INLINE Vec<float> gelu_by_table(const Vec<float>& x) {
+  static_assert(GeluTable::cells == 32 && GeluTable::width == 0.25);
+  constexpr auto last = static_cast<float>(GeluTable::width * (GeluTable::cells - 1));
+  Vec<float> c, d;
+  asm("vrangeps $0xa, %2, %1, %0" : "=v"(c) : "v"(x), "v"(splat(last)));  // min(|x|, last)
+  asm("vreduceps $0x24, %1, %0" : "=v"(d) : "v"(c));                      // c - i / 4, i = round(4 c)
+  const Vec<float> i = c + 3145728.f;                                     // 1.5 * 2^21: i in the lowest bits
+  const auto& table = gelu_table.by_power;
+  Vec<float> g = look_up(table[GeluTable::degree], i);
+#pragma GCC unroll 8
+  for (int n = GeluTable::degree; n-- > 0;) g = g * d + look_up(table[n], i);
+  return vmax<float>(Vec<float>{}, x) - g;
+}
+#endif
+/// gelu(x) = x Phi(x) = x/2 + x (Phi(x) - 1/2). The last term is even in x, so that nothing need be bounded before it
+/// is known. Float: by look_up where there is one; error below 3e-7 |x|. Of -inf: NaN or about 0.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vgelu(const Vec<S>& x) {
+#if MOTIONLANG_VECTOR_BYTES == 64
+  if constexpr (sizeof(S) == 4) return gelu_by_table(x);
+#endif
+  const Vec<S> h = x * S(0.5);
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    return h + (y < splat(S(32)) ? y * phi_ratio<S>(y) : (Vec<S>)((Mask<S>)h & 0x7fffffff));
+  } else {
+    return h + h * verf<S>(x * S(0.70710678118654752));
+  }
+}
+
+/// Square root of x >= 0: Newton's iteration for 1/sqrt(x) from an estimate by shifting the exponent; within 1 ulp.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vsqrt(const Vec<S>& x) {
+  constexpr bool single = sizeof(S) == 4;
+  using Bits = typename VectorOf<S>::bits;
+  Vec<S> y = (Vec<S>)(static_cast<Bits>(single ? 0x5F375A86 : 0x5FE6EB50C7B537A9) - ((Mask<S>)x >> 1));
+  for (int i = 0; i < (single ? 3 : 5); ++i) y = y * (S(1.5) - x * S(0.5) * y * y);
+  const Vec<S> r = x * y;
+  return r + S(0.5) * y * (x - r * r);
+}
+
+/// Float: relative error below 3e-7; a polynomial near 0 (Cephes, Moshier 1992), 1 - 2 / (exp(2 |x|) + 1) elsewhere.
+/// Double: libm.
+template <class S>
+MOTIONLANG_INLINE Vec<S> vtanh(const Vec<S>& x) {
+  if constexpr (sizeof(S) == 4) {
+    const Vec<S> y = x * x;
+    Vec<S> p = y * S(-5.70498872745e-3) + S(2.06390887954e-2);
+    for (double k : {-5.37397155531e-2, 1.33314422036e-1, -3.33332819422e-1}) p = p * y + S(k);
+    const Vec<S> size = (Vec<S>)((Mask<S>)x & 0x7fffffff), far = S(1) - S(2) / (vexp<S>(size + size) + S(1));
+    const Vec<S> positive = size < splat(S(0.625)) ? size + size * y * p : far;
+    return (Vec<S>)((Mask<S>)positive | ((Mask<S>)x & ~0x7fffffff));
+  } else {
+    Vec<S> r{};
+    for (int i = 0; i < lanes<S>; ++i) r[i] = std::tanh(x[i]);
+    return r;
+  }
+}
+//
+// Nonlinearities and their derivatives. Which one it is, is asked once for many numbers: constants stay in registers.
+
+template <Activation act, class S>
+MOTIONLANG_INLINE Vec<S> apply_activation(const Vec<S>& x) {
+  switch (act) {
+    case Activation::none:
+      return x;
+    case Activation::relu:
+      return vmax<S>(Vec<S>{}, x);
+    case Activation::gelu:
+      return vgelu<S>(x);
+    case Activation::silu:
+      return x / (vexp<S>(-x) + S(1));
+    case Activation::tanh:
+      return vtanh<S>(x);
+    case Activation::quick_gelu:
+      return x / (vexp<S>(x * S(-1.702)) + S(1));
+    case Activation::gelu_new: {
+      const Vec<S> h = x * S(0.5);
+      return h * vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536)) + h;
+    }
+    case Activation::sigmoid:
+      return S(1) / (vexp<S>(-x) + S(1));
+  }
+  return x;
+}
+
+/// Derivative at x.
+///     gelu'(x) = Phi(x) + x phi(x),   silu'(x) = s + x s (1 - s),   sigmoid'(x) = s (1 - s) with s = 1 / (1 + exp(-x))
+template <Activation act, class S>
+MOTIONLANG_INLINE Vec<S> activation_slope(const Vec<S>& x) {
+  switch (act) {
+    case Activation::none:
+      return splat(S(1));
+    case Activation::relu:
+      return x > Vec<S>{} ? splat(S(1)) : Vec<S>{};
+    case Activation::gelu: {
+      const Vec<S> phi = vexp<S>(x * x * S(-0.5)) * S(0.39894228040143268);
+      return verf<S>(x * S(0.70710678118654752)) * S(0.5) + S(0.5) + x * phi;
+    }
+    case Activation::silu: {
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
+      return s + x * s * (S(1) - s);
+    }
+    case Activation::tanh: {
+      const Vec<S> t = vtanh<S>(x);
+      return S(1) - t * t;
+    }
+    case Activation::quick_gelu: {
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x * S(1.702));
+      return s + x * s * (S(1) - s) * S(1.702);
+    }
+    case Activation::gelu_new: {
+      const Vec<S> t = vtanh<S>((x + x * x * x * S(0.044715)) * S(0.79788456080286536));
+      return (t + S(1)) * S(0.5) + x * (S(1) - t * t) * (x * x * S(3 * 0.044715) + S(1)) * S(0.5 * 0.79788456080286536);
+    }
+    case Activation::sigmoid: {
+      const Vec<S> s = apply_activation<Activation::sigmoid, S>(x);
+      return s * (S(1) - s);
+    }
+  }
+  return splat(S(1));
+}
+
+/// f.operator()<act>().
+template <class F>
+void with_activation(Activation act, const F& f) {
+  switch (act) {
+    case Activation::none:
+      return f.template operator()<Activation::none>();
+    case Activation::relu:
+      return f.template operator()<Activation::relu>();
+    case Activation::gelu:
+      return f.template operator()<Activation::gelu>();
+    case Activation::silu:
+      return f.template operator()<Activation::silu>();
+    case Activation::tanh:
+      return f.template operator()<Activation::tanh>();
+    case Activation::quick_gelu:
+      return f.template operator()<Activation::quick_gelu>();
+    case Activation::gelu_new:
+      return f.template operator()<Activation::gelu_new>();
+    case Activation::sigmoid:
+      return f.template operator()<Activation::sigmoid>();
+  }
+}
+
+/// y = act(x) for this many rows of `width` numbers, which begin ldx and ldy apart; y may be x.
+template <class S>
+void activate_rows(const S* x, Index ldx, Index rows, Index width, Activation act, S* y, Index ldy) {
+  constexpr int l = lanes<S>;
+  with_activation(act, [=]<Activation a>() {
+    for (Index r = 0; r < rows; ++r) {
+      const S* from = x + r * ldx;
+      S* to = y + r * ldy;
+      Index i = 0;
+      for (; i + l <= width; i += l) store(to + i, apply_activation<a, S>(load(from + i)));
+      if (i < width) store_some(to + i, apply_activation<a, S>(load_some(from + i, width - i)), width - i);
+    }
+  });
+}
+template <class S>
+void activate(const S* x, Index n, Activation act, S* y) {
+  activate_rows(x, n, 1, n, act, y, n);
+}
+/// dx = dy act'(x) for n numbers.
+template <class S>
+void activate_vjp(const S* x, const S* dy, Index n, Activation act, S* dx) {
+  constexpr int l = lanes<S>;
+  with_activation(act, [=]<Activation a>() {
+    Index i = 0;
+    for (; i + l <= n; i += l) store(dx + i, load(dy + i) * activation_slope<a, S>(load(x + i)));
+    if (i < n) store_some(dx + i, load_some(dy + i, n - i) * activation_slope<a, S>(load_some(x + i, n - i)), n - i);
+  });
+}
+//
+// Matrix product with packed right-hand side: register tiles, cache blocks, epilogue in the tile.
+//
+//   Panels   B (k x n) is stored in panels of `panel_width` columns, k rows each: [panel][k][column], zero padded.
+//   Tile     up to `tile_rows` rows of A times one panel, all sums in registers.
+//   Block    up to 1024 of k at a time: rows of A stay in the second-level cache, beside one panel or a group of them.
+//            If k is in several blocks, eight panels at a time: what the next 1024 of k are added to stays there as
+//            well. (All panels at a time where A is copied first.)
+//   Walk     a panel times all rows of the block, then the next panel. If the result is larger than the nearer caches
+//            and k is one block: a tile's rows times a group of panels, then the next rows. So longer pieces of the
+//            result's rows are written, one after the other: the lines under them, which come from memory first, the
+//            processor fetches by itself, and fewer pages are in use.
+//   Ahead    a tile asks for its part of C and of the residual before it begins, and with every k for a piece of what
+//            follows: of the panels of the next group, be it of the product that follows, and, with the first group, of
+//            the next rows of A.
+//   Order    every element is summed over k in the same order, whatever the tile height, block or thread: same bits.
+
+template <class S>
+inline constexpr Index panel_width = 2 * lanes<S>;
+inline constexpr Index tile_rows = MOTIONLANG_TILE_ROWS;
+inline constexpr Index depth_block = 1024;
+inline constexpr Index panel_block = 8;
+inline constexpr Index most_tiles = 16;        // of rows in a block
+inline constexpr Index near_caches = 4 << 20;  // bytes
+// for rows of A, and as much for a group of panels
+inline constexpr Index half_cache = 512 * 1024 * MOTIONLANG_VECTOR_BYTES / 64;
+template <class S>
+// of a tile of a transposed A, copied
+inline constexpr Index tile_pitch = (tile_rows + lanes<S> - 1) / lanes<S>* lanes<S>;
+
+template <class S>
+constexpr Index bytes(Index count) {
+  return count * static_cast<Index>(sizeof(S));
+}
+template <class S>
+const std::byte* as_bytes(const S* x) {
+  return reinterpret_cast<const std::byte*>(x);
+}
+
+/// Rows of A, `row_bytes` each, in a block of this many bytes: at most most_tiles tiles.
+constexpr Index rows_at_once(Index row_bytes, Index tile, Index bytes) {
+  return std::clamp<Index>(bytes / std::max<Index>(1, row_bytes) / tile, 1, most_tiles) * tile;
+}
+
+/// Rows k0 ... k1-1 of all panels of B, whose element (k, n) is b[k * stride + n].
+template <class S>
+void pack_rows(const S* b, Index k, Index n, Index stride, Index k0, Index k1, S* panels) {
+  constexpr Index w = panel_width<S>, l = lanes<S>;
+  constexpr Index ahead = 8;  // rows
+  for (Index i = k0; i < k1; ++i) {
+    const S* in = b + i * stride;
+    S* out = panels + i * w;
+    for (Index columns = n; columns > 0; columns -= w, in += w, out += k * w) {
+      __builtin_prefetch(in + ahead * stride), __builtin_prefetch(in + ahead * stride + l);
+      store(out, load_first(in, columns)), store(out + l, load_first(in + l, columns - l));
+    }
+  }
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
+template <class S, bool looks>
+bool pack_transposed(const S* b, Index k, Index n, Index stride, Index first, Index last, S* panels) {
+  constexpr Index w = panel_width<S>, l = lanes<S>;
+  Mask<S> found{};
+  for (Index j = first; j < last; ++j) {
+    S* out = panels + j * k * w;
+    const Index columns = n - j * w;
+    const S* in = b + j * w * stride;
+    for (Index i = 0; i < k; i += l) {
+      const Index rows = k - i < l ? k - i : l;
+      for (Index c = 0; c < w; c += l) {
+        Vec<S> square[lanes<S>];
+#pragma GCC unroll 16
+        for (int q = 0; q < lanes<S>; ++q) {
+          const S* from = in + (c + q) * stride + i;
+          square[q] = load_first(from, c + q < columns ? rows : 0);
+          if constexpr (looks) find_not_finite<S>(square[q], found);
+        }
+        transpose_lanes<S>(square);
+        for (Index r = 0; r < rows; ++r) store(out + (i + r) * w + c, square[r]);
+      }
+    }
+  }
+  return !any_negative<S>(found);
+}
+
+/// Rows of A, whose element (i, k) is at[i * stride + k], or, when transposed, at[i + k * stride].
+template <class S>
+struct Rows {
+  const S* at;
+  Index stride;
+  bool transposed;
+
+  Rows from(Index row) const { return {at + row * (transposed ? 1 : stride), stride, transposed}; }
+  Rows from_depth(Index k) const { return {at + k * (transposed ? stride : 1), stride, transposed}; }
+};
+
+/// Memory that is read after a tile. It is fetched into the second-level cache: `step` bytes, a line at most, for
+/// every row of the panel (bfloat16: pair of rows). What is more than that is left. So where a row is two lines long, a
+/// tile alone fetches the first half of the next panel only: every other line of the whole would confuse the processor,
+/// which fetches by itself lines that follow each other (20 % slower from memory).
+struct Ahead {
+  const std::byte* at = nullptr;
+  Index step = 0;
+
+  /// Share i of n of `bytes` that begin at `next`, in this many steps: shares rather overlap than leave bytes between
+  /// them.
+  MOTIONLANG_INLINE static Ahead share(const std::byte* next, Index bytes, Index i, Index n, Index steps) {
+    const Index all = std::max<Index>(1, n * steps), step = std::min<Index>(64, (bytes + all - 1) / all);
+    return {next + i * step * steps, step};
+  }
+  MOTIONLANG_INLINE void fetch() { __builtin_prefetch(at, 0, 2), at += step; }
+};
+
+/// The end of a tile: add earlier sums (if k is split), bias and residual, then apply the nonlinearity.
+template <class S>
+struct Epilogue {
+  bool accumulate = false;
+  const S* bias = nullptr;      // of the panel's first column
+  const S* residual = nullptr;  // of the tile's first element
+  Index residual_stride = 0;
+  Activation act = Activation::none;
+
+  /// The epilogue of the tile at a row and column of a product; `first` and `last` mark blocks of k.
+  static Epilogue of(const Gemm<S>& g, Index row, Index column, bool first, bool last) {
+    Epilogue e{.accumulate = !first};
+    if (!last) return e;
+    e.act = g.act;
+    if (g.bias != nullptr) e.bias = g.bias + column;
+    if (g.residual != nullptr) e.residual = g.residual + row * g.ldr + column, e.residual_stride = g.ldr;
+    return e;
+  }
+  Epilogue from_column(Index column) const {
+    Epilogue e = *this;
+    if (bias != nullptr) e.bias += column;
+    if (residual != nullptr) e.residual += column;
+    return e;
+  }
+  Epilogue from_row(Index row) const {
+    Epilogue e = *this;
+    if (residual != nullptr) e.residual += row * residual_stride;
+    return e;
+  }
+};
+
+/// Asks for the rows of c and of the residual that a tile is put into.
+template <class S, int R>
+MOTIONLANG_INLINE void fetch_result(const S* c, Index ldc, const Epilogue<S>& e) {
+  constexpr int l = lanes<S>;
+  for (int i = 0; i < R; ++i) __builtin_prefetch(c + i * ldc, 1), __builtin_prefetch(c + i * ldc + l, 1);
+  if (e.residual == nullptr) return;
+  for (int i = 0; i < R; ++i) {
+    const S* row = e.residual + i * e.residual_stride;
+    __builtin_prefetch(row), __builtin_prefetch(row + l);
+  }
+}
+
+/// put_result for the last columns of a matrix, when they do not fill a panel: two vectors of sums for every row.
+template <class S>
+[[gnu::noinline]] void put_narrow_result(const Vec<S>* sums, int rows, S* c, Index ldc, Index columns,
+                                         const Epilogue<S>& e) {
+  constexpr Index l = lanes<S>;
+  for (Index r = 0; r < rows; ++r) {
+    for (Index i = 0; i < columns; i += l) {
+      const Index n = columns - i;
+      S* out = c + r * ldc + i;
+      Vec<S> x = sums[2 * r + i / l];
+      if (e.accumulate) x += load_first(out, n);
+      if (e.bias != nullptr) x += load_first(e.bias + i, n);
+      if (e.residual != nullptr) x += load_first(e.residual + r * e.residual_stride + i, n);
+      store_first(out, x, n);
+    }
+  }
+}
+
+/// c (R x columns) = the sums of a tile, c0 and c1 being its two vectors of columns.
+template <class S, int R>
+MOTIONLANG_INLINE void put_result(Vec<S>* c0, Vec<S>* c1, S* c, Index ldc, Index columns, const Epilogue<S>& e) {
+  constexpr int l = lanes<S>;
+  if (columns >= 2 * l) {
+    const Vec<S> z0 = e.bias == nullptr ? Vec<S>{} : load(e.bias), z1 = e.bias == nullptr ? Vec<S>{} : load(e.bias + l);
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      S* out = c + i * ldc;
+      if (e.accumulate) c0[i] += load(out), c1[i] += load(out + l);
+      c0[i] += z0, c1[i] += z1;
+      if (e.residual != nullptr)
+        c0[i] += load(e.residual + i * e.residual_stride), c1[i] += load(e.residual + i * e.residual_stride + l);
+      store(out, c0[i]), store(out + l, c1[i]);
+    }
+  } else {
+    Vec<S> sums[static_cast<std::size_t>(2 * R)];
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) sums[2 * i] = c0[i], sums[2 * i + 1] = c1[i];
+    put_narrow_result(sums, R, c, ldc, columns, e);
+  }
+  if (e.act != Activation::none) activate_rows<S>(c, ldc, R, std::min(columns, 2 * Index{l}), e.act, c, ldc);
+}
+
+/// The kinds of tiles: A as stored, A transposed, or A as stored times only the first half of a panel.
+enum class TileKind { plain, transposed, half };
+
+/// c (R x columns) = a (R x k) panel.
+template <class S, int R, TileKind kind>
+void tile(const Rows<S>& a, const S* panel, Index k, S* c, Index ldc, Index columns, const Epilogue<S>& e,
+          Ahead ahead) {
+  constexpr Index w = panel_width<S>;
+  constexpr int l = lanes<S>;
+  constexpr bool transposed = kind == TileKind::transposed, half = kind == TileKind::half;
+  Vec<S> c0[R], c1[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<S>{};
+  fetch_result<S, R>(c, ldc, e);
+  // Rows in groups of three behind five pointers: one address register each, the rest is addressing mode. One of the
+  // strides is known to be 1, which saves additions (1 to 4 % of the time).
+  const Index row_stride = transposed ? 1 : a.stride, depth_stride = transposed ? a.stride : 1;
+  const S *p0 = a.at, *p1 = p0 + 3 * row_stride, *p2 = p0 + 6 * row_stride, *p3 = p0 + 9 * row_stride,
+          *p4 = p0 + 12 * row_stride;
+#pragma GCC unroll 2
+  for (Index at = 0; at < k; ++at) {
+    if constexpr (transposed) __builtin_prefetch(p0 + 16 * depth_stride);
+    const Vec<S> b0 = load(panel), b1 = half ? Vec<S>{} : load(panel + l);
+    panel += w;
+    __builtin_prefetch(panel + 16 * w);
+    __builtin_prefetch(panel + 16 * w + l);
+    ahead.fetch();
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const S x = i < 3    ? p0[i * row_stride]
+                  : i < 6  ? p1[(i - 3) * row_stride]
+                  : i < 9  ? p2[(i - 6) * row_stride]
+                  : i < 12 ? p3[(i - 9) * row_stride]
+                           : p4[(i - 12) * row_stride];
+      c0[i] += x * b0;
+      if constexpr (!half) c1[i] += x * b1;
+    }
+    p0 += depth_stride, p1 += depth_stride, p2 += depth_stride, p3 += depth_stride, p4 += depth_stride;
+  }
+  put_result<S, R>(c0, c1, c, ldc, columns, e);
+}
+
+template <class S>
+using TileFunction = void (*)(const Rows<S>&, const S*, Index, S*, Index, Index, const Epilogue<S>&, Ahead);
+/// The tile of this many rows for what is left of the columns.
+template <class S>
+TileFunction<S> tile_of(Index rows, bool transposed, Index columns) {
+  static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+    return std::array{std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::plain>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::transposed>...},
+                      std::array<TileFunction<S>, sizeof...(R)>{&tile<S, R + 1, TileKind::half>...}};
+  }
+  (std::make_integer_sequence<int, MOTIONLANG_TILE_ROWS>{});
+  const TileKind kind = transposed ? TileKind::transposed : columns <= lanes<S> ? TileKind::half : TileKind::plain;
+  return table[static_cast<std::size_t>(kind)][static_cast<std::size_t>(rows - 1)];
+}
+
+/// First row of part i of n nearly equal parts.
+MOTIONLANG_INLINE Index part(Index rows, Index i, Index n) { return rows * i / n; }
+
+/// How a product over k is split: pieces of k, and rows of A at a time.
+template <class S>
+struct Blocks {
+  Index count, rows;
+
+  explicit Blocks(Index k)
+      : count(k == 0 ? 1 : (k + depth_block - 1) / depth_block),
+        rows(rows_at_once(bytes<S>((k + count - 1) / count), tile_rows, half_cache)) {}
+};
+template <class S>
+Index gemm_rows(Index k) {
+  return Blocks<S>(k).rows;
+}
+/// Numbers of scratch that gemm_block needs.
+template <class S>
+Index gemm_scratch(Index k) {
+  return Blocks<S>(k).rows / tile_rows * tile_pitch<S> * (std::min(k, depth_block) + 16);
+}
+
+/// `rows` rows of a transposed A (`depth` of k) tile by tile, [tile][k][row], so that a tile reads one line after the
+/// other. `readable`: rows that A has from here on.
+template <class S>
+void copy_tiles(const S* a, Index lda, Index depth, Index rows, Index readable, S* out) {
+  constexpr Index pitch = tile_pitch<S>, l = lanes<S>;
+  const Index tiles = (rows + tile_rows - 1) / tile_rows;
+  for (Index k = 0; k < depth; ++k, a += lda, out += pitch) {
+    if (k + 16 < depth) fetch(a + 16 * lda, rows);  // no prefetcher follows pieces so far apart
+    for (Index t = 0; t < tiles; ++t) {
+      const Index first = part(rows, t, tiles);
+      for (Index i = 0; i < pitch; i += l)
+        store(out + t * depth * pitch + i, load_first(a + first + i, readable - first - i));
+    }
+  }
+}
+
+/// The block that is computed at a time: of k the part k0 ... k1-1 of rows top ... below-1 times panels left ...
+/// right-1.
+template <class S>
+struct GemmPiece {
+  static constexpr Index w = panel_width<S>;
+  const Gemm<S>& g;
+  S* scratch;
+  bool copies, far;                   // rows of A are copied as they are; the result is larger than the nearer caches
+  Index top = 0, below = 0, end = 0;  // end: of the rows that the thread goes on with
+  Index left = 0, right = 0;
+  Index k0 = 0, k1 = 0;
+  // panels that are read after it: at last the first ones once more, if nothing else is known
+  const std::byte* next = nullptr;
+  Index next_bytes = std::numeric_limits<Index>::max();
+
+  Index depth() const { return k1 - k0; }
+  Index pitch() const { return depth() + 16; }
+  const S* slice(Index panel) const { return g.panels + (panel * g.k + k0) * w; }
+
+  Rows<S> rows_of(Index tile, Index row) const {
+    if (g.a_transposed) return {scratch + tile * depth() * tile_pitch<S>, tile_pitch<S>, true};
+    if (copies) return {scratch + (row - top) * pitch(), pitch(), false};
+    return {g.a + row * g.lda + k0, g.lda, false};
+  }
+  void copy_rows(Index first, Index last) const {
+    for (Index r = first; r < last; ++r) {
+      std::memcpy(scratch + (r - top) * pitch(), g.a + r * g.lda + k0, static_cast<std::size_t>(bytes<S>(depth())));
+    }
+  }
+
+  void multiply() const {
+    const Index depth = this->depth(), tiles = (below - top + tile_rows - 1) / tile_rows;
+    const bool whole = depth == g.k, transposed = g.a_transposed;
+    const Index together = far && whole ? std::max<Index>(1, half_cache / std::max<Index>(1, bytes<S>(depth * w))) : 1;
+    const Index groups = (right - left + together - 1) / together;
+    // Rows that are copied: all at once if the result stays in the caches (3 % faster at 408 x 1024 x 512), else a
+    // tile's when it is next.
+    if (transposed)
+      copy_tiles<S>(g.a + k0 * g.lda + top, g.lda, depth, below - top, g.m - top, scratch);
+    else if (copies && !far)
+      copy_rows(top, below);
+    for (Index group = 0; group < groups; ++group) {
+      const Index j0 = left + part(right - left, group, groups), j1 = left + part(right - left, group + 1, groups);
+      const Index panels = j1 - j0, panel_bytes = bytes<S>(panels * depth * w);
+      const std::byte* next_panels = j1 < right ? as_bytes(slice(j1)) : next;
+      const Index next_panel_bytes = j1 < right ? panel_bytes : std::min(panel_bytes, next_bytes);
+      for (Index t = 0, row = top, height; t < tiles; ++t, row += height) {
+        height = top + part(below - top, t + 1, tiles) - row;
+        const Index next_row = row + height;
+        if (copies && far && group == 0) copy_rows(row, next_row);
+        // With half of the first panels the next rows are fetched, if they lie together. (With one panel at a time:
+        // none.)
+        const bool fetches_rows = group == 0 && !transposed && g.lda <= g.k && next_row < end;
+        const Index row_panels = fetches_rows ? panels / 2 : 0, rest = panels - row_panels;
+        const Index next_row_bytes = bytes<S>(std::min(height, end - next_row) * g.lda);
+        for (Index i = 0; i < panels; ++i) {
+          const Index j = j0 + i, columns = g.n - j * w;
+          const Ahead ahead =
+              i < row_panels
+                  ? Ahead::share(as_bytes(g.a + next_row * g.lda), next_row_bytes, i, row_panels, depth)
+                  : Ahead::share(next_panels, next_panel_bytes, t * rest + i - row_panels, tiles * rest, depth);
+          S* c = g.c + row * g.ldc + j * w;
+          const auto e = Epilogue<S>::of(g, row, j * w, k0 == 0, k1 == g.k);
+          tile_of<S>(height, transposed, columns)(rows_of(t, row), slice(j), depth, c, g.ldc, columns, e, ahead);
+        }
+      }
+    }
+  }
+};
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product.
+template <class S>
+void gemm_block(const Gemm<S>& g, Index r0, Index r1, Index j0, Index j1, S* scratch) {
+  const Blocks<S> split(g.k);
+  const Index blocks = split.count, row_blocks = (r1 - r0 + split.rows - 1) / split.rows;
+  // Rows of A whose distance is a multiple of the page size fall into the same cache set: they are copied side by side,
+  // once.
+  const bool copies = !g.a_transposed && bytes<S>(g.lda) % 4096 == 0;
+  const bool all_panels = copies || g.a_transposed || blocks == 1;
+  const Index wide = all_panels ? std::max<Index>(1, j1 - j0) : panel_block, pieces = (j1 - j0 + wide - 1) / wide;
+  const bool far = bytes<S>(g.m * g.n) > near_caches;
+  for (Index i = 0; i < row_blocks * pieces * blocks; ++i) {
+    const Index row_block = i / blocks / pieces, left = j0 + i / blocks % pieces * wide, block = i % blocks;
+    GemmPiece<S> piece{.g = g,
+                       .scratch = scratch,
+                       .copies = copies,
+                       .far = far,
+                       .top = r0 + part(r1 - r0, row_block, row_blocks),
+                       .below = r0 + part(r1 - r0, row_block + 1, row_blocks),
+                       .end = r1,
+                       .left = left,
+                       .right = std::min(j1, left + wide),
+                       .k0 = part(g.k, block, blocks),
+                       .k1 = part(g.k, block + 1, blocks)};
+    const bool next_columns = block + 1 == blocks, next_rows = next_columns && piece.right == j1,
+               last = next_rows && piece.below == r1;
+    const S* next = g.panels + ((next_rows      ? j0
+                                 : next_columns ? piece.right
+                                                : left) *
+                                    g.k +
+                                (next_columns ? 0 : piece.k1)) *
+                                   piece.w;
+    piece.next = last ? g.following(j0, (g.n + piece.w - 1) / piece.w, next) : as_bytes(next);
+    if (last && g.after != nullptr) piece.next_bytes = g.after_bytes;
+    piece.multiply();
+  }
+}
+//
+// Attention of one head over one sequence, forward and backward. The score matrix exists for one tile of rows (forward)
+// or one head (backward), never for a batch.
+//
+//   S = Q K^T / sqrt(width),   P = softmax(S),   O = P V
+//   dV = P^T dO,   dP = dO V^T,   dS = P (dP - rowsum(P dP)),   dQ = dS K / sqrt(width),   dK = dS^T Q / sqrt(width)
+
+/// Softmax of R rows of `n` scores times `scale`, in place; columns up to the next vector are set to 0.
+/// `visible[i]` columns of row i take part (causal attention), the rest are 0. Several rows are as many chains of sums:
+/// none waits.
+template <class S, int R>
+MOTIONLANG_INLINE void softmax_rows_at(S* rows, Index pitch, Index n, const Index* visible, S scale) {
+  constexpr int l = lanes<S>;
+  const Index padded = (n + l - 1) / l * l;
+  constexpr S hidden = sizeof(S) == 4 ? S(-1e30) : S(-1e300);
+  Vec<S> largest[R], sum[R], inverse[R];
+  S shift[R];
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) {
+    for (Index c = visible[i]; c < padded; ++c) rows[i * pitch + c] = hidden;
+    largest[i] = splat(hidden), sum[i] = Vec<S>{};
+  }
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) largest[i] = vmax<S>(largest[i], load(rows + i * pitch + c));
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) shift[i] = reduce_max<S>(largest[i]) * scale;
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) {
+      const Vec<S> e = vexp<S>(load(rows + i * pitch + c) * scale - shift[i]);
+      store(rows + i * pitch + c, e);
+      sum[i] += e;
+    }
+  }
+#pragma GCC unroll 16
+  for (int i = 0; i < R; ++i) inverse[i] = splat(S(1) / reduce_add<S>(sum[i]));
+  for (Index c = 0; c < padded; c += l) {
+#pragma GCC unroll 16
+    for (int i = 0; i < R; ++i) store(rows + i * pitch + c, load(rows + i * pitch + c) * inverse[i]);
+  }
+}
+inline constexpr int softmax_group = 4;  // of rows
+/// The same for `count` rows, the first of which is query `first`; causal: row i sees keys up to its own number.
+template <class S>
+void softmax_rows_of(S* rows, Index pitch, Index count, Index n, Index first, bool causal, S scale) {
+  for (Index r = 0; r < count;) {
+    Index visible[softmax_group];
+    for (int i = 0; i < softmax_group; ++i) visible[i] = causal ? std::min(n, first + r + i + 1) : n;
+    if (r + softmax_group <= count)
+      softmax_rows_at<S, softmax_group>(rows + r * pitch, pitch, n, visible, scale), r += softmax_group;
+    else
+      softmax_rows_at<S, 1>(rows + r * pitch, pitch, n, visible, scale), ++r;
+  }
+}
+
+/// y = x times the factors of Dropout (core/dropout.hpp) at positions first, first + 1, ...; its own derivative.
+template <class S>
+void dropout(const S* x, Index n, Index first, const Dropout& d, S* y) {
+  typedef std::uint32_t Bits __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+  constexpr Index l = MOTIONLANG_VECTOR_BYTES / 4;
+  const std::uint32_t limit = d.limit();
+  const auto key0 = static_cast<std::uint32_t>(d.key) +
+                    static_cast<std::uint32_t>(static_cast<std::uint64_t>(first) >> 32) * 0x27D4EB2Fu;
+  const auto key1 = static_cast<std::uint32_t>(d.key >> 32);
+  const S keep = static_cast<S>(1.0 / (1.0 - d.p));
+  Bits counter;
+  for (Index i = 0; i < l; ++i) counter[i] = static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(i);
+  for (Index i = 0; i < n; i += l, counter += static_cast<std::uint32_t>(l)) {
+    Bits h = counter * 0x9E3779B1u + key0;
+    h = (h ^ (h >> 16)) * 0x85EBCA6Bu + key1;
+    h = (h ^ (h >> 13)) * 0xC2B2AE35u;
+    h = h ^ (h >> 16);
+    if (sizeof(S) == 4 && i + l <= n) {
+      const Vec<S> kept = load(x + i) * keep;
+      store(y + i, (Mask<S>)(h >= limit) ? kept : Vec<S>{});
+    } else {
+      for (Index c = 0; c < l && i + c < n; ++c) y[i + c] = h[c] >= limit ? x[i + c] * keep : S(0);
+    }
+  }
+}
+
+template <class S>
+MOTIONLANG_INLINE Index padded_panels(Index n) {
+  return (n + panel_width<S> - 1) / panel_width<S>;
+}
+
+/// The products of attention in S. (Bf16Products is the other kind.)
+template <class S>
+struct FloatProducts {
+  using Number = S;
+  static constexpr Index rows = tile_rows;  // that products are fastest with
+  static void begin() {}
+  static void end() {}
+  /// Columns that products write of n.
+  static Index columns(Index n) { return padded_panels<S>(n) * panel_width<S>; }
+  /// Numbers of scratch: panels of a matrix (k, n), and what a product over k needs.
+  static Index panels(Index k, Index n) { return columns(n) * k; }
+  static Index scratch(Index) { return 0; }
+
+  static void pack(const S* b, Index k, Index n, Index stride_k, Index stride_n, S* panels) {
+    if (stride_n == 1)
+      pack_rows(b, k, n, stride_k, Index{0}, k, panels);
+    else
+      pack_transposed<S, false>(b, k, n, stride_n, Index{0}, padded_panels<S>(n), panels);
+  }
+  /// c = a panels, tile by tile, without blocks of k (all operands are in cache).
+  static void multiply(const Rows<S>& a, Index count, Index k, const S* panels, Index n, S* c, Index ldc, S*,
+                       bool whole_panels) {
+    constexpr Index w = panel_width<S>;
+    const Index tiles = (count + tile_rows - 1) / tile_rows;
+    const Epilogue<S> plain;
+    for (Index j = 0; j < padded_panels<S>(n); ++j) {
+      for (Index t = 0; t < tiles; ++t) {
+        const Index first = part(count, t, tiles), height = part(count, t + 1, tiles) - first;
+        tile_of<S>(height, a.transposed, n - j * w)(a.from(first), panels + j * k * w, k, c + first * ldc + j * w, ldc,
+                                                    whole_panels ? w : n - j * w, plain, Ahead{as_bytes(panels)});
+      }
+    }
+  }
+};
+
+/// One head over one sequence: where its rows begin. Rows of q, k, v have the strides of the tensors that they are
+/// columns of.
+template <class S>
+struct AttentionHead {
+  const Attention<S>& t;
+  Index head, q0, k0, queries, keys;
+  const S *q, *k, *v;
+
+  AttentionHead(const Attention<S>& a, Index sequence, Index head_number)
+      : t(a),
+        head(head_number),
+        q0(a.q_offsets[sequence]),
+        k0(a.k_offsets[sequence]),
+        queries(a.q_offsets[sequence + 1] - q0),
+        keys(a.k_offsets[sequence + 1] - k0),
+        q(a.q + q0 * a.q_stride + head * a.width),
+        k(a.k + k0 * a.k_stride + head * a.width),
+        v(a.v + k0 * a.v_stride + head * a.width) {}
+
+  S scale() const { return S(1) / std::sqrt(static_cast<S>(t.width)); }
+  /// Scores of `count` queries from `first` on, q k^T, become their rows of P: relative scores, softmax, dropout.
+  void weights(Index first, Index count, S* rows, Index pitch) const {
+    const S unscale = std::sqrt(static_cast<S>(t.width));
+    for (Index r = 0; r < count && t.relative_scores != nullptr; ++r) {
+      const S* relative = t.relative_scores + head * (2 * t.reach + 1) + t.reach - (first + r);
+      for (Index c = 0; c < keys; ++c) rows[r * pitch + c] += relative[c] * unscale;
+    }
+    softmax_rows_of(rows, pitch, count, keys, first, t.causal, scale());
+    for (Index r = 0; r < count && t.dropout.p > 0; ++r)
+      dropout(rows + r * pitch, keys, mask_at(first + r), t.dropout, rows + r * pitch);
+  }
+  Index mask_at(Index query) const {
+    return static_cast<Index>(Dropout::attention_position(q0 + query, t.heads, head, 0));
+  }
+};
+
+/// Distance of rows of scores, whose columns up to the end of a panel are written.
+template <class P>
+Index score_pitch(Index keys) {
+  return P::columns(keys) + 16;
+}
+/// Numbers of scratch that attention_head needs: K^T, V, and one tile of scores.
+template <class P>
+Index attention_scratch(Index keys, Index width) {
+  return P::panels(width, keys) + P::panels(keys, width) + P::rows * score_pitch<P>(keys) +
+         P::scratch(std::max(keys, width));
+}
+/// Numbers of scratch that attention_head_vjp needs, whose scores are those of all queries.
+template <class P>
+Index attention_vjp_scratch(Index queries, Index keys, Index width) {
+  const Index longest = std::max(keys, queries);
+  return P::panels(width, keys) + P::panels(longest, width) + 2 * queries * score_pitch<P>(keys) +
+         P::scratch(std::max(longest, width));
+}
+
+/// Output of one head, for one of this many pieces of its queries.
+template <class P, class S = typename P::Number>
+void attention_head(const Attention<S>& t, Index sequence, Index head, Index piece, Index pieces, S* kt) {
+  const AttentionHead<S> h(t, sequence, head);
+  const Index tiles = (h.queries + P::rows - 1) / P::rows, begin = part(tiles, piece, pieces),
+              end = part(tiles, piece + 1, pieces);
+  if (begin == end) return;
+  const Index pitch = score_pitch<P>(h.keys);
+  S* vp = kt + P::panels(t.width, h.keys);
+  S* scores = vp + P::panels(h.keys, t.width);
+  S* scratch = scores + P::rows * pitch;
+  S* o = t.o + h.q0 * t.o_stride + head * t.width;
+  P::pack(h.k, t.width, h.keys, Index{1}, t.k_stride, kt);  // K^T
+  P::pack(h.v, h.keys, t.width, t.v_stride, Index{1}, vp);
+  P::begin();
+  for (Index i = begin; i < end; ++i) {
+    const Index first = part(h.queries, i, tiles), rows = part(h.queries, i + 1, tiles) - first;
+    P::multiply({h.q + first * t.q_stride, t.q_stride, false}, rows, t.width, kt, h.keys, scores, pitch, scratch, true);
+    h.weights(first, rows, scores, pitch);
+    P::multiply({scores, pitch, false}, rows, h.keys, vp, t.width, o + first * t.o_stride, t.o_stride, scratch, false);
+  }
+  P::end();
+}
+
+/// Gradients of one head; dq, dk, dv are written, with the strides of q, k, v.
+template <class P, class S = typename P::Number>
+void attention_head_vjp(const Attention<S>& t, const AttentionGradients<S>& g, Index sequence, Index head, S* a) {
+  constexpr int l = lanes<S>;
+  const AttentionHead<S> h(t, sequence, head);
+  const Index queries = h.queries, keys = h.keys, width = t.width, pitch = score_pitch<P>(keys);
+  const S* d_o = g.d_o + h.q0 * t.o_stride + head * width;
+  const S scale = h.scale();
+  S* b = a + P::panels(width, keys);  // panels with the keys or queries as the summed index; a: K^T, then V^T
+  S* p = b + P::panels(std::max(keys, queries), width);  // P, later P after dropout
+  S* ds = p + queries * pitch;                           // dP, later dS
+  S* scratch = ds + queries * pitch;
+  P::begin();
+  P::pack(h.k, width, keys, Index{1}, t.k_stride, a);
+  P::multiply({h.q, t.q_stride, false}, queries, width, a, keys, p, pitch, scratch, true);
+  P::pack(h.v, width, keys, Index{1}, t.v_stride, a);
+  P::multiply({d_o, t.o_stride, false}, queries, width, a, keys, ds, pitch, scratch, true);
+  for (Index r = 0; r < queries; ++r) {
+    S *pr = p + r * pitch, *dr = ds + r * pitch;
+    if (r % softmax_group == 0)
+      softmax_rows_of(pr, pitch, std::min<Index>(softmax_group, queries - r), keys, r, t.causal, scale);
+    if (t.dropout.p > 0) dropout(dr, keys, h.mask_at(r), t.dropout, dr);
+    Vec<S> sum{};
+    for (Index c = 0; c < keys; c += l) sum += load(pr + c) * load(dr + c);  // P is 0 beyond the keys
+    const S mean = reduce_add<S>(sum);
+    for (Index c = 0; c < keys; c += l) store(dr + c, load(pr + c) * (load(dr + c) - mean) * scale);
+    if (t.dropout.p > 0) dropout(pr, keys, h.mask_at(r), t.dropout, pr);
+  }
+  S* dq = g.d_q + h.q0 * t.q_stride + head * width;
+  S* dk = g.d_k + h.k0 * t.k_stride + head * width;
+  S* dv = g.d_v + h.k0 * t.v_stride + head * width;
+  P::pack(h.k, keys, width, t.k_stride, Index{1}, b);
+  P::multiply({ds, pitch, false}, queries, keys, b, width, dq, t.q_stride, scratch, false);
+  P::pack(h.q, queries, width, t.q_stride, Index{1}, b);
+  P::multiply({ds, pitch, true}, keys, queries, b, width, dk, t.k_stride, scratch, false);
+  P::pack(d_o, queries, width, t.o_stride, Index{1}, b);
+  P::multiply({p, pitch, true}, keys, queries, b, width, dv, t.v_stride, scratch, false);
+  P::end();
+}
+//
+// Row-wise and element-wise kernels: layer norm, softmax, nonlinearities, sums, AdamW.
+
+inline constexpr int norm_group = 4;  // rows at a time in layer norm
+/// Means and 1 / sqrt(variance + eps) of R rows of n, side by side. Two passes: no cancellation. Several rows are as
+/// many chains of sums: none waits.
+template <class S, int R>
+MOTIONLANG_INLINE void row_moments(const S* x, Index n, S eps, S* mean, S* rstd) {
+  constexpr int l = lanes<S>;
+  const Index whole = n / l * l;
+  Vec<S> sum[R], square[R];
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) sum[r] = square[r] = Vec<S>{};
+  for (Index i = 0; i < whole; i += l) {
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) sum[r] += load(x + r * n + i);
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+    S total = reduce_add<S>(sum[r]);
+    for (Index i = whole; i < n; ++i) total += x[r * n + i];
+    mean[r] = total / static_cast<S>(n);
+  }
+  for (Index i = 0; i < whole; i += l) {
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      const Vec<S> d = load(x + r * n + i) - mean[r];
+      square[r] += d * d;
+    }
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+    S variance = reduce_add<S>(square[r]);
+    for (Index i = whole; i < n; ++i) variance += (x[r * n + i] - mean[r]) * (x[r * n + i] - mean[r]);
+    rstd[r] = S(1) / std::sqrt(variance / static_cast<S>(n) + eps);
+  }
+}
+
+/// layer_norm_rows of R rows.
+template <class S, int R>
+MOTIONLANG_INLINE void normalize_rows(const LayerNorm<S>& t, Index first) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  const S* x = t.x + first * n;
+  S* y = t.y + first * n;
+  if (t.residual != nullptr) {
+    const S* z = t.residual + first * n;
+    for (Index i = 0; i < R * n; i += l)
+      store_first(y + i, load_first(x + i, R * n - i) + load_first(z + i, R * n - i), R * n - i);
+    x = y;
+  }
+  S mean[R], rstd[R];
+  row_moments<S, R>(x, n, t.eps, mean, rstd);
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> weight = load(t.weight + i), bias = load(t.bias + i);
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      __builtin_prefetch(x + (R + r) * n + i);  // of the next rows
+      store(y + r * n + i, (load(x + r * n + i) - mean[r]) * rstd[r] * weight + bias);
+    }
+  }
+  for (Index i = whole; i < n; ++i) {
+    for (int r = 0; r < R; ++r) y[r * n + i] = (x[r * n + i] - mean[r]) * rstd[r] * t.weight[i] + t.bias[i];
+  }
+}
+/// y = (x + residual - mean) rstd weight + bias. The sum stands in y before it is normalized; there may be no residual.
+template <class S>
+void layer_norm_rows(const LayerNorm<S>& t, Index first, Index last) {
+  for (; first + norm_group <= last; first += norm_group) normalize_rows<S, norm_group>(t, first);
+  for (; first < last; ++first) normalize_rows<S, 1>(t, first);
+}
+
+/// layer_norm_rows_vjp of R rows.
+template <class S, int R>
+MOTIONLANG_INLINE void normalize_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first) {
+  constexpr int l = lanes<S>;
+  const Index n = t.width, whole = n / l * l;
+  const S *x = t.x + first * n, *g = dy + first * n;
+  S* d = dx + first * n;
+  S mean[R], rstd[R], h0[R], h1[R];
+  row_moments<S, R>(x, n, t.eps, mean, rstd);
+  Vec<S> sum_h[R], sum_hx[R];
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) sum_h[r] = sum_hx[r] = Vec<S>{};
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> weight = load(t.weight + i);
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      const Vec<S> h = load(g + r * n + i) * weight;
+      sum_h[r] += h;
+      sum_hx[r] += h * ((load(x + r * n + i) - mean[r]) * rstd[r]);
+    }
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+    h0[r] = reduce_add<S>(sum_h[r]), h1[r] = reduce_add<S>(sum_hx[r]);
+    for (Index i = whole; i < n; ++i) {
+      const S h = g[r * n + i] * t.weight[i];
+      h0[r] += h;
+      h1[r] += h * ((x[r * n + i] - mean[r]) * rstd[r]);
+    }
+    h0[r] /= static_cast<S>(n);
+    h1[r] /= static_cast<S>(n);
+  }
+  for (Index i = 0; i < whole; i += l) {
+    const Vec<S> weight = load(t.weight + i);
+#pragma GCC unroll 16
+    for (int r = 0; r < R; ++r) {
+      const Vec<S> xhat = (load(x + r * n + i) - mean[r]) * rstd[r];
+      store(d + r * n + i, (load(g + r * n + i) * weight - h0[r] - xhat * h1[r]) * rstd[r]);
+    }
+  }
+  for (int r = 0; r < R; ++r) {
+    for (Index i = whole; i < n; ++i) {
+      d[r * n + i] = (g[r * n + i] * t.weight[i] - h0[r] - (x[r * n + i] - mean[r]) * rstd[r] * h1[r]) * rstd[r];
+    }
+    moments[2 * (first + r)] = mean[r], moments[2 * (first + r) + 1] = rstd[r];
+  }
+}
+/// dx = rstd (h - mean(h) - xhat mean(h xhat)),  h = dy weight,  xhat = (x - mean) rstd
+template <class S>
+void layer_norm_rows_vjp(const LayerNorm<S>& t, const S* dy, S* dx, S* moments, Index first, Index last) {
+  for (; first + norm_group <= last; first += norm_group) normalize_rows_vjp<S, norm_group>(t, dy, dx, moments, first);
+  for (; first < last; ++first) normalize_rows_vjp<S, 1>(t, dy, dx, moments, first);
+}
+/// dweight = sum over rows of dy xhat, dbias = sum of dy; columns first ... last-1.
+template <class S>
+void layer_norm_columns_vjp(const LayerNorm<S>& t, const S* dy, const S* moments, S* dweight, S* dbias, Index rows,
+                            Index first, Index last) {
+  for (Index i = first; i < last; ++i) dweight[i] = dbias[i] = S(0);
+  for (Index r = 0; r < rows; ++r) {
+    const S mean = moments[2 * r], rstd = moments[2 * r + 1];
+    const S *x = t.x + r * t.width, *g = dy + r * t.width;
+    for (Index i = first; i < last; ++i) {
+      dweight[i] += g[i] * ((x[i] - mean) * rstd);
+      dbias[i] += g[i];
+    }
+  }
+}
+
+/// y = softmax(x) for rows of n; `scratch` holds one row, rounded up to whole vectors.
+template <class S>
+void softmax_rows(const S* x, Index n, Index first, Index last, S* y, S* scratch) {
+  for (Index r = first; r < last; ++r) {
+    std::memcpy(scratch, x + r * n, static_cast<std::size_t>(n) * sizeof(S));
+    softmax_rows_at<S, 1>(scratch, n, n, &n, S(1));
+    std::memcpy(y + r * n, scratch, static_cast<std::size_t>(n) * sizeof(S));
+  }
+}
+
+/// Columns first ... last-1 of y; first is a multiple of `lanes`.
+template <class S>
+void transpose(const Transposed<S>& t, Index first, Index last) {
+  constexpr Index l = lanes<S>;
+  for (Index j = first; j < last; j += l) {
+    const Index n = std::min(l, last - j);
+    const bool whole = n == l;
+    const Vec<S> bias = t.bias == nullptr ? Vec<S>{} : load_some(t.bias + j, n);
+    for (Index r = 0; r < t.rows; ++r) {
+      const S* z = t.z + j * t.rows + r;
+      const S* residual = t.residual == nullptr ? nullptr : t.residual + r * t.width + j;
+      S* y = t.y + r * t.width + j;
+      Vec<S> x{};
+      if (whole) {
+#pragma GCC unroll 16
+        for (int i = 0; i < lanes<S>; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load(residual);
+        store(y, x);
+      } else {
+        for (Index i = 0; i < n; ++i) x[i] = z[i * t.rows];
+        x += bias;
+        if (residual != nullptr) x += load_some(residual, n);
+        store_some(y, x, n);
+      }
+    }
+    if (t.act != Activation::none) activate_rows(t.y + j, t.width, t.rows, n, t.act, t.y + j, t.width);
+  }
+}
+
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE Vec<S> apply_binary(const Vec<S>& a, const Vec<S>& b) {
+  switch (op) {
+    case BinaryOp::add:
+      return a + b;
+    case BinaryOp::sub:
+      return a - b;
+    case BinaryOp::mul:
+      return a * b;
+    case BinaryOp::div:
+      return a / b;
+    case BinaryOp::maximum:
+      return a < b ? b : a;
+  }
+  return a;
+}
+/// A repeated operand is read again and again from one vector of copies.
+template <BinaryOp op, class S>
+MOTIONLANG_INLINE void binary_loop(const Binary<S>& t) {
+  constexpr int l = lanes<S>;
+  const Vec<S> copies_a = splat(*t.a), copies_b = splat(*t.b);
+  const S *a = t.a_repeated ? reinterpret_cast<const S*>(&copies_a) : t.a,
+          *b = t.b_repeated ? reinterpret_cast<const S*>(&copies_b) : t.b;
+  const Index step_a = t.a_repeated ? 0 : l, step_b = t.b_repeated ? 0 : l;
+  Index i = 0;
+  for (; i + l <= t.count; i += l, a += step_a, b += step_b) store(t.y + i, apply_binary<op, S>(load(a), load(b)));
+  const Index n = t.count - i;
+  store_some(t.y + i, apply_binary<op, S>(load_some(a, n), load_some(b, n)), n);
+}
+template <class S>
+void binary(const Binary<S>& t) {
+  switch (t.op) {
+    case BinaryOp::add:
+      return binary_loop<BinaryOp::add>(t);
+    case BinaryOp::sub:
+      return binary_loop<BinaryOp::sub>(t);
+    case BinaryOp::mul:
+      return binary_loop<BinaryOp::mul>(t);
+    case BinaryOp::div:
+      return binary_loop<BinaryOp::div>(t);
+    case BinaryOp::maximum:
+      return binary_loop<BinaryOp::maximum>(t);
+  }
+}
+
+template <class S>
+void error_function(const S* x, Index n, S* y) {
+  constexpr int l = lanes<S>;
+  Index i = 0;
+  for (; i + l <= n; i += l) store(y + i, verf<S>(load(x + i)));
+  store_some(y + i, verf<S>(load_some(x + i, n - i)), n - i);
+}
+
+/// Sums of the rows first ... last-1, of n numbers each. Four chains of sums: none waits.
+template <class S>
+void row_sums(const S* x, Index n, Index first, Index last, S* y) {
+  constexpr int l = lanes<S>;
+  for (Index r = first; r < last; ++r) {
+    const S* row = x + r * n;
+    Vec<S> sums[4] = {};
+    Index i = 0;
+    for (; i + 4 * l <= n; i += 4 * l) {
+#pragma GCC unroll 4
+      for (int c = 0; c < 4; ++c) sums[c] += load(row + i + c * l);
+    }
+    for (; i < n; i += l) sums[0] += load_first(row + i, n - i);
+    y[r] = reduce_add<S>(sums[0] + sums[1] + (sums[2] + sums[3]));
+  }
+}
+/// Sums of the columns first ... last-1 over all rows.
+template <class S>
+void column_sums(const S* x, Index rows, Index width, Index first, Index last, S* y) {
+  for (Index i = first; i < last; ++i) y[i] = S(0);
+  for (Index r = 0; r < rows; ++r) {
+    for (Index i = first; i < last; ++i) y[i] += x[r * width + i];
+  }
+}
+
+template <class S>
+MOTIONLANG_INLINE Vec<S> adamw_update(const AdamwStep<S>& t, const Vec<S>& p, const Vec<S>& gradient, Vec<S>& m,
+                                      Vec<S>& v) {
+  const Vec<S> g = gradient * t.gradient_scale;
+  m = m * t.beta1 + g * t.rest1;
+  v = v * t.beta2 + g * g * t.rest2;
+  return p * t.decay - t.step * m / (vsqrt<S>(v) * t.correction + t.eps);
+}
+/// AdamW in one pass over parameter, gradient and moments (see optim/adamw.hpp for the formula).
+template <class S>
+void adamw(const AdamwStep<S>& t, Index first, Index last) {
+  constexpr int l = lanes<S>;
+  Index i = first;
+  for (; i + l <= last; i += l) {
+    Vec<S> m = load(t.m + i), v = load(t.v + i);
+    store(t.p + i, adamw_update<S>(t, load(t.p + i), load(t.g + i), m, v));
+    store(t.m + i, m), store(t.v + i, v);
+  }
+  const Index n = last - i;
+  Vec<S> m = load_some(t.m + i, n), v = load_some(t.v + i, n);
+  store_some(t.p + i, adamw_update<S>(t, load_some(t.p + i, n), load_some(t.g + i, n), m, v), n);
+  store_some(t.m + i, m, n), store_some(t.v + i, v, n);
+}
+
+#define MOTIONLANG_STRING_OF(x) #x
+#define MOTIONLANG_STRING(x) MOTIONLANG_STRING_OF(x)
+
+// Matrix product in bfloat16 with sums in float. Three tiles, one text around them: this file has the tile for any
+// processor, which widens bfloat16 to float; bf16_x86.inc has those for vdpbf16ps and for AMX.
+//
+//   Panels   B (k x n) is rounded and stored in panels of 32 columns, pairs of k side by side: [panel][k /
+//            2][column][2], zero padded to a multiple of 32 in k. The same for all tiles, except numbers below 2^-126,
+//            which some round to 0.
+//   Rows     A is rounded into scratch, a block of rows at a time, zero padded in k: [row][k].
+//   Tile     some rows of A times one panel, over k filled up to as many as its instructions take at a time (in pieces
+//            of k, if the tile has pieces); what to do with the sums, as in gemm.inc. (In AMX the bias is the first
+//            number of a sum.)
+//   Order    every element is summed over k in an order that depends on the tile alone: same bits for any block or
+//            thread.
+
+typedef std::uint32_t Words __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES)));
+typedef std::uint32_t LooseWords __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES), aligned(2), may_alias));
+typedef std::uint16_t Halves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2)));
+typedef std::uint16_t LooseHalves __attribute__((vector_size(MOTIONLANG_VECTOR_BYTES / 2), aligned(2), may_alias));
+inline constexpr Index word_lanes = MOTIONLANG_VECTOR_BYTES / 4;
+
+/// The nearest bfloat16, ties to even, in the upper half of each word; NaN stays NaN.
+MOTIONLANG_INLINE Words round_to_bf16(const Vec<float>& x) {
+  const Words w = (Words)x, rounded = w + (w >> 16 & 1u) + 0x7FFFu;
+  return ((w & 0x7FFFFFFFu) > 0x7F800000u ? w | 0x400000u : rounded) & 0xFFFF0000u;
+}
+MOTIONLANG_INLINE void store_rounded(float* y, const Words& w) { store(y, (Vec<float>)w); }
+MOTIONLANG_INLINE void store_rounded(std::uint16_t* y, const Words& w) {
+  *reinterpret_cast<LooseHalves*>(y) = __builtin_convertvector(w >> 16, Halves);
+}
+
+/// A vector of numbers, rounded; zeros from the n-th on.
+MOTIONLANG_INLINE Words rounded(const float* x, Index n) { return round_to_bf16(load_first(x, n)); }
+/// Packs two vectors of rounded numbers into pairs of bfloat16.
+MOTIONLANG_INLINE Words pairs(const Words& first, const Words& second) { return first >> 16 | second; }
+MOTIONLANG_INLINE void store_words(std::uint16_t* y, const Words& w) { *reinterpret_cast<LooseWords*>(y) = w; }
+
+/// The same as round_row of a tile (except numbers below 2^-126) for `rows` rows whose numbers are a[k * lda + row]:
+/// squares of lanes are transposed.
+template <class Element>
+void round_columns(const float* a, Index lda, Index rows, Index k, Index padded, Element* y, Index pitch) {
+  constexpr Index l = word_lanes, depth = l * (4 / static_cast<Index>(sizeof(Element)));  // of a square
+  for (Index r = 0; r < rows; r += l) {
+    const Index n = std::min(rows - r, l);
+    for (Index i = 0; i < padded; i += depth) {
+      Vec<float> square[lanes<float>];
+#pragma GCC unroll 16
+      for (int q = 0; q < lanes<float>; ++q) {
+        const auto row = [&](Index at) {
+          // no prefetcher follows pieces so far apart
+          if (at + depth < k) __builtin_prefetch(a + (at + depth) * lda + r);
+          return rounded(a + at * lda + r, at < k ? n : 0);
+        };
+        if constexpr (sizeof(Element) == 4) {
+          square[q] = (Vec<float>)row(i + q);
+        } else {
+          square[q] = (Vec<float>)pairs(row(i + 2 * q), row(i + 2 * q + 1));
+        }
+      }
+      transpose_lanes<float>(square);
+      for (Index c = 0; c < n; ++c) std::memcpy(y + (r + c) * pitch + i, &square[c], sizeof square[c]);
+    }
+  }
+}
+
+/// Rows k0 ... k1-1 (both even) of all panels of B, whose element (k, n) is b[k * stride + n]: two rows at a
+/// time, through as many panels as lie in different parts of the cache.
+template <class Tile>
+void bf16_pack_rows(const float* b, Index k, Index n, Index stride, Index k0, Index k1, std::uint16_t* panels) {
+  constexpr Index ahead = 8;  // rows
+  const Index depth = bf16_depth(k), count = (n + bf16_columns - 1) / bf16_columns;
+  for (Index left = 0; left < count; left += panel_block) {
+    for (Index i = k0; i < k1; i += 2) {
+      const float *even = b + i * stride + left * bf16_columns, *odd = even + stride;
+      std::uint16_t* out = panels + (left * depth + i) * bf16_columns;
+      for (Index j = left; j < std::min(count, left + panel_block);
+           ++j, even += bf16_columns, odd += bf16_columns, out += depth * bf16_columns) {
+        fetch(even + ahead * stride, bf16_columns), fetch(odd + ahead * stride, bf16_columns);
+        const Index columns = n - j * bf16_columns;
+        Tile::round_pairs(even, i < k ? columns : 0, odd, i + 1 < k ? columns : 0, out);
+      }
+    }
+  }
+}
+/// Panels first ... last-1 of B, whose element (k, n) is b[k + n * stride]: read along its rows, a square of lanes at a
+/// time. Whether all numbers are finite, if it looks.
+template <class Tile, bool looks>
+bool bf16_pack_transposed(const float* b, Index k, Index n, Index stride, Index first, Index last,
+                          std::uint16_t* panels) {
+  constexpr Index l = word_lanes, block = 256, pitch = block + 32;  // of k that are rounded at once
+  const Index depth = bf16_depth(k);
+  std::uint16_t lines[static_cast<std::size_t>(bf16_columns * pitch)];  // columns of B: [column][k]
+  Mask<float> found{};
+  for (Index j = first; j < last; ++j) {
+    std::uint16_t* out = panels + j * depth * bf16_columns;
+    const float* in = b + j * bf16_columns * stride;
+    const Index columns = n - j * bf16_columns;
+    for (Index i0 = 0; i0 < depth; i0 += block) {
+      const Index length = std::min(block, depth - i0);
+      for (Index c = 0; c < bf16_columns; ++c) {
+        const float* row = in + c * stride + i0;
+        const Index there = c < columns ? std::min(k - i0, length) : 0;
+        if constexpr (looks) {
+          for (Index i = 0; i < there; i += lanes<float>) find_not_finite<float>(load_first(row + i, there - i), found);
+        }
+        Tile::round_row(row, there, length, lines + c * pitch);
+      }
+      for (Index i = 0; i < length; i += 2 * l, out += 2 * l * bf16_columns) {
+        for (Index c = 0; c < bf16_columns; c += l) {
+          Vec<float> square[lanes<float>];  // column, pair
+#pragma GCC unroll 16
+          for (int q = 0; q < lanes<float>; ++q) std::memcpy(&square[q], lines + (c + q) * pitch + i, sizeof square[q]);
+          transpose_lanes<float>(square);
+          for (Index p = 0; p < l; ++p) std::memcpy(out + (p * bf16_columns + c) * 2, &square[p], sizeof square[p]);
+        }
+      }
+    }
+  }
+  return !any_negative<float>(found);
+}
+
+/// Bytes of a pair of k in a panel.
+inline constexpr Index pair_bytes = 4 * bf16_columns;
+
+/// True if a tile's rows of the result, which are whole lines, are better written past the caches: the caches would
+/// read every line before it is overwritten, and forget other things. So for results larger than all of them, and for
+/// those larger than the nearer ones whose rows are a multiple of the page size apart: a tile's rows then fall into the
+/// same cache set.
+inline bool streams(const Gemm<float>& g) {
+  constexpr Index all = 16 << 20;
+  const bool whole_lines =
+      g.n % bf16_columns == 0 && bytes<float>(g.ldc) % 64 == 0 && reinterpret_cast<std::uintptr_t>(g.c) % 64 == 0;
+  return whole_lines && bytes<float>(g.m * g.n) > (bytes<float>(g.ldc) % 4096 == 0 ? near_caches : all);
+}
+/// Rows of one panel's width, from where a tile has put them.
+inline void stream_rows(const float* from, Index rows, float* to, Index ldc) {
+  for (Index r = 0; r < rows; ++r, from += bf16_columns, to += ldc) {
+    for (Index i = 0; i < bf16_columns; i += lanes<float>) store_stream(to + i, load(from + i));
+  }
+}
+
+class PanelSplit;
+
+/// The task of a tile: c = `height` rows of A, which begin at a, times the first `columns` columns of a panel,
+/// over `depth` of k.
+template <class Element>
+struct TileProduct {
+  const Element* a;
+  Index pitch, height;
+  const std::uint16_t* panel;
+  Index depth;
+  float* c;
+  Index ldc, columns;
+  Epilogue<float> e{};
+  Ahead ahead{};
+  bool panel_stays = true;         // in the cache, for the next tile; else the rows stay
+  bool stream = false;             // c is written past the caches
+  Index number = 0;                // of the tile among those of this panel
+  bool first = true, last = true;  // piece of k
+  PanelSplit* next = nullptr;      // of floats in parts: the panel that is split meanwhile
+};
+
+/// Tiles that keep their sums in registers: Tile::rows_of<height> does it all. Every tile has besides
+///     round_row(x, n, padded, y)       y = n numbers, rounded, then zeros up to `padded`, a multiple of 32
+///     round_pairs(x, nx, y, ny, pairs) 32 pairs, rounded: numbers of x (zeros after nx), beside each its like of y
+template <class Tile>
+struct RegisterTile {
+  static constexpr bool even = true;                                 // rows are split evenly among tiles
+  static constexpr Index depth(Index k) { return (k + 1) / 2 * 2; }  // that is multiplied, of the padded one
+  static constexpr Index pieces(Index, Index) { return 1; }          // of k
+  static void begin() {}
+  static void end() {}
+
+  template <class Element>
+  void multiply(const TileProduct<Element>& t) {
+    static constexpr auto table = []<int... R>(std::integer_sequence<int, R...>) {
+      return std::array{&Tile::template rows_of<R + 1>...};
+    }
+    (std::make_integer_sequence<int, Tile::rows>{});
+    const auto rows_of = table[static_cast<std::size_t>(t.height - 1)];
+    if (!t.stream) return rows_of(t.a, t.pitch, t.panel, t.depth, t.c, t.ldc, t.columns, t.e, t.ahead);
+    alignas(64) float result[static_cast<std::size_t>(Tile::rows * bf16_columns)];
+    rows_of(t.a, t.pitch, t.panel, t.depth, result, bf16_columns, t.columns, t.e, t.ahead);
+    stream_rows(result, t.height, t.c, t.ldc);
+  }
+  void finish() {}
+};
+
+/// For any processor: rows of A are kept as rounded floats, a pair of B is split into two vectors of floats.
+struct WideningTile : RegisterTile<WideningTile> {
+  using Element = float;
+  static constexpr const char* name = MOTIONLANG_STRING(MOTIONLANG_ISA);
+  static constexpr int rows = MOTIONLANG_TILE_ROWS > 2 ? MOTIONLANG_TILE_ROWS - 2 : 2;
+  template <class Number>
+  static void round_row(const float* x, Index n, Index padded, Number* y) {
+    for (Index i = 0; i < padded; i += word_lanes) store_rounded(y + i, rounded(x + i, n - i));
+  }
+  static void round_pairs(const float* x, Index nx, const float* y, Index ny, std::uint16_t* out) {
+    for (Index c = 0; c < bf16_columns; c += word_lanes) {
+      store_words(out + 2 * c, pairs(rounded(x + c, nx - c), rounded(y + c, ny - c)));
+    }
+  }
+
+  template <int R>
+  static void rows_of(const Element* a, Index pitch, const std::uint16_t* panel, Index depth, float* c, Index ldc,
+                      Index columns, const Epilogue<float>& e, Ahead ahead) {
+    constexpr int l = lanes<float>;
+    for (Index column = 0; column < columns; column += 2 * l) {
+      const Epilogue<float> piece = e.from_column(column);
+      fetch_result<float, R>(c + column, ldc, piece);
+      if (column > 0) ahead.step = 0;  // once is enough
+      Vec<float> c0[R], c1[R];
+#pragma GCC unroll 16
+      for (int i = 0; i < R; ++i) c0[i] = c1[i] = Vec<float>{};
+      const std::uint16_t* b = panel + 2 * column;
+      for (Index k = 0; k < depth; k += 2, b += 2 * bf16_columns) {
+        ahead.fetch();
+        const Words w0 = *reinterpret_cast<const LooseWords*>(b), w1 = *reinterpret_cast<const LooseWords*>(b + 2 * l);
+        const Vec<float> even0 = (Vec<float>)(w0 << 16), odd0 = (Vec<float>)(w0 & 0xFFFF0000u);
+        const Vec<float> even1 = (Vec<float>)(w1 << 16), odd1 = (Vec<float>)(w1 & 0xFFFF0000u);
+#pragma GCC unroll 16
+        for (int i = 0; i < R; ++i) {
+          const float x = a[i * pitch + k], y = a[i * pitch + k + 1];
+          c0[i] += x * even0;
+          c1[i] += x * even1;
+          c0[i] += y * odd0;
+          c1[i] += y * odd1;
+        }
+      }
+      put_result<float, R>(c0, c1, c + column, ldc, columns - column, piece);
+    }
+  }
+};
+
+/// The first `count` rows of A, side by side.
+template <class Tile>
+void round_rows(const Rows<float>& a, Index count, Index k, Index depth, typename Tile::Element* y, Index pitch) {
+  if (a.transposed) return round_columns(a.at, a.stride, count, k, depth, y, pitch);
+  for (Index r = 0; r < count; ++r) Tile::round_row(a.from(r).at, k, depth, y + r * pitch);
+}
+
+/// Rows of A in scratch at once, and their distance.
+template <class Tile>
+Index bf16_rows(Index k) {
+  return rows_at_once(bytes<typename Tile::Element>(bf16_depth(k)), Tile::rows, half_cache / 2 * 3);
+}
+template <class Tile>
+constexpr Index bf16_pitch(Index depth) {
+  return depth + 64 / static_cast<Index>(sizeof(typename Tile::Element));
+}
+/// Numbers of scratch that bf16_gemm_block needs.
+template <class Tile>
+Index bf16_scratch(Index k) {
+  return bf16_rows<Tile>(k) * bf16_pitch<Tile>(bf16_depth(k));
+}
+
+/// Rows r0 ... r1-1 and panels j0 ... j1-1 of a product with bfloat16 panels.
+template <class Tile>
+void bf16_gemm_block(const Gemm<float>& g, const std::uint16_t* panels, Index r0, Index r1, Index j0, Index j1,
+                     float* scratch) {
+  using Element = typename Tile::Element;
+  const Index depth = bf16_depth(g.k), pitch = bf16_pitch<Tile>(depth), at_once = bf16_rows<Tile>(g.k);
+  Element* a = reinterpret_cast<Element*>(scratch);
+  const bool stream = streams(g);
+  Tile tile;
+  Tile::begin();
+  constexpr Index unit = Tile::even ? 1 : Tile::rows;  // of rows that blocks have evenly
+  const Index units = (r1 - r0 + unit - 1) / unit, row_blocks = (r1 - r0 + at_once - 1) / at_once;
+  for (Index block = 0; block < row_blocks; ++block) {
+    const Index top = r0 + unit * part(units, block, row_blocks);
+    const Index rows = std::min(r1, r0 + unit * part(units, block + 1, row_blocks)) - top,
+                tiles = (rows + Tile::rows - 1) / Tile::rows;
+    const Index pieces = Tile::pieces(depth, tiles);
+    round_rows<Tile>(Rows<float>{g.a, g.lda, g.a_transposed}.from(top), rows, g.k, depth, a, pitch);
+    for (Index j = j0; j < j1; ++j) {
+      const std::uint16_t* panel = panels + j * depth * bf16_columns;
+      const bool last = j + 1 == j1 && top + rows == r1;
+      const std::byte* next = as_bytes(panels + (j + 1 < j1 ? j + 1 : j0) * depth * bf16_columns);
+      const auto* following = last ? g.following(j0, (g.n + bf16_columns - 1) / bf16_columns, next) : next;
+      for (Index step = 0; step < pieces * tiles; ++step) {
+        const Index piece = step / tiles, t = step % tiles;
+        const Index k0 = 32 * part(depth / 32, piece, pieces),
+                    k1 = std::min(32 * part(depth / 32, piece + 1, pieces), Tile::depth(g.k));
+        const Index first = Tile::even ? part(rows, t, tiles) : t * Tile::rows;
+        const Index height = (Tile::even ? part(rows, t + 1, tiles) : std::min(rows, first + Tile::rows)) - first;
+        const Index row = top + first, column = j * bf16_columns;
+        const auto ahead =
+            Ahead::share(following + k0 / 2 * pair_bytes, (k1 - k0) / 2 * pair_bytes, t, tiles, (k1 - k0) / 2);
+        TileProduct<Element> product{.a = a + first * pitch + k0,
+                                     .pitch = pitch,
+                                     .height = height,
+                                     .panel = panel + k0 * bf16_columns,
+                                     .depth = k1 - k0,
+                                     .c = g.c + row * g.ldc + column,
+                                     .ldc = g.ldc,
+                                     .columns = std::min(g.n - column, bf16_columns),
+                                     .e = Epilogue<float>::of(g, row, column, true, true),
+                                     .ahead = ahead,
+                                     .panel_stays = tiles > 1,
+                                     .stream = stream,
+                                     .number = t,
+                                     .first = piece == 0,
+                                     .last = piece + 1 == pieces};
+        tile.multiply(product);
+      }
+    }
+  }
+  tile.finish();
+  if (stream) end_of_streams();
+  Tile::end();
+}
+
+/// The products of attention (attention.inc) in bfloat16; scores and softmax stay in float.
+template <class Tile>
+struct Bf16Products {
+  using Number = float;
+  using Element = typename Tile::Element;
+  static constexpr Index rows = Tile::rows;
+  static void begin() { Tile::begin(); }
+  static void end() { Tile::end(); }
+  static Index columns(Index n) { return bf16_depth(n); }
+  static Index panels(Index k, Index n) { return bf16_depth(k) * bf16_depth(n) / 2; }
+  static Index scratch(Index k) { return Tile::rows * bf16_pitch<Tile>(bf16_depth(k)); }
+
+  static void pack(const float* b, Index k, Index n, Index stride_k, Index stride_n, float* panels) {
+    auto* out = reinterpret_cast<std::uint16_t*>(panels);
+    if (stride_n == 1)
+      bf16_pack_rows<Tile>(b, k, n, stride_k, 0, bf16_depth(k), out);
+    else
+      bf16_pack_transposed<Tile, false>(b, k, n, stride_n, 0, bf16_depth(n) / bf16_columns, out);
+  }
+  static void multiply(const Rows<float>& a, Index count, Index k, const float* panels, Index n, float* c, Index ldc,
+                       float* scratch, bool whole_panels) {
+    const Index depth = bf16_depth(k), pitch = bf16_pitch<Tile>(depth);
+    auto* rounded_rows = reinterpret_cast<Element*>(scratch);
+    Tile tile;
+    for (Index first = 0; first < count; first += Tile::rows) {
+      const Index height = std::min<Index>(Tile::rows, count - first);
+      round_rows<Tile>(a.from(first), height, k, depth, rounded_rows, pitch);
+      for (Index j = 0; j < n; j += bf16_columns) {
+        const auto* panel = reinterpret_cast<const std::uint16_t*>(panels) + j * depth;
+        tile.multiply(TileProduct<Element>{.a = rounded_rows,
+                                           .pitch = pitch,
+                                           .height = height,
+                                           .panel = panel,
+                                           .depth = Tile::depth(k),
+                                           .c = c + first * ldc + j,
+                                           .ldc = ldc,
+                                           .columns = whole_panels ? bf16_columns : std::min(n - j, bf16_columns),
+                                           .ahead = {as_bytes(panel)},
+                                           .panel_stays = false});
+      }
+    }
+    tile.finish();
+  }
+};
+
+template <class Tile>
+const Bf16Kernels& bf16_table() {
+  static constexpr Bf16Kernels t{.name = Tile::name,
+                                 .tile_rows = Tile::rows,
+                                 .gemm_rows = &bf16_rows<Tile>,
+                                 .gemm_scratch = &bf16_scratch<Tile>,
+                                 .pack_rows = &bf16_pack_rows<Tile>,
+                                 .pack_transposed = &bf16_pack_transposed<Tile, true>,
+                                 .gemm_block = &bf16_gemm_block<Tile>,
+                                 .attention_scratch = &attention_scratch<Bf16Products<Tile>>,
+                                 .attention_head = &attention_head<Bf16Products<Tile>>,
+                                 .attention_vjp_scratch = &attention_vjp_scratch<Bf16Products<Tile>>,
+                                 .attention_head_vjp = &attention_head_vjp<Bf16Products<Tile>>};
+  return t;
+}
+
+template <class S>
+const Kernels<S>& table() {
+  static constexpr Kernels<S> t{
+      .isa = Isa::MOTIONLANG_ISA,
+      .name = MOTIONLANG_STRING(MOTIONLANG_ISA),
+      .panel_width = panel_width<S>,
+      .tile_rows = tile_rows,
+      .gemm_rows = &gemm_rows<S>,
+      .gemm_scratch = &gemm_scratch<S>,
+      .pack_rows = &pack_rows<S>,
+      .pack_transposed = &pack_transposed<S, true>,
+      .gemm_block = &gemm_block<S>,
+      .attention_scratch = &attention_scratch<FloatProducts<S>>,
+      .attention_head = &attention_head<FloatProducts<S>>,
+      .dropout = &dropout<S>,
+      .layer_norm_rows = &layer_norm_rows<S>,
+      .softmax_rows = &softmax_rows<S>,
+      .transpose = &transpose<S>,
+      .activate = &activate<S>,
+      .binary = &binary<S>,
+      .error_function = &error_function<S>,
+      .row_sums = &row_sums<S>,
+      .column_sums = &column_sums<S>,
+  };
+  return t;
+}
+template <class S>
+const GradientKernels<S>& gradient_table() {
+  static constexpr GradientKernels<S> t{
+      .attention_scratch = &attention_vjp_scratch<FloatProducts<S>>,
+      .attention_head = &attention_head_vjp<FloatProducts<S>>,
+      .layer_norm_rows = &layer_norm_rows_vjp<S>,
+      .layer_norm_columns = &layer_norm_columns_vjp<S>,
+      .activate = &activate_vjp<S>,
+      .adamw = &adamw<S>,
+  };
+  return t;
+}
+
+#undef MOTIONLANG_STRING
+#undef MOTIONLANG_STRING_OF
+#undef MOTIONLANG_INLINE
+
+}  // namespace detail::MOTIONLANG_ISA
+MOTIONLANG_NAMESPACE_END
 #endif

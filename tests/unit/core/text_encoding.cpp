@@ -33,7 +33,7 @@ TEST_CASE("wide texts are known by their mark, and without one by the zeros of t
   const std::u32string text = U"HIERARCHY\nROOT \u30BB\u30F3\u30BF\u30FC \U0001F3C3 \u00E9\n";
   std::string wanted;
   for (const char32_t c : text) ml::append_utf8(wanted, c);
-  for (const std::size_t width : {2, 4}) {
+  for (const std::size_t width : {2U, 4U}) {
     for (const bool big : {false, true}) {
       CHECK(ml::from_wide_text(stored(U"\uFEFF" + text, width, big)) == wanted);
       if (width == 2) CHECK(ml::from_wide_text(stored(text, width, big)) == wanted);
